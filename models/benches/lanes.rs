@@ -12,7 +12,7 @@ use mbd_runtime::{
     Sampling, model,
 };
 use models::parachute::scene::{
-    Instant, ParachuteRate, ParachuteRateParams, ParachuteStepwise, ParachuteStepwiseParams,
+    ParachuteRate, ParachuteRateParams, ParachuteStepwise, ParachuteStepwiseParams, SceneInstant,
     TestCase,
 };
 use models::parachute::variant::state;
@@ -110,7 +110,7 @@ fn batch(criterion: &mut Criterion, lanes: usize) {
 /// Flights of 70 s with other masses, stiffnesses and starts, on one thread.
 fn flights(criterion: &mut Criterion, name: &str, model: &Beside, options: Options) {
     const COUNT: u32 = 16;
-    let at = Instant::start(TestCase::Three);
+    let at = SceneInstant::start(TestCase::Three);
     let start = state(model, &at);
     let cases = |k: u32| {
         let part = 1.0 + 0.02 * (f64::from(k) / f64::from(COUNT) - 0.5);

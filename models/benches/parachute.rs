@@ -5,13 +5,13 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use mbd_compiler::{Equations, Interpreted};
+use mbd_compiler::{Interpreted, SceneEquations};
 use mbd_runtime::node::{NodeMemory, Nodes};
 use mbd_runtime::{At, Generic, Model, Options, Quantity, Simulation};
 use models::parachute::scene::{
-    Instant, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, TestCase,
+    ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, SceneInstant, TestCase,
 };
-use models::parachute::variant::{Confluence, Plan, fly, state};
+use models::parachute::variant::{Confluence, FlightPlan, fly, state};
 
 /// What every execution is asked for, all lines taut.
 struct Setting {
@@ -21,7 +21,7 @@ struct Setting {
 }
 
 impl Setting {
-    fn new(model: &dyn Model<f64>, at: &Instant, step: f64) -> Self {
+    fn new(model: &dyn Model<f64>, at: &SceneInstant, step: f64) -> Self {
         Setting {
             state: state(model, at),
             nodes: at.point.to_vec(),
@@ -162,9 +162,15 @@ fn numbers(model: &dyn Model<f64>) -> Vec<f64> {
         .collect()
 }
 
-fn compare(c: &mut Criterion, scene: &str, generated: &dyn Model<f64>, at: &Instant, step: f64) {
+fn compare(
+    c: &mut Criterion,
+    scene: &str,
+    generated: &dyn Model<f64>,
+    at: &SceneInstant,
+    step: f64,
+) {
     let setting = Setting::new(generated, at, step);
-    let equations = Equations::trace(generated.scene());
+    let equations = SceneEquations::trace(generated.scene());
     for what in [
         Quantity::AnchorStates,
         Quantity::Equilibrium(0),
@@ -185,7 +191,7 @@ fn compare(c: &mut Criterion, scene: &str, generated: &dyn Model<f64>, at: &Inst
 
 fn parachute(c: &mut Criterion) {
     // Case 3 at 6 s: a taut swing.
-    let flight = fly(&Plan::new(
+    let flight = fly(&FlightPlan::new(
         TestCase::Three,
         Confluence::Rate,
         Options::tsit5(1e-9),

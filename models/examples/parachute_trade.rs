@@ -4,8 +4,8 @@
 use mbd_runtime::scene::Layout;
 use mbd_runtime::{Model, Question, RunError, Simulation, Variant, trade};
 use models::parachute::scene::{
-    Instant, ParachuteMass, ParachuteMassParams, ParachuteRate, ParachuteRateParams,
-    ParachuteStepwise, ParachuteStepwiseParams, TestCase,
+    ParachuteMass, ParachuteMassParams, ParachuteRate, ParachuteRateParams, ParachuteStepwise,
+    ParachuteStepwiseParams, SceneInstant, TestCase,
 };
 use models::parachute::variant::state;
 
@@ -15,7 +15,7 @@ const END: f64 = 10.0;
 
 /// How a flight of any of the models begins.
 fn begin(model: &dyn Model<f64>) -> impl Fn(&mut Simulation<f64>) -> Result<(), RunError> {
-    let from = Instant::start(TestCase::Two);
+    let from = SceneInstant::start(TestCase::Two);
     let state = state(model, &from);
     let Layout { nodes, nz, .. } = model.layout();
     let placed = !nodes.is_empty() && *nz == 0;

@@ -4,12 +4,13 @@
 //! not accelerated out of it at random states there, whatever the inputs and the time.
 
 use mbd_compiler::Families;
+use mbd_runtime::scene::random::SplitMix64;
 use mbd_runtime::scene::{
     Arguments, Coordinates, Layout, Model, Plane, PointSlots, Quantity, Scene, Slots,
 };
 use mbd_runtime::{Generic, Options, Simulation};
 
-use crate::run::{Plan, Settings};
+use crate::run::{RunPlan, Settings};
 
 /// Random states at which a scene is looked at.
 const STATES: usize = 5;
@@ -68,7 +69,7 @@ fn plane(scene: &Scene, settings: &Settings) -> Option<Plane> {
     if !model.layout().nodes.is_empty() {
         return None;
     }
-    let start = match Plan::new(model.scene(), settings) {
+    let start = match RunPlan::new(model.scene(), settings) {
         Ok(plan) => plan.state,
         Err(_) => {
             let run = Simulation::new(&model, Options::rk4(1e-3)).ok()?;
@@ -136,7 +137,7 @@ fn starts_in(model: &Generic<f64>, start: &[f64], plane: Plane) -> bool {
 /// Whether nothing that floats is accelerated out of the plane at random states in it.
 fn stays_in(model: &Generic<f64>, start: &[f64], plane: Plane) -> bool {
     let layout = model.layout();
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     let (mut work, mut rates) = (model.work(), vec![0.0; layout.nx()]);
     (0..STATES).all(|_| {
         let mut arguments = Arguments {
@@ -169,19 +170,6 @@ fn stays_in(model: &Generic<f64>, start: &[f64], plane: Plane) -> bool {
                 numbers.into_iter().all(|at| rates[at].abs() <= none)
             })
     })
-}
-
-/// Numbers between −1 and 1 (D. Steele et al., SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use mbd_compiler::{Equations, Interpreted, Registers};
-use mbd_runtime::{At, Beside, Form, Forms, Lanes4, Lanes8, Model, Quantity, Real};
+use mbd_compiler::{Interpreted, Registers, SceneEquations};
+use mbd_runtime::{At, Beside, Forms, LaneParameters, Lanes4, Lanes8, Model, Quantity, Real};
 
 /// An interpreted model with its equations over lanes at hand.
 #[must_use]
@@ -12,10 +12,10 @@ pub fn in_lanes(model: &Interpreted<f64>) -> Beside {
 }
 
 /// The equations of a scene, which any scalar can run.
-struct Programs(Arc<Equations>);
+struct Programs(Arc<SceneEquations>);
 
 impl Programs {
-    fn over<L: Real>(&self) -> Box<dyn Form<L>> {
+    fn over<L: Real>(&self) -> Box<dyn LaneParameters<L>> {
         // Those of the defaults; cases bring their own.
         let params = self.0.scene.params.iter();
         let params: Vec<L> = params.map(|param| L::from_f64(param.default)).collect();
@@ -28,10 +28,10 @@ impl Programs {
 }
 
 impl Forms for Programs {
-    fn four(&self) -> Box<dyn Form<Lanes4>> {
+    fn four(&self) -> Box<dyn LaneParameters<Lanes4>> {
         self.over()
     }
-    fn eight(&self) -> Box<dyn Form<Lanes8>> {
+    fn eight(&self) -> Box<dyn LaneParameters<Lanes8>> {
         self.over()
     }
 }
@@ -42,7 +42,7 @@ struct Interpretation<L: Real> {
     registers: Registers<L>,
 }
 
-impl<L: Real> Form<L> for Interpretation<L> {
+impl<L: Real> LaneParameters<L> for Interpretation<L> {
     fn take(&mut self, params: &[L]) {
         self.model = Interpreted::unchecked(self.model.equations().clone(), params);
     }

@@ -8,11 +8,11 @@ use mbd_runtime::scene::joints::Measured;
 use mbd_runtime::scene::{Body, Gravity, Joint, PointKind, Scene};
 use serde_json::{Value, json};
 
-use crate::report::Table;
+use crate::report::ReportTable;
 
 /// Something that can be asked.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct RequestedQuantity {
     /// How it is written.
     pub name: String,
     /// Its SI unit; empty for a pure number.
@@ -25,7 +25,7 @@ pub struct Asked {
     pub reach: Reach,
 }
 
-impl Asked {
+impl RequestedQuantity {
     /// Where it may stand.
     fn stands_in(&self) -> &'static str {
         match self.reach {
@@ -45,19 +45,19 @@ impl Asked {
 
 /// Everything that can be asked of a scene, thing by thing in the order of the declaration.
 #[must_use]
-pub fn asked(scene: &Scene) -> Vec<Asked> {
-    let mut all = vec![Asked {
+pub fn asked(scene: &Scene) -> Vec<RequestedQuantity> {
+    let mut all = vec![RequestedQuantity {
         unit: "s".to_owned(),
         ..number("time", 1, "time", Everywhere)
     }];
     for input in &scene.inputs {
-        all.push(Asked {
+        all.push(RequestedQuantity {
             unit: input.unit.text.clone(),
             ..number(&input.name, input.components, "input", Everywhere)
         });
     }
     for state in &scene.states {
-        all.push(Asked {
+        all.push(RequestedQuantity {
             unit: state.unit.text.clone(),
             ..number(&state.name, 1, "state", Everywhere)
         });
@@ -93,17 +93,17 @@ pub fn asked(scene: &Scene) -> Vec<Asked> {
 }
 
 /// A quantity of a thing.
-fn of(thing: &str, known: &ThingQuantity) -> Asked {
+fn of(thing: &str, known: &ThingQuantity) -> RequestedQuantity {
     let name = format!("{thing}.{}", known.word);
-    Asked {
+    RequestedQuantity {
         unit: known.unit.to_owned(),
         ..number(&name, known.components, known.what, known.reach)
     }
 }
 
 /// A quantity without a unit.
-fn number(name: &str, components: usize, what: &'static str, reach: Reach) -> Asked {
-    Asked {
+fn number(name: &str, components: usize, what: &'static str, reach: Reach) -> RequestedQuantity {
+    RequestedQuantity {
         name: name.to_owned(),
         unit: String::new(),
         components,
@@ -112,11 +112,11 @@ fn number(name: &str, components: usize, what: &'static str, reach: Reach) -> As
     }
 }
 
-fn of_thing(all: &mut Vec<Asked>, name: &str, known: &[ThingQuantity]) {
+fn of_thing(all: &mut Vec<RequestedQuantity>, name: &str, known: &[ThingQuantity]) {
     all.extend(known.iter().map(|known| of(name, known)));
 }
 
-fn of_body(all: &mut Vec<Asked>, body: &Body) {
+fn of_body(all: &mut Vec<RequestedQuantity>, body: &Body) {
     of_thing(all, &body.name, &PLACE);
     of_thing(all, &body.name, &AXES);
     of_thing(all, &body.name, &BODY);
@@ -127,10 +127,10 @@ fn of_body(all: &mut Vec<Asked>, body: &Body) {
     }
 }
 
-fn of_joint(all: &mut Vec<Asked>, joint: &Joint) {
+fn of_joint(all: &mut Vec<RequestedQuantity>, joint: &Joint) {
     for (index, coordinate) in joint.law.measured().enumerate() {
         let mut add = |word: &str, measured: Measured, what: &'static str, reach: Reach| {
-            all.push(Asked {
+            all.push(RequestedQuantity {
                 unit: measured.unit(&coordinate).to_owned(),
                 ..number(&format!("{}.{word}", joint.name), 1, what, reach)
             });
@@ -155,9 +155,9 @@ fn of_joint(all: &mut Vec<Asked>, joint: &Joint) {
 
 /// The table of `mbd list quantities`.
 #[must_use]
-pub fn table(scene: &Scene) -> Table {
+pub fn table(scene: &Scene) -> ReportTable {
     let title = format!("Quantities of {}", scene.name);
-    let mut table = Table::new(title)
+    let mut table = ReportTable::new(title)
         .column("name", "")
         .column("unit", "")
         .column("components", "")

@@ -6,22 +6,22 @@ use std::path::Path;
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene};
-use mbd_runtime::{Failed, ParamError, Question, Race, TradeError, Variant, trade};
+use mbd_runtime::{FailedSetting, ParamError, Question, Race, TradeError, Variant, trade};
 
 use crate::files::{make_folder, write_text};
-use crate::report::{Cell, Figure, Report, Series, Table};
-use crate::run::{Plan, PlanError, Settings};
+use crate::report::{Cell, Figure, Report, ReportTable, Series};
+use crate::run::{PlanError, RunPlan, Settings};
 
 /// Something to race: a scene with its plan.
-struct Contender {
+struct SceneContender {
     name: &'static str,
     model: Interpreted<f64>,
-    plan: Plan,
+    plan: RunPlan,
 }
 
 /// Why a scene could not be raced.
 #[derive(Debug)]
-pub enum Failure {
+pub enum RaceFailure {
     /// A setting that cannot be used.
     Plan(PlanError),
     /// Params outside their declaration.
@@ -30,17 +30,17 @@ pub enum Failure {
     Trade(TradeError),
 }
 
-impl std::fmt::Display for Failure {
+impl std::fmt::Display for RaceFailure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Failure::Plan(error) => error.fmt(f),
-            Failure::Params(error) => error.fmt(f),
-            Failure::Trade(error) => error.fmt(f),
+            RaceFailure::Plan(error) => error.fmt(f),
+            RaceFailure::Params(error) => error.fmt(f),
+            RaceFailure::Trade(error) => error.fmt(f),
         }
     }
 }
 
-impl std::error::Error for Failure {}
+impl std::error::Error for RaceFailure {}
 
 /// Races a scene as declared, with every other model of its equilibrium points, in the other family of coordinates, and in single precision, all
 /// interpreted. The window is the whole
@@ -53,7 +53,7 @@ pub fn race(
     settings: &Settings,
     column: &str,
     window: Option<[f64; 2]>,
-) -> Result<Race, Failure> {
+) -> Result<Race, RaceFailure> {
     let contenders = contenders(scene, settings)?;
     let until = contenders.first().map_or(0.0, |first| first.plan.until);
     let question = Question::new(column, window.unwrap_or([0.0, until]));
@@ -74,16 +74,16 @@ pub fn race(
             plan.begin(run)
         }));
     }
-    trade(&variants, &question).map_err(Failure::Trade)
+    trade(&variants, &question).map_err(RaceFailure::Trade)
 }
 
 /// The scene as declared, then with each other model of its equilibrium points, where it has some and can be run so, and in the other family of
 /// coordinates, where joints make a difference.
-fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<Contender>, Failure> {
-    let of = |name, scene: Scene| -> Result<Contender, Failure> {
-        let plan = Plan::new(&scene, settings).map_err(Failure::Plan)?;
-        let model = Interpreted::new(scene, &plan.params).map_err(Failure::Params)?;
-        Ok(Contender { name, model, plan })
+fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<SceneContender>, RaceFailure> {
+    let of = |name, scene: Scene| -> Result<SceneContender, RaceFailure> {
+        let plan = RunPlan::new(&scene, settings).map_err(RaceFailure::Plan)?;
+        let model = Interpreted::new(scene, &plan.params).map_err(RaceFailure::Params)?;
+        Ok(SceneContender { name, model, plan })
     };
     let mut all = vec![of("as declared", scene.clone())?];
     let stepwise = NodeModel::Stepwise {
@@ -117,9 +117,9 @@ fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<Contender>, Fail
 
 /// Every setting that gave an answer, with its error and what it cost; the unit is that of the column.
 #[must_use]
-pub fn table(race: &Race) -> Table {
+pub fn table(race: &Race) -> ReportTable {
     let column = &race.question.column;
-    let mut table = Table::new(format!("What `{column}` costs"))
+    let mut table = ReportTable::new(format!("What `{column}` costs"))
         .column("variant", "")
         .column("method", "")
         .column("steps", "")
@@ -147,7 +147,7 @@ pub fn table(race: &Race) -> Table {
     ));
     // What stopped a method is told once, of its finest setting that stopped.
     for (index, failed) in race.failed.iter().enumerate() {
-        let of = |failed: &Failed| (failed.name.clone(), failed.method.name());
+        let of = |failed: &FailedSetting| (failed.name.clone(), failed.method.name());
         let next = race.failed.get(index + 1);
         if next.is_none_or(|next| of(next) != of(failed)) {
             let text = format!("{}, {}: {}", failed.name, failed.method, failed.cause);

@@ -1,6 +1,6 @@
 //! Declarations read at run time, and what their equations cost.
 
-use mbd_compiler::{Equations, read_text};
+use mbd_compiler::{SceneEquations, read_text};
 use mbd_scene::{Cost, Quantity, Scene};
 
 /// The scene of a declaration.
@@ -19,7 +19,7 @@ pub fn read(text: &str) -> Scene {
 /// Operations of one quantity of a scene; none if the scene has no use for it.
 #[must_use]
 pub fn cost(scene: &Scene, what: Quantity) -> Cost {
-    let equations = Equations::trace(scene);
+    let equations = SceneEquations::trace(scene);
     equations
         .program(what)
         .map_or_else(Cost::default, mbd_compiler::Program::cost)
@@ -28,7 +28,7 @@ pub fn cost(scene: &Scene, what: Quantity) -> Cost {
 /// The terms of the parameters alone, computed once per set of parameters.
 #[must_use]
 pub fn derived_cost(scene: &Scene) -> Cost {
-    Equations::trace(scene).derived.cost()
+    SceneEquations::trace(scene).derived.cost()
 }
 
 /// A number of operations by kind, written as it is derived: additions, multiplications, divisions, roots, trigonometric, selections.

@@ -1,6 +1,6 @@
 //! Random networks of nodes, and random rate problems, for short tests and for long runs. Seeded.
 
-use mbd_runtime::node::{History, NodeError, RateNode, Spread, Tolerance, effective};
+use mbd_runtime::node::{History, NodeError, RateNode, RateOutcome, Tolerance, effective};
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Clamp, Difference};
 use nalgebra::Vector3;
@@ -263,7 +263,7 @@ impl Decided {
                 force += leg.anchor.normalize() * leg.pull;
             }
         }
-        if node.spread() == Spread::Algebraic {
+        if node.spread() == RateOutcome::Algebraic {
             let active = node.legs().iter().filter(|leg| leg.active);
             let pulls: f64 = active.map(|leg| leg.pull).sum();
             // As good as in one plane: what is open is a force across it.
@@ -271,7 +271,7 @@ impl Decided {
             self.spreads[2] += 1;
             return None;
         }
-        self.spreads[usize::from(node.spread() == Spread::Idle)] += 1;
+        self.spreads[usize::from(node.spread() == RateOutcome::Idle)] += 1;
         for leg in node.legs().iter().filter(|leg| leg.taut) {
             let wrong = if leg.active { -leg.pull } else { leg.pull };
             if wrong > 1e-5 * scale {

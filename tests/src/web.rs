@@ -3,7 +3,7 @@
 //! The line law is the one of the scenes, so these problems test the solver and the law together.
 
 use mbd_runtime::node::{
-    Balance, Evaluation, NodeError, Outcome, Solver, Tie as Place, Tied, Tolerance,
+    Balance, BalanceEvaluation, NodeError, Outcome, Solver, Tie as Place, Tied, Tolerance,
 };
 use mbd_scene::Float;
 use mbd_scene::laws::Pulled;
@@ -229,7 +229,7 @@ impl<T: Float> Balance<T> for WebBalance<T> {
         &self.load
     }
 
-    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>) {
+    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut BalanceEvaluation<T>) {
         self.tied().evaluate(p, k, l, out);
     }
 

@@ -4,7 +4,8 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::{Options, Quantity, Simulation};
 use mbd_scene::{Model, Scene};
 use models::parachute::scene::{
-    Instant as Start, ParachuteMass, ParachuteMassParams, ParachuteRate, ParachuteStatic, TestCase,
+    ParachuteMass, ParachuteMassParams, ParachuteRate, ParachuteStatic, SceneInstant as Start,
+    TestCase,
 };
 use models::parachute::variant::state;
 use tests::declared::read;

@@ -2,7 +2,7 @@
 //!
 //! Costs are written [additions, multiplications, divisions, roots, trigonometric functions, selections].
 
-use mbd_compiler::{Equations, Op, Operand, Program, Slot};
+use mbd_compiler::{Op, Operand, Program, SceneEquations, Slot};
 use mbd_scene::{Cost, Layout, Quantity, Variable};
 use tests::declared::{cost, derived_cost, operations, read};
 use tests::random_scene::random_scene;
@@ -81,7 +81,7 @@ fn a_scene_of_three_points_and_four_lines_carries_no_rotation() {
         cost(&scene, Quantity::Derivative),
         sum(&[(4, LINE), (3, POINT)])
     );
-    let equations = Equations::trace(&scene);
+    let equations = SceneEquations::trace(&scene);
     assert_eq!(equations.cost().trigs, 0);
     assert_eq!(equations.derived.cost().total(), 0, "every constant folds");
     let network = |what: &&(Quantity, Program)| {
@@ -164,7 +164,7 @@ fn a_node_found_with_the_derivative_measures_no_line_twice_and_costs_one_divisio
     // A load may depend on the velocity that is looked for, and the other models have none.
     let loaded = hung("rate", "load wind on knot = [1.0 N, 0.0 N, 0.0 N];");
     for other in [loaded, hung("stepwise", ""), chain("")] {
-        let equations = Equations::trace(&read(&other));
+        let equations = SceneEquations::trace(&read(&other));
         assert_eq!(equations.program(Quantity::Rates), None);
     }
 }
@@ -300,9 +300,9 @@ fn asking_for_fewer_outputs_computes_fewer_terms() {
 #[test]
 fn asking_for_fewer_quantities_drops_their_programs_and_no_other() {
     let scene = read(&random_scene(3));
-    let all = Equations::trace(&scene);
+    let all = SceneEquations::trace(&scene);
     let wanted = [Quantity::Derivative, Quantity::Guards];
-    let few = Equations::trace_only(&scene, &wanted);
+    let few = SceneEquations::trace_only(&scene, &wanted);
     assert_eq!(few.programs.len(), 2);
     for what in wanted {
         assert_eq!(
@@ -460,7 +460,7 @@ fn removing_a_node_removes_its_balance_and_everything_around_it() {
 #[test]
 fn no_instruction_depends_on_constants_alone() {
     for seed in 0..50 {
-        let equations = Equations::trace(&read(&random_scene(seed)));
+        let equations = SceneEquations::trace(&read(&random_scene(seed)));
         let programs = equations.programs.iter().map(|(_, program)| program);
         for program in programs.chain([&equations.derived]) {
             for instruction in &program.instructions {
@@ -478,7 +478,7 @@ fn no_instruction_depends_on_constants_alone() {
 #[test]
 fn no_instruction_of_a_quantity_depends_on_params_alone() {
     for seed in 0..50 {
-        let equations = Equations::trace(&read(&random_scene(seed)));
+        let equations = SceneEquations::trace(&read(&random_scene(seed)));
         for (what, program) in &equations.programs {
             for instruction in &program.instructions {
                 // A comparison gives no number that could be kept.

@@ -1,9 +1,9 @@
 //! The scene of AAS 03-163 against independent reference histories, and the order of every method.
 
 use mbd_runtime::Options;
-use models::parachute::scene::{Instant, TestCase};
+use models::parachute::scene::{SceneInstant, TestCase};
 use models::parachute::stability::largest_taut_step;
-use models::parachute::variant::{Confluence, Damping, Flight, Plan, fly};
+use models::parachute::variant::{Confluence, Damping, Flight, FlightPlan, fly};
 use tests::reference::{field, load};
 
 /// A flight sampled at the times of a reference file, up to `until`.
@@ -27,7 +27,7 @@ fn flight(
         .expect("the file states it")
         .max(late);
     let end = times.last().copied().expect("a history has rows");
-    let flight = fly(&Plan::new(case, confluence, options, end).sampled(&times))
+    let flight = fly(&FlightPlan::new(case, confluence, options, end).sampled(&times))
         .unwrap_or_else(|error| panic!("{name}: {error}"));
     (flight, times, force, bound)
 }
@@ -111,8 +111,8 @@ fn riser_force_of_the_rate_equilibrium_point_is_that_of_the_reference() {
 }
 
 /// Case 3, all lines taut, from 5 s.
-fn taut_swing() -> Instant {
-    fly(&Plan::new(
+fn taut_swing() -> SceneInstant {
+    fly(&FlightPlan::new(
         TestCase::Three,
         Confluence::Rate,
         Options::tsit5(1e-11),
@@ -127,9 +127,9 @@ fn orders(confluence: Confluence, steps: [f64; 3]) -> [f64; 2] {
     let from = taut_swing();
     let times: Vec<f64> = (1..=10).map(|i| 5.0 + 0.2 * f64::from(i)).collect();
     let end = |confluence: Confluence, options: Options| {
-        let plan = Plan {
+        let plan = FlightPlan {
             from: from.clone(),
-            ..Plan::new(TestCase::Three, confluence, options, 7.0)
+            ..FlightPlan::new(TestCase::Three, confluence, options, 7.0)
         };
         fly(&plan.sampled(&times)).unwrap_or_else(|error| panic!("{confluence}: {error}"))
     };
@@ -185,7 +185,7 @@ fn the_first_order_difference_has_order_one_and_bdf2_order_two() {
 
 #[test]
 fn steady_riser_force_is_the_weight_of_the_capsule() {
-    let flight = fly(&Plan::new(
+    let flight = fly(&FlightPlan::new(
         TestCase::Two,
         Confluence::Stepwise,
         Options::rk4(0.01),

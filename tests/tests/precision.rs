@@ -4,7 +4,7 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::{Generic, Options, Quantity, Scalar, Simulation};
 use mbd_scene::Model;
 use models::parachute::scene::{
-    Instant as Start, ParachuteMass, ParachuteMassParams, ParachuteStatic, ParachuteStepwise,
+    ParachuteMass, ParachuteMassParams, ParachuteStatic, ParachuteStepwise, SceneInstant as Start,
     TestCase,
 };
 use models::parachute::variant::state;

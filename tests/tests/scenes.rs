@@ -2,9 +2,9 @@
 
 use mbd_compiler::{read_toml, write_toml};
 use mbd_scene::Layout;
-use models::progress::Progress;
+use models::progress::ProgressLine;
 use models::report::drawings;
-use models::run::{Outcome, Plan, Quality, Settings, fly_model};
+use models::run::{Quality, RunOutcome, RunPlan, Settings, fly_model};
 use models::scenes::{READY, Ready};
 use tests::assert_close;
 use tests::reference::{load, numbers};
@@ -16,29 +16,29 @@ fn ready(name: &str) -> &'static Ready {
         .expect("a ready scene")
 }
 
-fn plan(ready: &Ready) -> Plan {
+fn plan(ready: &Ready) -> RunPlan {
     let settings = Settings::read(&(ready.run)()).expect("settings that read");
-    Plan::new(&(ready.scene)(), &settings).expect("settings that fit the scene")
+    RunPlan::new(&(ready.scene)(), &settings).expect("settings that fit the scene")
 }
 
 /// Runs a scene as it comes, at most until a time [s].
-fn flown(name: &str, until: f64) -> Outcome {
+fn flown(name: &str, until: f64) -> RunOutcome {
     let mut plan = plan(ready(name));
     plan.until = plan.until.min(until);
     let model = (ready(name).model)(&plan.params).expect("default params");
-    let outcome = fly_model(&*model, &plan, &mut Progress::silent());
+    let outcome = fly_model(&*model, &plan, &mut ProgressLine::silent());
     assert_eq!(outcome.error, None, "{name}");
     outcome
 }
 
-fn column<'o>(outcome: &'o Outcome, name: &str) -> &'o [f64] {
+fn column<'o>(outcome: &'o RunOutcome, name: &str) -> &'o [f64] {
     outcome
         .trajectory
         .column(name)
         .unwrap_or_else(|| panic!("no column {name}"))
 }
 
-fn largest_gap(outcome: &Outcome, one: &str, other: &str) -> f64 {
+fn largest_gap(outcome: &RunOutcome, one: &str, other: &str) -> f64 {
     let pairs = column(outcome, one).iter().zip(column(outcome, other));
     pairs.fold(0.0, |most, (a, b)| (a - b).abs().max(most))
 }

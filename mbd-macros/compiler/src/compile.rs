@@ -7,8 +7,8 @@ use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
 
 use crate::emit::literal::ident;
-use crate::emit::{NameSpans, Settings, emit_model, emit_with, quantity, references};
-use crate::equations::Equations;
+use crate::emit::{EmitSettings, NameSpans, emit_model, emit_with, quantity, references};
+use crate::equations::SceneEquations;
 use crate::kernels::Kernels;
 use crate::messages::resolve::goes_on_in_rust;
 use crate::messages::{About, Location, Message, check as say};
@@ -82,10 +82,10 @@ fn model(reading: &Reading, scene: &Scene) -> TokenStream {
         .copied()
         .filter(|what| !matches!(what, Quantity::Partial(..)))
         .collect();
-    let mut equations = Equations::trace_in(scene, layout.clone(), &laws);
+    let mut equations = SceneEquations::trace_in(scene, layout.clone(), &laws);
     let mut kernels = Kernels::of(&equations);
     if size(&equations, &kernels) <= TOO_MANY && laws.len() < wanted.len() {
-        equations = Equations::trace_in(scene, layout, &wanted);
+        equations = SceneEquations::trace_in(scene, layout, &wanted);
         kernels = Kernels::of(&equations);
     }
     let large = match judge(size(&equations, &kernels)) {
@@ -104,7 +104,7 @@ fn without_equations(reading: &Reading, errors: TokenStream) -> TokenStream {
     if !is_named(&reading.skeleton) {
         return errors;
     }
-    let model = emit_model(&Equations::none(&reading.skeleton), &spans, &settings);
+    let model = emit_model(&SceneEquations::none(&reading.skeleton), &spans, &settings);
     quote!(#errors #model)
 }
 
@@ -123,7 +123,7 @@ fn is_named(skeleton: &Scene) -> bool {
     !skeleton.name.is_empty() && items.iter().any(|&count| count > 0)
 }
 
-fn settings(reading: &Reading) -> (NameSpans, Settings) {
+fn settings(reading: &Reading) -> (NameSpans, EmitSettings) {
     let spans = &reading.spans;
     (
         NameSpans {
@@ -133,7 +133,7 @@ fn settings(reading: &Reading) -> (NameSpans, Settings) {
             loads: spans.loads.clone(),
             outputs: spans.outputs.clone(),
         },
-        Settings {
+        EmitSettings {
             generic: reading.options.generic,
             verify: reading.options.verify,
             visibility: reading.options.visibility.clone(),
@@ -252,7 +252,7 @@ fn judge(size: usize) -> Result<Option<String>, String> {
 }
 
 /// Operations as emitted: kernels that blocks share count once.
-fn size(equations: &Equations, kernels: &Kernels) -> usize {
+fn size(equations: &SceneEquations, kernels: &Kernels) -> usize {
     kernels.lengths(equations).iter().sum()
 }
 

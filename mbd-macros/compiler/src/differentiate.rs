@@ -8,12 +8,12 @@ use std::collections::{HashMap, HashSet};
 use mbd_scene::{Real, TINY};
 use num_traits::{One, Zero};
 
-use crate::expression::{Expr, Node, Slot};
+use crate::expression::{Expr, Slot, TermKind};
 use crate::operation::{Binary, Op, Unary};
 
 /// A variable: where it enters, and what the reader calls it.
 #[derive(Clone, Debug)]
-pub struct By {
+pub struct DerivativeVariable {
     /// Where it enters.
     pub slot: Slot,
     /// Its name; the terms of its sweep belong to the section `d_<name>`.
@@ -21,7 +21,7 @@ pub struct By {
 }
 
 /// The structural non-zeros of ∂(outputs)/∂(variables) as (row, column, term), column by column.
-pub fn jacobian(outputs: &[(usize, Expr)], by: &[By]) -> Vec<(usize, usize, Expr)> {
+pub fn jacobian(outputs: &[(usize, Expr)], by: &[DerivativeVariable]) -> Vec<(usize, usize, Expr)> {
     let reached = reachable(outputs.iter().map(|&(_, expr)| expr));
     let users = Users::new(&reached);
     let rows = rows(outputs);
@@ -35,7 +35,7 @@ pub fn jacobian(outputs: &[(usize, Expr)], by: &[By]) -> Vec<(usize, usize, Expr
         tangents.clear();
         tangents.insert(start, Expr::one());
         for expr in users.dependents(start) {
-            if let Node::Apply(op) = expr.node()
+            if let TermKind::Apply(op) = expr.node()
                 && let Some(tangent) = tangent(expr, op, |a| tangents.get(&a).copied())
                 && !tangent.is_structural_zero()
             {
@@ -72,15 +72,15 @@ impl Users {
         };
         for &expr in reached {
             match expr.node() {
-                Node::Slot(slot) => {
+                TermKind::Slot(slot) => {
                     users.slots.insert(slot, expr);
                 }
-                Node::Apply(op) => {
+                TermKind::Apply(op) => {
                     for argument in op.arguments() {
                         users.of.entry(argument).or_default().push(expr);
                     }
                 }
-                Node::Constant(_) | Node::Truth(_) => {}
+                TermKind::Constant(_) | TermKind::Truth(_) => {}
             }
         }
         users
@@ -106,7 +106,7 @@ pub fn reachable(outputs: impl Iterator<Item = Expr>) -> Vec<Expr> {
     let mut open: Vec<Expr> = outputs.collect();
     while let Some(expr) = open.pop() {
         if seen.insert(expr)
-            && let Node::Apply(op) = expr.node()
+            && let TermKind::Apply(op) = expr.node()
         {
             open.extend(op.arguments());
         }
@@ -188,7 +188,7 @@ mod tests {
         let ((outputs, order), graph) = session(|| {
             recorded(|| {
                 let f = f(Expr::slot(Slot::State(0)), Expr::slot(Slot::State(1)));
-                let by = [0, 1].map(|i| By {
+                let by = [0, 1].map(|i| DerivativeVariable {
                     slot: Slot::State(i),
                     name: format!("x{i}"),
                 });
@@ -208,7 +208,7 @@ mod tests {
             &outputs,
             3,
             &order,
-            &crate::program::Places::default(),
+            &crate::program::TermPlaces::default(),
         );
         let at = At {
             time: 0.0,
@@ -286,7 +286,7 @@ mod tests {
     fn what_does_not_depend_on_a_variable_is_no_entry() {
         let entries = session(|| {
             let (x, y) = (Expr::slot(Slot::State(0)), Expr::slot(Slot::State(1)));
-            let by = [0, 1].map(|i| By {
+            let by = [0, 1].map(|i| DerivativeVariable {
                 slot: Slot::State(i),
                 name: String::new(),
             });

@@ -5,15 +5,15 @@ use mbd_scene::laws::{Numbers, origin};
 use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
 
-use crate::differentiate::{By, jacobian};
-use crate::expression::{Expr, Graph, Node, Slot, Term, recorded, session};
+use crate::differentiate::{DerivativeVariable, jacobian};
+use crate::expression::{Expr, Graph, Slot, Term, TermKind, recorded, session};
 use crate::names;
 use crate::operation::Op;
-use crate::program::{Operand, Places, Program};
+use crate::program::{Operand, Program, TermPlaces};
 
 /// The equations of one scene.
 #[derive(Clone, Debug)]
-pub struct Equations {
+pub struct SceneEquations {
     /// The declaration.
     pub scene: Scene,
     /// Where everything lives.
@@ -36,7 +36,7 @@ struct Traced {
 /// Entries of the largest mass matrix that is traced, of 4,096 speeds: no run needs it, and nearly all of it is zero.
 const WIDEST: usize = 1 << 24;
 
-impl Equations {
+impl SceneEquations {
     /// Traces every quantity the scene has a use for.
     #[must_use]
     pub fn trace(scene: &Scene) -> Self {
@@ -72,12 +72,12 @@ impl Equations {
         let ((constants, traced), graph) = session(|| trace(scene, &layout, &wanted));
         let derived = derived(&graph, &traced);
         let outputs: Vec<(usize, Expr)> = derived.iter().copied().enumerate().collect();
-        let places = Places::new(&graph, &derived);
+        let places = TermPlaces::new(&graph, &derived);
         let asked: Vec<Term> = traced.iter().fold(constants, |mut all, quantity| {
             all.extend(&quantity.order);
             all
         });
-        let nothing = Places::default();
+        let nothing = TermPlaces::default();
         let kinematics = traced
             .iter()
             .find(|t| t.what == Quantity::Derivative)
@@ -90,7 +90,7 @@ impl Equations {
                     .collect();
                 Program::build(&graph, None, &rates, layout.nq, &t.order, &places)
             });
-        Equations {
+        SceneEquations {
             kinematics: kinematics.filter(|program| program.len > 0),
             derived: Program::build(&graph, None, &outputs, outputs.len(), &asked, &nothing),
             programs: traced
@@ -118,9 +118,9 @@ impl Equations {
     #[must_use]
     pub fn none(scene: &Scene) -> Self {
         let graph = Graph::default();
-        let derived = Program::build(&graph, None, &[], 0, &[], &Places::default());
+        let derived = Program::build(&graph, None, &[], 0, &[], &TermPlaces::default());
         let layout = Layout::keeping(scene, Redundancy::default());
-        Equations {
+        SceneEquations {
             derived,
             kinematics: None,
             programs: Vec::new(),
@@ -285,7 +285,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
 /// Differentiates a traced quantity. Its own terms come first, then the sweep of each variable.
 fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: Traced) -> Traced {
     let count = layout.variables(by);
-    let variables: Vec<By> = (0..count)
+    let variables: Vec<DerivativeVariable> = (0..count)
         .map(|index| {
             let slot = match by {
                 Variable::State => Slot::State(index),
@@ -293,7 +293,7 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
                 Variable::Parameter => Slot::Param(index),
                 Variable::Input => Slot::Input(index),
             };
-            By {
+            DerivativeVariable {
                 slot,
                 name: names::slot(scene, layout, slot),
             }
@@ -320,7 +320,7 @@ fn derived(graph: &Graph, traced: &[Traced]) -> Vec<Expr> {
     for quantity in traced {
         let mut open: Vec<Expr> = quantity.outputs.iter().map(|&(_, expr)| expr).collect();
         while let Some(expr) = open.pop() {
-            let Node::Apply(op) = graph.node(expr) else {
+            let TermKind::Apply(op) = graph.node(expr) else {
                 continue;
             };
             if std::mem::replace(&mut seen[expr.index()], true) {

@@ -9,7 +9,7 @@ mod scalar;
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-use crate::hash::Found;
+use crate::hash::WordPairs;
 use crate::operation::{Binary, Op, Unary};
 
 /// A number that enters an evaluation from outside.
@@ -58,7 +58,7 @@ pub struct Mask(Expr);
 
 /// What a term is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Node {
+pub enum TermKind {
     /// A number, by its bits.
     Constant(u64),
     /// A mask known beforehand.
@@ -81,8 +81,8 @@ pub struct Label {
 /// All terms of a trace, in the order of their creation; the first is the number zero.
 #[derive(Debug)]
 pub struct Graph {
-    nodes: Vec<Node>,
-    found: Found,
+    nodes: Vec<TermKind>,
+    found: WordPairs,
     /// The name a law gave to each term.
     names: Vec<Option<Label>>,
     /// Whether a term depends on anything but constants and parameters.
@@ -132,7 +132,7 @@ impl Default for Graph {
     fn default() -> Self {
         let mut graph = Graph {
             nodes: Vec::new(),
-            found: Found::default(),
+            found: WordPairs::default(),
             names: Vec::new(),
             live: Vec::new(),
             epochs: Vec::new(),
@@ -166,7 +166,7 @@ impl Graph {
 
     /// What a term is.
     #[must_use]
-    pub fn node(&self, expr: Expr) -> Node {
+    pub fn node(&self, expr: Expr) -> TermKind {
         self.nodes[expr.0 as usize]
     }
 
@@ -204,7 +204,7 @@ impl Graph {
     #[must_use]
     pub fn constant(&self, expr: Expr) -> Option<f64> {
         match self.node(expr) {
-            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            TermKind::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
@@ -212,14 +212,14 @@ impl Graph {
     /// x of −x.
     pub(crate) fn negated(&self, expr: Expr) -> Option<Expr> {
         match self.node(expr) {
-            Node::Apply(Op::Unary(Unary::Neg, a)) => Some(a),
+            TermKind::Apply(Op::Unary(Unary::Neg, a)) => Some(a),
             _ => None,
         }
     }
 
     /// Names a term, if it is an operation without a name; of −x it names x, too.
     pub(crate) fn label(&mut self, expr: Expr, text: &'static str) {
-        if let Node::Apply(_) = self.node(expr) {
+        if let TermKind::Apply(_) = self.node(expr) {
             let name = &mut self.names[expr.index()];
             let opposite = false;
             *name = name
@@ -227,7 +227,7 @@ impl Graph {
                 .or(Some(Label { text, opposite }));
         }
         if let Some(positive) = self.negated(expr)
-            && let Node::Apply(_) = self.node(positive)
+            && let TermKind::Apply(_) = self.node(positive)
         {
             let opposite = true;
             self.names[positive.index()].get_or_insert(Label { text, opposite });
@@ -237,20 +237,22 @@ impl Graph {
     /// The value of a mask known beforehand.
     pub(crate) fn truth(&self, expr: Expr) -> Option<bool> {
         match self.node(expr) {
-            Node::Truth(value) => Some(value),
+            TermKind::Truth(value) => Some(value),
             _ => None,
         }
     }
 
     /// The term of this node: an earlier one if there is one.
-    pub(crate) fn add_node(&mut self, node: Node) -> Expr {
+    pub(crate) fn add_node(&mut self, node: TermKind) -> Expr {
         let index = self.found.place(code(node));
         let expr = Expr(index as u32);
         if index == self.nodes.len() {
             let live = match node {
-                Node::Constant(_) | Node::Truth(_) | Node::Slot(Slot::Param(_)) => false,
-                Node::Slot(_) => true,
-                Node::Apply(op) => op.arguments().any(|a| self.is_live(a)),
+                TermKind::Constant(_) | TermKind::Truth(_) | TermKind::Slot(Slot::Param(_)) => {
+                    false
+                }
+                TermKind::Slot(_) => true,
+                TermKind::Apply(op) => op.arguments().any(|a| self.is_live(a)),
             };
             self.nodes.push(node);
             self.names.push(None);
@@ -270,14 +272,14 @@ impl Graph {
 }
 
 /// A node as two words, different for different nodes.
-fn code(node: Node) -> [u64; 2] {
+fn code(node: TermKind) -> [u64; 2] {
     let kinds = |node: u64, kind: u64| node | kind << 8;
     let pair =
         |kind: u64, a: Expr, b: Expr| [kinds(3, kind) | u64::from(a.0) << 32, u64::from(b.0)];
     match node {
-        Node::Constant(bits) => [0, bits],
-        Node::Truth(value) => [1, u64::from(value)],
-        Node::Slot(slot) => {
+        TermKind::Constant(bits) => [0, bits],
+        TermKind::Truth(value) => [1, u64::from(value)],
+        TermKind::Slot(slot) => {
             let (kind, index) = match slot {
                 Slot::Time => (0, 0),
                 Slot::State(index) => (1, index),
@@ -295,10 +297,10 @@ fn code(node: Node) -> [u64; 2] {
             };
             [kinds(2, kind), index as u64]
         }
-        Node::Apply(Op::Unary(kind, a)) => pair(kind as u64, a, Expr(0)),
-        Node::Apply(Op::Binary(kind, a, b)) => pair(16 + kind as u64, a, b),
-        Node::Apply(Op::Compare(kind, a, b)) => pair(32 + kind as u64, a, b),
-        Node::Apply(Op::Select(mask, a, b)) => {
+        TermKind::Apply(Op::Unary(kind, a)) => pair(kind as u64, a, Expr(0)),
+        TermKind::Apply(Op::Binary(kind, a, b)) => pair(16 + kind as u64, a, b),
+        TermKind::Apply(Op::Compare(kind, a, b)) => pair(32 + kind as u64, a, b),
+        TermKind::Apply(Op::Select(mask, a, b)) => {
             let [first, second] = pair(48, mask, a);
             [first, second | u64::from(b.0) << 32]
         }
@@ -315,12 +317,12 @@ impl Expr {
     /// The symbol of a number from outside.
     #[must_use]
     pub fn slot(slot: Slot) -> Self {
-        with(|graph| graph.add_node(Node::Slot(slot)))
+        with(|graph| graph.add_node(TermKind::Slot(slot)))
     }
 
     /// What this term is.
     #[must_use]
-    pub fn node(self) -> Node {
+    pub fn node(self) -> TermKind {
         with(|graph| graph.node(self))
     }
 
@@ -396,7 +398,7 @@ mod tests {
             assert_eq!(number(-0.0), number(0.0));
             assert_eq!(-x * number(2.0), x * number(-2.0));
             let quotient = number(1.0) / number(0.0);
-            assert!(matches!(quotient.node(), Node::Apply(_)));
+            assert!(matches!(quotient.node(), TermKind::Apply(_)));
             assert_eq!(number(1.0).max(number(2.0)), number(2.0));
             assert_eq!(Expr::select(number(1.0).lt(number(2.0)), x, quotient), x);
         });

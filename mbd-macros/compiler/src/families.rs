@@ -7,7 +7,7 @@ use std::fmt;
 
 use mbd_scene::{Coordinates, Layout, Quantity, Scene};
 
-use crate::equations::Equations;
+use crate::equations::SceneEquations;
 
 /// Derivatives and projections of a step.
 const STEP: [(Quantity, usize); 2] = [(Quantity::Derivative, 4), (Quantity::ProjectionStep, 2)];
@@ -34,7 +34,7 @@ impl Families {
                 .filter(|(what, _)| quantities.contains(what))
                 .collect();
             let wanted: Vec<Quantity> = step.iter().map(|&(what, _)| what).collect();
-            let equations = Equations::trace_in(&scene, layout, &wanted);
+            let equations = SceneEquations::trace_in(&scene, layout, &wanted);
             let programs = equations.programs.iter();
             let each = programs.map(|(what, program)| {
                 let times = step.iter().find(|(known, _)| known == what);

@@ -14,7 +14,7 @@ pub fn mixed(hash: u64, word: u64) -> u64 {
 }
 
 /// A hash table with [`Mixer`].
-pub type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
+pub type FastMap<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
 
 /// Mixes word by word; the same on every run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,13 +65,13 @@ impl Hasher for Mixer {
 
 /// Pairs of words in the order in which they were first asked for.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub struct WordPairs {
     pairs: Vec<[u64; 2]>,
     /// Open addressing: one more than the place in `pairs`, zero where there is none. A power of two, at least twice as long as `pairs`.
     cells: Vec<u32>,
 }
 
-impl Found {
+impl WordPairs {
     /// The place of a pair in the order of first asking; a new one gets the next place.
     pub fn place(&mut self, pair: [u64; 2]) -> usize {
         if self.cells.len() < 2 * (self.pairs.len() + 1) {
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_pair_keeps_the_place_at_which_it_was_first_asked_for() {
-        let mut found = Found::default();
+        let mut found = WordPairs::default();
         let pair = |index: u64| [index % 7, index << 40];
         for index in 0..5000 {
             assert_eq!(found.place(pair(index)), index as usize);

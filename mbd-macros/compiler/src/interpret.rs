@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Real, Scene, Work, check_params};
 
-use crate::equations::Equations;
+use crate::equations::SceneEquations;
 use crate::expression::Slot;
 use crate::program::{Code, Program};
 
@@ -109,7 +109,7 @@ impl Program {
 /// A scene run by interpreting its programs: same operations in the same order as generated code, without a compiler.
 #[derive(Clone, Debug)]
 pub struct Interpreted<T> {
-    equations: Arc<Equations>,
+    equations: Arc<SceneEquations>,
     params: Vec<T>,
     derived: Vec<T>,
     lines: Vec<LineNumbers<T>>,
@@ -118,7 +118,7 @@ pub struct Interpreted<T> {
 impl<T: Real> Interpreted<T> {
     /// The equations with parameters that nobody has checked: for dual numbers and lanes.
     #[must_use]
-    pub fn unchecked(equations: Arc<Equations>, params: &[T]) -> Self {
+    pub fn unchecked(equations: Arc<SceneEquations>, params: &[T]) -> Self {
         let mut derived = vec![T::zero(); equations.derived.len];
         let mut registers = Registers::new(equations.derived.registers());
         let nowhere = At {
@@ -167,7 +167,7 @@ impl<T: Real> Interpreted<T> {
 
     /// Its equations.
     #[must_use]
-    pub fn equations(&self) -> &Arc<Equations> {
+    pub fn equations(&self) -> &Arc<SceneEquations> {
         &self.equations
     }
 }
@@ -178,7 +178,7 @@ impl<T: Float> Interpreted<T> {
     /// # Errors
     /// A parameter out of its range, not finite or missing; a mass or an inertia that no body has.
     pub fn new(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
-        Self::from_equations(Arc::new(Equations::trace(&scene)), params)
+        Self::from_equations(Arc::new(SceneEquations::trace(&scene)), params)
     }
 
     /// The same for equations already traced.
@@ -186,7 +186,7 @@ impl<T: Float> Interpreted<T> {
     /// # Errors
     /// As [`Interpreted::new`].
     pub fn from_equations(
-        equations: impl Into<Arc<Equations>>,
+        equations: impl Into<Arc<SceneEquations>>,
         params: &[T],
     ) -> Result<Self, ParamError> {
         let equations = equations.into();

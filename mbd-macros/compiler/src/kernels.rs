@@ -8,13 +8,13 @@ use std::collections::BTreeMap;
 
 use mbd_scene::{Layout, PointSlots};
 
-use crate::equations::Equations;
+use crate::equations::SceneEquations;
 use crate::expression::Slot;
-use crate::lists::{Arguments, Group};
-use crate::partition::{Block, Shapes, partition};
+use crate::lists::{NumberList, ProgramArguments};
+use crate::partition::{ProgramBlock, Shapes, partition};
 use crate::program::{Operand, Program, Register};
 use crate::solution::Solution;
-use crate::strided::{Item, StridedRun, strided_runs};
+use crate::strided::{RoundItem, StridedRun, strided_runs};
 use crate::titles::titles;
 
 /// The kernels of all programs of a model.
@@ -22,8 +22,8 @@ use crate::titles::titles;
 pub struct Kernels {
     /// Every kernel once.
     pub kernels: Vec<Kernel>,
-    /// How each program calls them, in the order of [`Equations::every_program`]; `None` if it stays one function.
-    pub drivers: Vec<Option<Driver>>,
+    /// How each program calls them, in the order of [`SceneEquations::every_program`]; `None` if it stays one function.
+    pub drivers: Vec<Option<KernelDriver>>,
     /// The quantities that are found together in one function, if there are such.
     pub solution: Option<Solution>,
 }
@@ -47,12 +47,12 @@ pub struct Kernel {
 pub struct Window {
     /// From the first number that is taken to the last.
     pub len: usize,
-    /// Place in the window and index into [`Block::given`] of each.
+    /// Place in the window and index into [`ProgramBlock::given`] of each.
     pub given: Vec<(usize, usize)>,
 }
 
 /// Where the results of a program stand in its working list.
-pub enum Results {
+pub enum ResultPlaces {
     /// The place of each.
     All(Vec<usize>),
     /// Of a matrix, those that are not zero in every state: the key is a length; place in the result, place in the working list.
@@ -60,13 +60,13 @@ pub enum Results {
 }
 
 /// How a program calls its kernels.
-pub struct Driver {
+pub struct KernelDriver {
     /// The program that its blocks are of, where that is the one of several quantities.
     pub shared: Option<Program>,
     /// Its blocks, in order.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<ProgramBlock>,
     /// The lists it reads and where each begins, in order.
-    pub lists: Vec<(Group, usize)>,
+    pub lists: Vec<(NumberList, usize)>,
     /// Known numbers among its results.
     pub kept: Vec<Register>,
     /// Where these begin.
@@ -76,13 +76,13 @@ pub struct Driver {
     /// Its calls: the key is the kernel; places of its own range, then of its windows.
     pub calls: Vec<StridedRun>,
     /// Its results.
-    pub results: Results,
+    pub results: ResultPlaces,
 }
 
 impl Kernels {
     /// Cuts the programs of a model and recognises what is alike.
     #[must_use]
-    pub fn of(equations: &Equations) -> Self {
+    pub fn of(equations: &SceneEquations) -> Self {
         let programs: Vec<&Program> = equations.every_program().collect();
         let layout = &equations.layout;
         let mut sharing = Sharing {
@@ -98,17 +98,18 @@ impl Kernels {
             .filter(|solution| !solution.is_flat())
             .map(|solution| solution.partition(equations));
         let mut shared: Vec<usize> = Vec::new();
-        let mut drivers: Vec<Option<Driver>> = Vec::with_capacity(programs.len());
+        let mut drivers: Vec<Option<KernelDriver>> = Vec::with_capacity(programs.len());
         for (index, program) in programs.iter().enumerate() {
             let member = solution
                 .as_ref()
                 .and_then(|s| Some((s, s.member(index)?.1)));
             drivers.push(match (member, &blocks) {
                 (Some((solution, member)), Some(blocks)) => {
-                    let needed = |block: &&Block| block.instructions.last() < Some(&member.end);
+                    let needed =
+                        |block: &&ProgramBlock| block.instructions.last() < Some(&member.end);
                     let blocks = blocks.iter().take_while(needed).cloned().collect();
                     let whole = solution.view(member);
-                    let lists = Arguments::of(program, layout).0;
+                    let lists = ProgramArguments::of(program, layout).0;
                     let mut driver = sharing.driver(index, &whole, blocks, &mut shared);
                     // What a member does not read no result of its own depends on.
                     driver.lists.retain(|(group, _)| lists.contains(group));
@@ -135,7 +136,7 @@ impl Kernels {
 
     /// Operations of every function of the model: programs that stay whole, then kernels.
     #[must_use]
-    pub fn lengths(&self, equations: &Equations) -> Vec<usize> {
+    pub fn lengths(&self, equations: &SceneEquations) -> Vec<usize> {
         let solution = self.solution.as_ref();
         let programs = equations.every_program().zip(&self.drivers).enumerate();
         let whole = programs
@@ -160,7 +161,7 @@ impl Kernels {
 }
 
 struct Sharing<'a> {
-    equations: &'a Equations,
+    equations: &'a SceneEquations,
     /// What each number of the state belongs to.
     owners: Vec<usize>,
     shapes: Shapes,
@@ -175,14 +176,14 @@ impl Sharing<'_> {
         &mut self,
         index: usize,
         program: &Program,
-        blocks: Vec<Block>,
+        blocks: Vec<ProgramBlock>,
         shared: &mut Vec<usize>,
-    ) -> Driver {
+    ) -> KernelDriver {
         let layout = &self.equations.layout;
         let mut lists = Vec::new();
-        let mut begins: BTreeMap<Group, usize> = BTreeMap::new();
+        let mut begins: BTreeMap<NumberList, usize> = BTreeMap::new();
         let mut work = 0;
-        for group in Arguments::of(program, layout).0 {
+        for group in ProgramArguments::of(program, layout).0 {
             lists.push((group, work));
             begins.insert(group, work);
             work += group.len(self.equations);
@@ -190,21 +191,21 @@ impl Sharing<'_> {
         let kept_at = work;
         let first = program.constants.len() + program.slots.len();
         // Where each register is kept, and whose range that is.
-        let mut places: Vec<Option<(Owner, usize)>> = vec![None; program.registers()];
+        let mut places: Vec<Option<(RangeOwner, usize)>> = vec![None; program.registers()];
         for (&slot, place) in program
             .slots
             .iter()
             .zip(&mut places[program.constants.len()..])
         {
-            let (group, item) = Group::of(slot, layout);
-            let owner = Owner::Item(group, self.item(slot));
+            let (group, item) = NumberList::of(slot, layout);
+            let owner = RangeOwner::Item(group, self.item(slot));
             *place = begins.get(&group).map(|begin| (owner, begin + item));
         }
         let mut kept: Vec<Register> = Vec::new();
         for &(_, register) in &program.outputs {
             let place = &mut places[register.index()];
             if place.is_none() && matches!(program.operand(register), Operand::Constant(_)) {
-                *place = Some((Owner::Known, work));
+                *place = Some((RangeOwner::Known, work));
                 kept.push(register);
                 work += 1;
             }
@@ -215,7 +216,7 @@ impl Sharing<'_> {
             let at = std::iter::once(work).chain(begins).collect();
             for &result in &block.results {
                 let register = first + block.instructions[result];
-                places[register] = Some((Owner::Block(number), work));
+                places[register] = Some((RangeOwner::Block(number), work));
                 work += 1;
             }
             if number == shared.len() {
@@ -223,7 +224,7 @@ impl Sharing<'_> {
             }
             calls.push((shared[number], at));
         }
-        Driver {
+        KernelDriver {
             shared: None,
             blocks,
             lists,
@@ -240,7 +241,7 @@ impl Sharing<'_> {
         &mut self,
         program: &Program,
         place: (usize, usize),
-        block: &Block,
+        block: &ProgramBlock,
         windows: Vec<Window>,
     ) -> usize {
         let constants = block.constants.iter();
@@ -321,15 +322,18 @@ fn owner(layout: &Layout, index: usize) -> usize {
 
 /// Whose range a number is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Owner {
-    Item(Group, usize),
+enum RangeOwner {
+    Item(NumberList, usize),
     Known,
     Block(usize),
 }
 
 /// Where the windows of a block begin, and what they are.
-fn windows(block: &Block, places: &[Option<(Owner, usize)>]) -> (Vec<usize>, Vec<Window>) {
-    let mut taken: Vec<(Owner, Vec<(usize, usize)>)> = Vec::new();
+fn windows(
+    block: &ProgramBlock,
+    places: &[Option<(RangeOwner, usize)>],
+) -> (Vec<usize>, Vec<Window>) {
+    let mut taken: Vec<(RangeOwner, Vec<(usize, usize)>)> = Vec::new();
     for (given, register) in block.given.iter().enumerate() {
         let Some((owner, place)) = places[register.index()] else {
             continue;
@@ -353,13 +357,13 @@ fn windows(block: &Block, places: &[Option<(Owner, usize)>]) -> (Vec<usize>, Vec
         .unzip()
 }
 
-fn results(program: &Program, places: &[Option<(Owner, usize)>]) -> Results {
+fn results(program: &Program, places: &[Option<(RangeOwner, usize)>]) -> ResultPlaces {
     let outputs = program.outputs.iter();
     let found: Vec<(usize, usize)> = outputs
         .filter_map(|&(to, register)| Some((to, places[register.index()]?.1)))
         .collect();
     if found.iter().map(|&(to, _)| to).eq(0..program.len) {
-        return Results::All(found.into_iter().map(|(_, from)| from).collect());
+        return ResultPlaces::All(found.into_iter().map(|(_, from)| from).collect());
     }
     let mut stretches: Vec<(usize, Vec<usize>)> = Vec::new();
     for (to, from) in found {
@@ -368,10 +372,10 @@ fn results(program: &Program, places: &[Option<(Owner, usize)>]) -> Results {
             _ => stretches.push((1, vec![to, from])),
         }
     }
-    Results::Some(strided_runs(&stretches))
+    ResultPlaces::Some(strided_runs(&stretches))
 }
 
-impl Driver {
+impl KernelDriver {
     /// The program that its blocks are of, given the one that it is for.
     #[must_use]
     pub fn program<'a>(&'a self, own: &'a Program) -> &'a Program {
@@ -380,12 +384,12 @@ impl Driver {
 
     /// The block that a call of a round is for.
     #[must_use]
-    pub fn block(&self, run: &StridedRun, round: usize, item: usize) -> Option<&Block> {
+    pub fn block(&self, run: &StridedRun, round: usize, item: usize) -> Option<&ProgramBlock> {
         self.blocks.get(run.start + round * run.items.len() + item)
     }
 
     /// Every item of its calls.
-    pub fn items(&self) -> impl Iterator<Item = &Item> {
+    pub fn items(&self) -> impl Iterator<Item = &RoundItem> {
         self.calls.iter().flat_map(|run| &run.items)
     }
 }

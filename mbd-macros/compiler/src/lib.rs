@@ -38,28 +38,28 @@ mod vocabulary;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};
-pub use emit::{NameSpans, Settings, emit_model};
-pub use equations::{Equations, is_matrix};
-pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
+pub use emit::{EmitSettings, NameSpans, emit_model};
+pub use equations::{SceneEquations, is_matrix};
+pub use expression::{Expr, Graph, Label, Mask, Slot, Term, TermKind, recorded, session};
 pub use families::Families;
 #[cfg(feature = "format")]
 pub use format::{FormattedRust, format_rust, format_text};
 pub use interpret::{Interpreted, Registers};
-pub use kernels::{Driver, Kernel, Kernels, Results, Window};
-pub use lists::{Arguments, Group};
+pub use kernels::{Kernel, KernelDriver, Kernels, ResultPlaces, Window};
+pub use lists::{NumberList, ProgramArguments};
 pub use messages::similar::nearest;
-pub use messages::{About, Location, Message, Place};
+pub use messages::{About, Location, Message, MessagePlace};
 pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
-pub use partition::{Block, Local, partition};
+pub use partition::{Local, ProgramBlock, partition};
 pub use phases::misfits;
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{
-    Going, NamedFile, Options, Reading, Spans, read_text, read_text_in, read_tokens,
+    DeclarationOptions, NamedFile, NextScene, Reading, Spans, read_text, read_text_in, read_tokens,
 };
 pub use resolve::{Emitted, Named};
-pub use solution::{Member, Solution};
-pub use strided::{Item, StridedRun};
+pub use solution::{Solution, SolutionMember};
+pub use strided::{RoundItem, StridedRun};
 pub use syntax::quantities;
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, read_toml_in, toml_to_text, write_text, write_toml};

@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use mbd_scene::Layout;
 
-use crate::equations::{Equations, of_origin};
+use crate::equations::{SceneEquations, of_origin};
 use crate::expression::Slot;
 use crate::program::Program;
 
 /// A list of numbers that a function takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Group {
+pub enum NumberList {
     /// Time.
     Time,
     /// Coordinates.
@@ -45,47 +45,47 @@ pub enum Group {
     Derived,
 }
 
-impl Group {
+impl NumberList {
     /// Every list, in the order of arguments.
-    pub const ALL: [Group; 16] = [
-        Group::Time,
-        Group::Q,
-        Group::V,
-        Group::Z,
-        Group::States,
-        Group::Nodes,
-        Group::Effective,
-        Group::Hold,
-        Group::Ends,
-        Group::Inputs,
-        Group::Origin,
-        Group::Rows,
-        Group::Motion,
-        Group::Factored,
-        Group::Params,
-        Group::Derived,
+    pub const ALL: [NumberList; 16] = [
+        NumberList::Time,
+        NumberList::Q,
+        NumberList::V,
+        NumberList::Z,
+        NumberList::States,
+        NumberList::Nodes,
+        NumberList::Effective,
+        NumberList::Hold,
+        NumberList::Ends,
+        NumberList::Inputs,
+        NumberList::Origin,
+        NumberList::Rows,
+        NumberList::Motion,
+        NumberList::Factored,
+        NumberList::Params,
+        NumberList::Derived,
     ];
 
     /// Its name as an argument.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Group::Time => "time",
-            Group::Q => "q",
-            Group::V => "v",
-            Group::Z => "z",
-            Group::States => "states",
-            Group::Nodes => "nodes",
-            Group::Effective => "effective",
-            Group::Hold => "hold",
-            Group::Ends => "ends",
-            Group::Inputs => "inputs",
-            Group::Origin => "origin",
-            Group::Rows => "rows",
-            Group::Motion => "motion",
-            Group::Factored => "factored",
-            Group::Params => "params",
-            Group::Derived => "derived",
+            NumberList::Time => "time",
+            NumberList::Q => "q",
+            NumberList::V => "v",
+            NumberList::Z => "z",
+            NumberList::States => "states",
+            NumberList::Nodes => "nodes",
+            NumberList::Effective => "effective",
+            NumberList::Hold => "hold",
+            NumberList::Ends => "ends",
+            NumberList::Inputs => "inputs",
+            NumberList::Origin => "origin",
+            NumberList::Rows => "rows",
+            NumberList::Motion => "motion",
+            NumberList::Factored => "factored",
+            NumberList::Params => "params",
+            NumberList::Derived => "derived",
         }
     }
 
@@ -93,79 +93,79 @@ impl Group {
     #[must_use]
     pub fn argument(self) -> &'static str {
         match self {
-            Group::Motion | Group::Factored => Group::Rows.name(),
+            NumberList::Motion | NumberList::Factored => NumberList::Rows.name(),
             _ => self.name(),
         }
     }
 
     /// The list a number from outside is in, and its place there.
     #[must_use]
-    pub fn of(slot: Slot, layout: &Layout) -> (Group, usize) {
+    pub fn of(slot: Slot, layout: &Layout) -> (NumberList, usize) {
         match slot {
-            Slot::Time => (Group::Time, 0),
-            Slot::State(i) if i < layout.nq => (Group::Q, i),
-            Slot::State(i) if i < layout.nq + layout.nv => (Group::V, i - layout.nq),
-            Slot::State(i) if i < layout.states() => (Group::Z, i - layout.nq - layout.nv),
-            Slot::State(i) => (Group::States, i - layout.states()),
-            Slot::Node(i) => (Group::Nodes, i),
-            Slot::Effective(i) => (Group::Effective, i),
-            Slot::Hold(i) => (Group::Hold, i),
-            Slot::Ends(i) => (Group::Ends, i),
-            Slot::Input(i) => (Group::Inputs, i),
-            Slot::Origin { number, .. } => (Group::Origin, number),
-            Slot::Row(i) => (Group::Rows, i),
-            Slot::Motion(i) => (Group::Motion, i),
-            Slot::Factored(i) => (Group::Factored, i),
-            Slot::Param(i) => (Group::Params, i),
-            Slot::Derived(i) => (Group::Derived, i),
+            Slot::Time => (NumberList::Time, 0),
+            Slot::State(i) if i < layout.nq => (NumberList::Q, i),
+            Slot::State(i) if i < layout.nq + layout.nv => (NumberList::V, i - layout.nq),
+            Slot::State(i) if i < layout.states() => (NumberList::Z, i - layout.nq - layout.nv),
+            Slot::State(i) => (NumberList::States, i - layout.states()),
+            Slot::Node(i) => (NumberList::Nodes, i),
+            Slot::Effective(i) => (NumberList::Effective, i),
+            Slot::Hold(i) => (NumberList::Hold, i),
+            Slot::Ends(i) => (NumberList::Ends, i),
+            Slot::Input(i) => (NumberList::Inputs, i),
+            Slot::Origin { number, .. } => (NumberList::Origin, number),
+            Slot::Row(i) => (NumberList::Rows, i),
+            Slot::Motion(i) => (NumberList::Motion, i),
+            Slot::Factored(i) => (NumberList::Factored, i),
+            Slot::Param(i) => (NumberList::Params, i),
+            Slot::Derived(i) => (NumberList::Derived, i),
         }
     }
 
     /// How many numbers it has.
     #[must_use]
-    pub fn len(self, equations: &Equations) -> usize {
+    pub fn len(self, equations: &SceneEquations) -> usize {
         let layout = &equations.layout;
         match self {
-            Group::Time => 1,
-            Group::Q => layout.nq,
-            Group::V => layout.nv,
-            Group::Z => layout.nz,
-            Group::States => layout.ns,
-            Group::Nodes => 3 * layout.nodes.len(),
-            Group::Effective => 2 * layout.effective_lines,
-            Group::Hold => layout.holds(),
-            Group::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
-            Group::Inputs => layout.ni,
-            Group::Origin => of_origin(&equations.scene),
-            Group::Rows => layout.nc,
-            Group::Motion => layout.nv + layout.nc,
-            Group::Factored => {
+            NumberList::Time => 1,
+            NumberList::Q => layout.nq,
+            NumberList::V => layout.nv,
+            NumberList::Z => layout.nz,
+            NumberList::States => layout.ns,
+            NumberList::Nodes => 3 * layout.nodes.len(),
+            NumberList::Effective => 2 * layout.effective_lines,
+            NumberList::Hold => layout.holds(),
+            NumberList::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
+            NumberList::Inputs => layout.ni,
+            NumberList::Origin => of_origin(&equations.scene),
+            NumberList::Rows => layout.nc,
+            NumberList::Motion => layout.nv + layout.nc,
+            NumberList::Factored => {
                 layout.len(mbd_scene::Quantity::Factor) + layout.len(mbd_scene::Quantity::Solve)
             }
-            Group::Params => layout.np,
-            Group::Derived => equations.derived.len,
+            NumberList::Params => layout.np,
+            NumberList::Derived => equations.derived.len,
         }
     }
 }
 
 /// The lists a program reads, in order.
-pub struct Arguments(pub Vec<Group>);
+pub struct ProgramArguments(pub Vec<NumberList>);
 
-impl Arguments {
+impl ProgramArguments {
     /// Those of a program.
     #[must_use]
     pub fn of(program: &Program, layout: &Layout) -> Self {
-        let used: BTreeSet<Group> = program
+        let used: BTreeSet<NumberList> = program
             .slots
             .iter()
-            .map(|&slot| Group::of(slot, layout).0)
+            .map(|&slot| NumberList::of(slot, layout).0)
             .collect();
-        Arguments(used.into_iter().collect())
+        ProgramArguments(used.into_iter().collect())
     }
 
     /// Whether a list is read.
     #[must_use]
-    pub fn reads(&self, group: Group) -> bool {
+    pub fn reads(&self, group: NumberList) -> bool {
         self.0.contains(&group)
     }
 }

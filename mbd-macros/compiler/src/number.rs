@@ -2,9 +2,9 @@
 
 use mbd_scene::Unit;
 
-use crate::lexeme::{self, Kind, Region};
-use crate::messages::Report;
-use crate::syntax::{Cursor, Value, unit};
+use crate::lexeme::{self, LexemeKind, Region};
+use crate::messages::LexemeMessage;
+use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
 
 /// Reads `780 kg`, `-2.5e3N/m` or `0.46`: the value in SI, and the unit as written (its text is empty when there is none).
@@ -16,18 +16,18 @@ pub fn read_number(text: &str) -> Result<(f64, Unit), String> {
     if let Some(message) = messages.located(&places).into_iter().next() {
         return Err(message.text);
     }
-    let mut cursor = Cursor::new(Value {
+    let mut cursor = Cursor::new(ValueSyntax {
         lexemes: &lexemes,
         at: Region::START,
     });
-    let told = |report: Report| report.text;
+    let told = |report: LexemeMessage| report.text;
     let sign = if cursor.sign('-').is_some() {
         -1.0
     } else {
         1.0
     };
     let number = match cursor.peek().map(|lexeme| &lexeme.kind) {
-        Some(Kind::Number(digits)) => digits.replace('_', "").parse::<f64>().ok(),
+        Some(LexemeKind::Number(digits)) => digits.replace('_', "").parse::<f64>().ok(),
         _ => None,
     };
     let Some(number) = number.filter(|number| number.is_finite()) else {

@@ -76,7 +76,7 @@ impl<R: Copy> Op<R> {
             Op::Binary(_, a, b) | Op::Compare(_, a, b) => ([a, b, b], 2),
             Op::Select(a, b, c) => ([a, b, c], 3),
         };
-        Few { all, count, at: 0 }
+        UpToThree { all, count, at: 0 }
     }
 
     /// The same operation on other arguments.
@@ -91,13 +91,13 @@ impl<R: Copy> Op<R> {
 }
 
 /// One to three things: much cheaper than a chain of iterators where nobody optimises.
-struct Few<R> {
+struct UpToThree<R> {
     all: [R; 3],
     count: usize,
     at: usize,
 }
 
-impl<R: Copy> Iterator for Few<R> {
+impl<R: Copy> Iterator for UpToThree<R> {
     type Item = R;
 
     #[inline]

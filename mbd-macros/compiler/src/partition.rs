@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use mbd_scene::Quantity;
 
-use crate::hash::{Map, mixed};
+use crate::hash::{FastMap, mixed};
 use crate::operation::Op;
 use crate::program::{Program, Register};
 
@@ -34,7 +34,7 @@ const FEWEST: usize = 3;
 
 /// A part of a program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Block {
+pub struct ProgramBlock {
     /// Its instructions, by index, in order.
     pub instructions: Vec<usize>,
     /// What each does: arguments counted inside the block.
@@ -54,15 +54,15 @@ pub struct Block {
 pub enum Local {
     /// The value of an operation of the block.
     Value(usize),
-    /// A number of [`Block::given`].
+    /// A number of [`ProgramBlock::given`].
     Given(usize),
-    /// A number of [`Block::constants`].
+    /// A number of [`ProgramBlock::constants`].
     Constant(usize),
 }
 
 /// Cuts a program; `None` if it is short enough to stay one function.
 #[must_use]
-pub fn partition(program: &Program) -> Option<Vec<Block>> {
+pub fn partition(program: &Program) -> Option<Vec<ProgramBlock>> {
     let count = program.instructions.len();
     if count <= FLAT && (is_hot(program) || count + program.outputs.len() < SMALL) {
         return None;
@@ -85,7 +85,11 @@ pub fn partition(program: &Program) -> Option<Vec<Block>> {
 /// Cuts a program that begins with the operations of another where that one is cut into `first`, and then at `ends`. Blocks hand on what any
 /// later one needs.
 #[must_use]
-pub fn partition_after(program: &Program, first: &[Block], ends: &[usize]) -> Vec<Block> {
+pub fn partition_after(
+    program: &Program,
+    first: &[ProgramBlock],
+    ends: &[usize],
+) -> Vec<ProgramBlock> {
     let mut cutter = Cutter::new(program);
     let mut start = 0;
     let mut blocks = Vec::new();
@@ -128,7 +132,7 @@ fn is_hot(program: &Program) -> bool {
 }
 
 /// As few blocks as can be, about equally long.
-fn fewest(program: &Program) -> Vec<Block> {
+fn fewest(program: &Program) -> Vec<ProgramBlock> {
     let mut cutter = Cutter::new(program);
     let count = program.instructions.len();
     let length = count.div_ceil(count.div_ceil(LONGEST));
@@ -139,10 +143,10 @@ fn fewest(program: &Program) -> Vec<Block> {
 }
 
 /// Blocks of a range of a program, at the borders of what repeats.
-fn cut(program: &Program, range: Range<usize>) -> Vec<Block> {
+fn cut(program: &Program, range: Range<usize>) -> Vec<ProgramBlock> {
     let mut cutter = Cutter::new(program);
     let runs = runs(program, range);
-    let mut alone: Vec<Option<Block>> = runs
+    let mut alone: Vec<Option<ProgramBlock>> = runs
         .iter()
         .map(|run| Some(cutter.measure(run.clone())))
         .collect();
@@ -235,7 +239,7 @@ fn others(
 
 /// The shapes of blocks, counted.
 #[derive(Default)]
-pub struct Shapes(Map<u64, Vec<(Vec<u32>, usize)>>, usize);
+pub struct Shapes(FastMap<u64, Vec<(Vec<u32>, usize)>>, usize);
 
 impl Shapes {
     /// The number of a shape in the order of their first occurrence, and whether this is that.
@@ -322,7 +326,7 @@ impl<'a> Cutter<'a> {
     }
 
     /// What a block takes and gives, and its pattern. Masks from outside are added to its instructions.
-    fn measure(&mut self, cut: Vec<usize>) -> Block {
+    fn measure(&mut self, cut: Vec<usize>) -> ProgramBlock {
         let end = cut.last().copied().unwrap_or_default();
         let start = cut.first().copied().unwrap_or_default();
         let mut instructions = Vec::with_capacity(cut.len());
@@ -371,7 +375,7 @@ impl<'a> Cutter<'a> {
             }
             shape.push(*result as u32);
         }
-        Block {
+        ProgramBlock {
             instructions,
             pattern,
             given: std::mem::take(given),

@@ -2,8 +2,8 @@
 
 use mbd_scene::{Cost, Quantity};
 
-use crate::expression::{Expr, Graph, Label, Node, Slot, Term};
-use crate::hash::Map;
+use crate::expression::{Expr, Graph, Label, Slot, Term, TermKind};
+use crate::hash::FastMap;
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
@@ -56,12 +56,12 @@ pub struct Program {
     /// Names of bodies, lines, nodes and variables.
     pub sections: Vec<String>,
     /// The instructions once more, for the interpreter.
-    pub(crate) steps: Vec<Step>,
+    pub(crate) steps: Vec<FlatInstruction>,
 }
 
 /// An instruction as the interpreter reads it: one flat code, at most two numbers and a mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Step {
+pub(crate) struct FlatInstruction {
     pub code: Code,
     pub a: u32,
     pub b: u32,
@@ -93,7 +93,7 @@ pub(crate) enum Code {
     Both,
 }
 
-impl Step {
+impl FlatInstruction {
     fn new(op: Op<Register>) -> Self {
         let (code, a, b, mask) = match op {
             Op::Unary(kind, a) => (
@@ -138,7 +138,7 @@ impl Step {
             ),
             Op::Select(mask, a, b) => (Code::Select, a, b, mask),
         };
-        Step {
+        FlatInstruction {
             code,
             a: a.0,
             b: b.0,
@@ -167,7 +167,7 @@ impl Program {
         outputs: &[(usize, Expr)],
         len: usize,
         order: &[Term],
-        derived: &Places,
+        derived: &TermPlaces,
     ) -> Self {
         let scheduled = schedule(graph, outputs, order, derived);
         let mut constants: Vec<Expr> = Vec::new();
@@ -184,7 +184,7 @@ impl Program {
             }
         };
         for term in &scheduled {
-            if let Node::Apply(op) = graph.node(term.expr) {
+            if let TermKind::Apply(op) = graph.node(term.expr) {
                 for argument in op.arguments() {
                     enter(argument);
                 }
@@ -210,7 +210,7 @@ impl Program {
         let registers = file.as_slice();
         let mut instructions = Vec::with_capacity(scheduled.len());
         for term in &scheduled {
-            if let Node::Apply(op) = graph.node(term.expr) {
+            if let TermKind::Apply(op) = graph.node(term.expr) {
                 instructions.push(Instruction {
                     op: op.map(|a| Register(registers[a.index()])),
                     name: graph.name(term.expr),
@@ -230,7 +230,10 @@ impl Program {
                 .filter_map(|&expr| graph.constant(expr))
                 .collect(),
             slots: slots.into_iter().map(|(slot, _)| slot).collect(),
-            steps: instructions.iter().map(|i| Step::new(i.op)).collect(),
+            steps: instructions
+                .iter()
+                .map(|i| FlatInstruction::new(i.op))
+                .collect(),
             instructions,
             outputs,
             len,
@@ -259,7 +262,7 @@ impl Program {
         slots.dedup();
         let first = constants.len() + slots.len();
         let mut instructions: Vec<Instruction> = Vec::new();
-        let mut known: Map<Op<Register>, usize> = Map::default();
+        let mut known: FastMap<Op<Register>, usize> = FastMap::default();
         let (mut outputs, mut len, mut ends) = (Vec::new(), 0, Vec::new());
         for program in programs {
             let mut registers: Vec<Register> = Vec::with_capacity(program.registers());
@@ -289,7 +292,10 @@ impl Program {
             what: first.and_then(|program| program.what),
             constants,
             slots,
-            steps: instructions.iter().map(|i| Step::new(i.op)).collect(),
+            steps: instructions
+                .iter()
+                .map(|i| FlatInstruction::new(i.op))
+                .collect(),
             instructions,
             outputs,
             len,
@@ -345,9 +351,9 @@ impl Program {
 
 /// The place of each term of the parameters alone among them.
 #[derive(Default)]
-pub struct Places(Vec<u32>);
+pub struct TermPlaces(Vec<u32>);
 
-impl Places {
+impl TermPlaces {
     /// Those of terms in their order.
     #[must_use]
     pub fn new(graph: &Graph, derived: &[Expr]) -> Self {
@@ -355,7 +361,7 @@ impl Places {
         for (index, expr) in derived.iter().enumerate() {
             places[expr.index()] = index as u32 + 1;
         }
-        Places(places)
+        TermPlaces(places)
     }
 
     fn of(&self, expr: Expr) -> Option<usize> {
@@ -372,12 +378,12 @@ enum Leaf {
 }
 
 /// What a term is when it need not be computed here.
-fn leaf(graph: &Graph, expr: Expr, derived: &Places) -> Option<Leaf> {
+fn leaf(graph: &Graph, expr: Expr, derived: &TermPlaces) -> Option<Leaf> {
     match graph.node(expr) {
-        Node::Constant(_) => Some(Leaf::Constant),
-        Node::Slot(slot) => Some(Leaf::Slot(slot)),
-        Node::Truth(_) => None,
-        Node::Apply(_) => derived.of(expr).map(|i| Leaf::Slot(Slot::Derived(i))),
+        TermKind::Constant(_) => Some(Leaf::Constant),
+        TermKind::Slot(slot) => Some(Leaf::Slot(slot)),
+        TermKind::Truth(_) => None,
+        TermKind::Apply(_) => derived.of(expr).map(|i| Leaf::Slot(Slot::Derived(i))),
     }
 }
 
@@ -386,7 +392,7 @@ fn schedule(
     graph: &Graph,
     outputs: &[(usize, Expr)],
     order: &[Term],
-    derived: &Places,
+    derived: &TermPlaces,
 ) -> Vec<Term> {
     let needed = needed(graph, outputs, derived);
     let mut sections = vec![0; graph.len()];
@@ -410,7 +416,7 @@ fn schedule(
                 continue;
             }
             let before = open.len();
-            if let Node::Apply(op) = graph.node(expr) {
+            if let TermKind::Apply(op) = graph.node(expr) {
                 for argument in op.arguments() {
                     if missing[argument.index()] {
                         open.push(argument);
@@ -429,7 +435,7 @@ fn schedule(
 }
 
 /// Which terms must be computed: operations that the outputs reach without passing a derived term.
-fn needed(graph: &Graph, outputs: &[(usize, Expr)], derived: &Places) -> Vec<bool> {
+fn needed(graph: &Graph, outputs: &[(usize, Expr)], derived: &TermPlaces) -> Vec<bool> {
     let mut needed = vec![false; graph.len()];
     let known = needed.as_mut_slice();
     let mut open: Vec<Expr> = outputs.iter().map(|&(_, expr)| expr).collect();
@@ -437,7 +443,7 @@ fn needed(graph: &Graph, outputs: &[(usize, Expr)], derived: &Places) -> Vec<boo
         if known[expr.index()] {
             continue;
         }
-        let Node::Apply(op) = graph.node(expr) else {
+        let TermKind::Apply(op) = graph.node(expr) else {
             continue;
         };
         if derived.of(expr).is_none() {

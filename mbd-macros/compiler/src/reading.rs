@@ -7,10 +7,10 @@ use proc_macro2::{Span, TokenStream};
 
 use crate::check::check;
 use crate::families::Families;
-use crate::lexeme::{self, At, Kind, Lexeme, Places, Region};
+use crate::lexeme::{self, Lexeme, LexemeIndex, LexemeKind, Places, Region};
 use crate::messages::{Location, Message, Messages, syntax as say};
 use crate::resolve::{Emitted, Named, Resolver, resolve};
-use crate::syntax::{self, Item, Model};
+use crate::syntax::{self, Item, ModelSyntax};
 use crate::urdf;
 
 /// What reading a declaration gives.
@@ -35,9 +35,9 @@ pub struct Reading {
     /// Where the motors of the joints are, for a message: per joint its first one, or its name where it has none.
     pub motors: Vec<Location>,
     /// Where events name scenes that go on, for a message.
-    pub going: Vec<Going>,
+    pub going: Vec<NextScene>,
     /// What is asked for besides the scene.
-    pub options: Options,
+    pub options: DeclarationOptions,
     /// The file that it takes in.
     pub file: Option<NamedFile>,
 }
@@ -53,7 +53,7 @@ pub struct NamedFile {
 
 /// Where an event names a scene that goes on.
 #[derive(Clone, Debug)]
-pub struct Going {
+pub struct NextScene {
     /// The event, by index.
     pub event: usize,
     /// Where the file stands.
@@ -64,7 +64,7 @@ pub struct Going {
 
 /// What a declaration asks for besides the scene.
 #[derive(Clone, Debug, Default)]
-pub struct Options {
+pub struct DeclarationOptions {
     /// `verify;`: emit checks of this model.
     pub verify: bool,
     /// `emit: […]`: only these quantities.
@@ -133,7 +133,7 @@ fn read(lexemes: &[Lexeme], places: Places, mut messages: Messages, folder: &Pat
 
 /// Takes in the file that a model names, and finishes it.
 pub(crate) fn complete(
-    mut model: Model<'_>,
+    mut model: ModelSyntax<'_>,
     mut places: Places,
     mut messages: Messages,
     lexed: bool,
@@ -163,7 +163,7 @@ pub(crate) fn complete(
 
 /// Resolves and checks a model and gathers what came of it.
 pub(crate) fn finish(
-    model: &Model<'_>,
+    model: &ModelSyntax<'_>,
     places: &Places,
     messages: Messages,
     lexed: bool,
@@ -190,7 +190,7 @@ pub(crate) fn finish(
             *place = places.location(at.into());
         }
     }
-    let going = resolver.going.iter().map(|going| Going {
+    let going = resolver.going.iter().map(|going| NextScene {
         event: going.event,
         file: places.location(going.file),
         map: (going.map.iter())
@@ -208,7 +208,7 @@ pub(crate) fn finish(
         warnings: resolver.warnings.located(places),
         notes: resolver.notes,
         spans,
-        options: Options {
+        options: DeclarationOptions {
             verify: resolver.asked.verify,
             emit: resolver.asked.emit,
             generic: model.generic,
@@ -219,8 +219,8 @@ pub(crate) fn finish(
 }
 
 /// Where the first `motor` of a joint stands, of a coordinate in braces, too.
-fn motor(item: &Item<'_>) -> Option<At> {
-    let is_motor = |lexeme: &&Lexeme| lexeme.kind == Kind::Word("motor".into());
+fn motor(item: &Item<'_>) -> Option<LexemeIndex> {
+    let is_motor = |lexeme: &&Lexeme| lexeme.kind == LexemeKind::Word("motor".into());
     item.block.iter().find_map(|field| {
         let mut values = field.clauses.iter().flat_map(|given| given.value.lexemes);
         let inside = values.find(is_motor).map(|lexeme| lexeme.at);

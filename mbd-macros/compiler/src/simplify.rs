@@ -2,7 +2,7 @@
 //!
 //! Every rule gives the bits of the operation it replaces, signs of zero and what is not finite apart. Nothing is re-associated.
 
-use crate::expression::{Expr, Graph, Node};
+use crate::expression::{Expr, Graph, TermKind};
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 impl Graph {
@@ -10,7 +10,7 @@ impl Graph {
     pub(crate) fn number(&mut self, value: f64) -> Expr {
         // The two zeros are one: a sign of zero is no structure.
         let value = if value == 0.0 { 0.0 } else { value };
-        self.add_node(Node::Constant(value.to_bits()))
+        self.add_node(TermKind::Constant(value.to_bits()))
     }
 
     /// −x, √x, … of a term, in its simplest form.
@@ -22,15 +22,15 @@ impl Graph {
             }
         }
         match (kind, self.node(a)) {
-            (Unary::Neg, Node::Apply(Op::Unary(Unary::Neg, inner))) => inner,
-            (Unary::Neg, Node::Apply(Op::Binary(Binary::Sub, x, y))) => {
+            (Unary::Neg, TermKind::Apply(Op::Unary(Unary::Neg, inner))) => inner,
+            (Unary::Neg, TermKind::Apply(Op::Binary(Binary::Sub, x, y))) => {
                 self.binary(Binary::Sub, y, x)
             }
-            (Unary::Abs, Node::Apply(Op::Unary(Unary::Neg, inner))) => {
+            (Unary::Abs, TermKind::Apply(Op::Unary(Unary::Neg, inner))) => {
                 self.unary(Unary::Abs, inner)
             }
-            (Unary::Abs, Node::Apply(Op::Unary(Unary::Abs | Unary::Sqrt | Unary::Exp, _))) => a,
-            _ => self.add_node(Node::Apply(Op::Unary(kind, a))),
+            (Unary::Abs, TermKind::Apply(Op::Unary(Unary::Abs | Unary::Sqrt | Unary::Exp, _))) => a,
+            _ => self.add_node(TermKind::Apply(Op::Unary(kind, a))),
         }
     }
 
@@ -58,7 +58,7 @@ impl Graph {
         } else {
             (a, b)
         };
-        self.add_node(Node::Apply(Op::Binary(kind, a, b)))
+        self.add_node(TermKind::Apply(Op::Binary(kind, a, b)))
     }
 
     fn simpler_sum(&mut self, a: Expr, b: Expr) -> Option<Expr> {
@@ -150,12 +150,12 @@ impl Graph {
                 Comparison::Lt => x < y,
                 _ => x <= y,
             };
-            return self.add_node(Node::Truth(value));
+            return self.add_node(TermKind::Truth(value));
         }
         if a == b {
-            return self.add_node(Node::Truth(kind == Comparison::Le));
+            return self.add_node(TermKind::Truth(kind == Comparison::Le));
         }
-        self.add_node(Node::Apply(Op::Compare(kind, a, b)))
+        self.add_node(TermKind::Apply(Op::Compare(kind, a, b)))
     }
 
     /// Both of two masks.
@@ -166,7 +166,7 @@ impl Graph {
             (Some(false), _) => a,
             (_, Some(false)) => b,
             _ if a == b => a,
-            _ => self.add_node(Node::Apply(Op::Compare(Comparison::Both, a, b))),
+            _ => self.add_node(TermKind::Apply(Op::Compare(Comparison::Both, a, b))),
         }
     }
 
@@ -176,7 +176,7 @@ impl Graph {
             Some(true) => a,
             Some(false) => b,
             None if a == b => a,
-            None => self.add_node(Node::Apply(Op::Select(mask, a, b))),
+            None => self.add_node(TermKind::Apply(Op::Select(mask, a, b))),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use mbd_scene::Quantity;
 
-use crate::equations::Equations;
-use crate::partition::{Block, FLAT, partition, partition_after};
+use crate::equations::SceneEquations;
+use crate::partition::{FLAT, ProgramBlock, partition, partition_after};
 use crate::program::Program;
 
 /// Several quantities of a model as one program.
@@ -11,13 +11,13 @@ pub struct Solution {
     /// The lists of all members, one after another.
     pub program: Program,
     /// Its members.
-    pub members: Vec<Member>,
+    pub members: Vec<SolutionMember>,
 }
 
 /// A quantity that is found with others.
 #[derive(Clone, Copy, Debug)]
-pub struct Member {
-    /// Its number in [`Equations::every_program`].
+pub struct SolutionMember {
+    /// Its number in [`SceneEquations::every_program`].
     pub index: usize,
     /// What it is.
     pub what: Quantity,
@@ -32,7 +32,7 @@ pub struct Member {
 impl Solution {
     /// The quantities of a model that solve its constrained system; `None` if there are not two. A derivative that is short enough for one
     /// function stays alone where the others would make that too long.
-    pub fn of(equations: &Equations) -> Option<Self> {
+    pub fn of(equations: &SceneEquations) -> Option<Self> {
         let [derivative, multipliers, reactions] = [
             Quantity::Derivative,
             Quantity::Multipliers,
@@ -45,7 +45,7 @@ impl Solution {
         Self::of_quantities(equations, &[multipliers, reactions])
     }
 
-    fn of_quantities(equations: &Equations, wanted: &[Quantity]) -> Option<Self> {
+    fn of_quantities(equations: &SceneEquations, wanted: &[Quantity]) -> Option<Self> {
         let found = |&what: &Quantity| {
             let mut programs = equations.programs.iter().enumerate();
             programs.find(|(_, (known, program))| *known == what && !program.outputs.is_empty())
@@ -60,7 +60,7 @@ impl Solution {
         let member =
             |(&(index, &(what, ref program)), end): (&(usize, &(Quantity, Program)), usize)| {
                 begin += program.len;
-                Member {
+                SolutionMember {
                     index,
                     what,
                     begin: begin - program.len,
@@ -80,7 +80,7 @@ impl Solution {
 
     /// Its blocks: those of its first member, the derivative if it is one, as that is cut alone, then those of the others.
     #[must_use]
-    pub fn partition(&self, equations: &Equations) -> Vec<Block> {
+    pub fn partition(&self, equations: &SceneEquations) -> Vec<ProgramBlock> {
         let first = self.members.first().map(|member| member.what);
         let first = first.and_then(|what| partition(equations.program(what)?));
         let cut = usize::from(first.is_some());
@@ -88,8 +88,8 @@ impl Solution {
         partition_after(&self.program, &first.unwrap_or_default(), &ends[cut..])
     }
 
-    /// The member with this number in [`Equations::every_program`], and its place among the members.
-    pub fn member(&self, index: usize) -> Option<(usize, Member)> {
+    /// The member with this number in [`SceneEquations::every_program`], and its place among the members.
+    pub fn member(&self, index: usize) -> Option<(usize, SolutionMember)> {
         let members = self.members.iter().copied().enumerate();
         members
             .into_iter()
@@ -98,7 +98,7 @@ impl Solution {
 
     /// The whole with the result of one member.
     #[must_use]
-    pub fn view(&self, member: Member) -> Program {
+    pub fn view(&self, member: SolutionMember) -> Program {
         let own = member.begin..member.begin + member.len;
         let outputs = self.program.outputs.iter();
         Program {

@@ -8,12 +8,12 @@ pub struct StridedRun {
     /// How often its items follow one another.
     pub rounds: usize,
     /// The items of one round.
-    pub items: Vec<Item>,
+    pub items: Vec<RoundItem>,
 }
 
 /// What one round does once.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Item {
+pub struct RoundItem {
     /// What it is; equal for things that are alike.
     pub key: usize,
     /// Its places in the first round.
@@ -41,7 +41,7 @@ pub fn strided_runs(list: &[(usize, Vec<usize>)]) -> Vec<StridedRun> {
             .max_by_key(|&(period, rounds)| (period * rounds, std::cmp::Reverse(period)))
             .unwrap_or((1, 1));
         let items = rest.iter().take(period).enumerate();
-        let items = items.map(|(i, (key, at))| Item {
+        let items = items.map(|(i, (key, at))| RoundItem {
             key: *key,
             at: at.clone(),
             step: match rest.get(i + period) {

@@ -5,16 +5,16 @@ use mbd_scene::Quantity;
 
 use crate::emit::naming::Unique;
 use crate::emit::quantity;
-use crate::equations::Equations;
-use crate::kernels::{Driver, Kernel};
+use crate::equations::SceneEquations;
+use crate::kernels::{Kernel, KernelDriver};
 use crate::names::identifier;
 use crate::program::Program;
 
 /// The name of every kernel, each different, and different from those of the model's functions.
 pub fn titles(
-    equations: &Equations,
+    equations: &SceneEquations,
     kernels: &[Kernel],
-    drivers: &[Option<Driver>],
+    drivers: &[Option<KernelDriver>],
 ) -> Vec<String> {
     let programs: Vec<&Program> = equations.every_program().collect();
     let mut unique = Unique::default();
@@ -44,7 +44,7 @@ pub fn titles(
 }
 
 /// The name of the function of a program.
-fn function(equations: &Equations, program: &Program) -> String {
+fn function(equations: &SceneEquations, program: &Program) -> String {
     match program.what {
         Some(what) => quantity::name(&equations.scene, &equations.layout, what),
         None if std::ptr::eq(program, &equations.derived) => "derived".to_owned(),
@@ -54,7 +54,7 @@ fn function(equations: &Equations, program: &Program) -> String {
 
 /// What a run of operations does for the thing it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
+pub enum OperationPhase {
     /// Where a body or point is and how it moves.
     Motion,
     /// The rows of a joint.
@@ -71,37 +71,42 @@ pub enum Phase {
     Other,
 }
 
-impl Phase {
+impl OperationPhase {
     /// Its part of a name.
     fn word(self) -> Option<&'static str> {
         match self {
-            Phase::Motion => Some("motion"),
-            Phase::Rows => Some("rows"),
-            Phase::Tension => Some("tension"),
-            Phase::Load => Some("load"),
-            Phase::Backward => Some("backward"),
-            Phase::Forward => Some("forward"),
-            Phase::Other => None,
+            OperationPhase::Motion => Some("motion"),
+            OperationPhase::Rows => Some("rows"),
+            OperationPhase::Tension => Some("tension"),
+            OperationPhase::Load => Some("load"),
+            OperationPhase::Backward => Some("backward"),
+            OperationPhase::Forward => Some("forward"),
+            OperationPhase::Other => None,
         }
     }
 
     /// What it is called in a heading.
     fn heading(self) -> &'static str {
         match self {
-            Phase::Motion => ": where it is, how it moves",
-            Phase::Rows => ": rows",
-            Phase::Tension => ": length and tension",
-            Phase::Load => ": load",
-            Phase::Backward => ": backward, taken out of the system",
-            Phase::Forward => ": forward, what it does",
-            Phase::Other => "",
+            OperationPhase::Motion => ": where it is, how it moves",
+            OperationPhase::Rows => ": rows",
+            OperationPhase::Tension => ": length and tension",
+            OperationPhase::Load => ": load",
+            OperationPhase::Backward => ": backward, taken out of the system",
+            OperationPhase::Forward => ": forward, what it does",
+            OperationPhase::Other => "",
         }
     }
 }
 
 /// The phase of visit number `visit` of `all` that a program pays to a section. A solution comes to a thing up to three times: to see where it
 /// is and what acts on it, backward from the tips to the root to take it out, and forward again.
-fn phase(equations: &Equations, program: &Program, section: &str, visit: [usize; 2]) -> Phase {
+fn phase(
+    equations: &SceneEquations,
+    program: &Program,
+    section: &str,
+    visit: [usize; 2],
+) -> OperationPhase {
     let scene = &equations.scene;
     let solves = matches!(
         program.what,
@@ -116,21 +121,21 @@ fn phase(equations: &Equations, program: &Program, section: &str, visit: [usize;
         || scene.points.iter().any(|point| point.name == section);
     let joint = scene.joints.iter().any(|joint| joint.name == section);
     match visit {
-        _ if scene.loads.iter().any(|load| load.name == section) => Phase::Load,
-        [0, _] if joint => Phase::Rows,
-        [0, _] if scene.lines.iter().any(|line| line.name == section) => Phase::Tension,
-        [0, all] if moves && (all > 1 || !solves) => Phase::Motion,
-        _ if !solves || !(moves || joint) => Phase::Other,
-        [visit, all] if visit + 1 == all => Phase::Forward,
-        _ => Phase::Backward,
+        _ if scene.loads.iter().any(|load| load.name == section) => OperationPhase::Load,
+        [0, _] if joint => OperationPhase::Rows,
+        [0, _] if scene.lines.iter().any(|line| line.name == section) => OperationPhase::Tension,
+        [0, all] if moves && (all > 1 || !solves) => OperationPhase::Motion,
+        _ if !solves || !(moves || joint) => OperationPhase::Other,
+        [visit, all] if visit + 1 == all => OperationPhase::Forward,
+        _ => OperationPhase::Backward,
     }
 }
 
 /// What each block of a program does.
 fn phases(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
-    driver: &Driver,
+    driver: &KernelDriver,
     function: &str,
 ) -> Vec<String> {
     let blocks = driver.blocks.iter();
@@ -156,7 +161,7 @@ fn phases(
 
 /// A heading where the terms of another thing begin, for each of the instructions `indices` of a program: one that has a `let`.
 pub fn headings(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
     indices: &[usize],
     lets: &[bool],

@@ -2,7 +2,7 @@
 
 mod scenes;
 
-use mbd_compiler::{Equations, Interpreted, Slot};
+use mbd_compiler::{Interpreted, SceneEquations, Slot};
 use mbd_scene::Scratch;
 use mbd_scene::laws::Numbers;
 use mbd_scene::{Arguments, Dual, Layout, Model, Quantity, Scene, Variable};
@@ -93,7 +93,7 @@ fn the_interpreter_computes_what_the_laws_compute() {
 #[test]
 fn a_trace_is_the_same_every_time() {
     for scene in scenes::all() {
-        let (first, second) = (Equations::trace(&scene), Equations::trace(&scene));
+        let (first, second) = (SceneEquations::trace(&scene), SceneEquations::trace(&scene));
         assert_eq!(first.derived, second.derived);
         assert_eq!(first.programs, second.programs);
     }
@@ -102,7 +102,7 @@ fn a_trace_is_the_same_every_time() {
 #[test]
 fn terms_of_the_parameters_alone_are_computed_once() {
     let scene = &scenes::all()[1];
-    let equations = Equations::trace(scene);
+    let equations = SceneEquations::trace(scene);
     assert!(equations.derived.cost().divs > 0, "1/mass of the capsule");
     let derivative = equations.program(Quantity::Derivative).expect("traced");
     let mass_is_read = derivative.slots.contains(&Slot::Param(1));
@@ -111,7 +111,7 @@ fn terms_of_the_parameters_alone_are_computed_once() {
 
 #[test]
 fn a_scene_of_points_and_lines_carries_no_rotation() {
-    let equations = Equations::trace(&scenes::knot());
+    let equations = SceneEquations::trace(&scenes::knot());
     for (what, program) in &equations.programs {
         assert_eq!(program.cost().trigs, 0, "{what:?}");
     }
@@ -126,7 +126,7 @@ fn a_scene_of_points_and_lines_carries_no_rotation() {
 fn a_damping_declared_zero_costs_nothing() {
     let mut scene = scenes::all()[5].clone();
     let cost = |scene: &Scene| {
-        let equations = Equations::trace(scene);
+        let equations = SceneEquations::trace(scene);
         equations
             .program(Quantity::Derivative)
             .expect("traced")
@@ -146,7 +146,7 @@ fn a_damping_declared_zero_costs_nothing() {
 fn counts() {
     for scene in scenes::all() {
         let start = std::time::Instant::now();
-        let equations = Equations::trace(&scene);
+        let equations = SceneEquations::trace(&scene);
         println!(
             "{} {:?} traced in {:?}",
             scene.name,

@@ -3,7 +3,7 @@
 mod scenes;
 
 use mbd_compiler::{
-    Equations, NameSpans, Settings, compile, emit, emit_model, immovable, read_text,
+    EmitSettings, NameSpans, SceneEquations, compile, emit, emit_model, immovable, read_text,
 };
 use mbd_scene::{Layout, Packed, Plan, Scene};
 use proc_macro2::TokenStream;
@@ -137,13 +137,13 @@ fn kernels_are_named_after_what_they_do() {
 #[test]
 fn the_same_scene_gives_the_same_tokens() {
     for scene in scenes::all() {
-        let settings = Settings {
+        let settings = EmitSettings {
             verify: true,
-            ..Settings::default()
+            ..EmitSettings::default()
         };
         let text = || {
             formatted(emit_model(
-                &Equations::trace(&scene),
+                &SceneEquations::trace(&scene),
                 &NameSpans::default(),
                 &settings,
             ))

@@ -1,6 +1,6 @@
 //! `coordinates: auto`: the family that takes fewer operations, and nothing else changes.
 
-use mbd_compiler::{Equations, Families, emit, read_text, read_toml, write_toml};
+use mbd_compiler::{Families, SceneEquations, emit, read_text, read_toml, write_toml};
 use mbd_scene::{Coordinates, Quantity};
 
 /// Rods hinged one below the other about y, x, y, …, in a family of coordinates.
@@ -69,7 +69,7 @@ fn what_is_counted_is_what_the_equations_of_both_families_take() {
     let scene = read_text(&chain(4, "auto")).scene.expect("a scene");
     let families = Families::count(&scene);
     let cost = |family, what| {
-        let equations = Equations::trace(&scene.in_coordinates(family));
+        let equations = SceneEquations::trace(&scene.in_coordinates(family));
         equations
             .program(what)
             .map_or(0, |program| program.cost().total())

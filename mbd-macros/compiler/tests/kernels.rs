@@ -5,7 +5,7 @@ mod scenes;
 use std::collections::HashSet;
 
 use mbd_compiler::{
-    Equations, Kernels, Op, Operand, Program, Registers, Solution, partition, read_text,
+    Kernels, Op, Operand, Program, Registers, SceneEquations, Solution, partition, read_text,
 };
 use mbd_scene::{AngularVelocity, At, Gravity, Layout, Place, Quantity, Scene};
 use scenes::{body, frame, line, numbers};
@@ -52,7 +52,7 @@ fn programs() -> Vec<Program> {
     let mut all = scenes::all();
     all.push(string_of_bodies(12));
     let of = |scene: &Scene| {
-        Equations::trace(scene)
+        SceneEquations::trace(scene)
             .programs
             .into_iter()
             .map(|(_, program)| program)
@@ -117,7 +117,7 @@ fn equal_bodies_share_their_kernels_and_their_calls_are_loops() {
         let scene = string_of_bodies(count);
         let mut laws = Layout::new(&scene).quantities();
         laws.retain(|what| !matches!(what, Quantity::Partial(..)));
-        let equations = Equations::trace_only(&scene, &laws);
+        let equations = SceneEquations::trace_only(&scene, &laws);
         let kernels = Kernels::of(&equations);
         let operations: usize = kernels
             .kernels
@@ -142,7 +142,7 @@ fn equal_bodies_share_their_kernels_and_their_calls_are_loops() {
 #[test]
 fn no_place_of_a_call_is_outside_the_working_list() {
     for scene in scenes::all().into_iter().chain([string_of_bodies(30)]) {
-        let equations = Equations::trace(&scene);
+        let equations = SceneEquations::trace(&scene);
         let kernels = Kernels::of(&equations);
         for driver in kernels.drivers.iter().flatten() {
             let mut begin =
@@ -180,7 +180,7 @@ fn no_place_of_a_call_is_outside_the_working_list() {
 fn the_cost_of_a_string_grows_with_its_length() {
     let total = |count: usize| {
         let scene = string_of_bodies(count);
-        let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
+        let equations = SceneEquations::trace_only(&scene, &[Quantity::Derivative]);
         equations
             .program(Quantity::Derivative)
             .expect("traced")
@@ -196,12 +196,12 @@ fn the_cost_of_a_string_grows_with_its_length() {
 }
 
 /// Identical rods on spherical joints, as a declaration.
-fn spherical(count: usize) -> Equations {
+fn spherical(count: usize) -> SceneEquations {
     beside_stones(count, 0)
 }
 
 /// The same beside bodies that fall.
-fn beside_stones(count: usize, stones: usize) -> Equations {
+fn beside_stones(count: usize, stones: usize) -> SceneEquations {
     let text = format!(
         "model Chain {{
             gravity: [0.0, 0.0, -9.81] m/s^2;
@@ -214,7 +214,7 @@ fn beside_stones(count: usize, stones: usize) -> Equations {
         }}"
     );
     let reading = read_text(&text);
-    Equations::trace(&reading.scene.expect("a scene"))
+    SceneEquations::trace(&reading.scene.expect("a scene"))
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Networks of many nodes: what a model spells out grows with their number, not with its square.
 
-use mbd_compiler::{Equations, emit, read_text};
+use mbd_compiler::{SceneEquations, emit, read_text};
 
 /// A crate below a chain of knots, each with a stay to the world.
 fn chain(knots: usize) -> String {
@@ -25,7 +25,7 @@ fn chain(knots: usize) -> String {
 /// Operations of all quantities, as counted for the limit of a model.
 fn operations(knots: usize) -> usize {
     let scene = read_text(&chain(knots)).scene.expect("a chain");
-    let cost = Equations::trace(&scene).cost();
+    let cost = SceneEquations::trace(&scene).cost();
     let total = cost.total();
     println!("{knots} knots: {total} operations");
     total

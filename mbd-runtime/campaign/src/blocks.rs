@@ -9,11 +9,11 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::campaign::{Campaign, Flown, Resources};
+use crate::campaign::{Campaign, FlownCase, Resources};
 use crate::envelopes::{self, Envelope};
 use crate::failure::Failure;
 use crate::manifest::Manifest;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::results::{head, join};
 use crate::table::number;
 use mbd_report::files;
@@ -116,7 +116,7 @@ pub fn run(
     folder: &Path,
     (shard, resume): (Shard, bool),
     resources: Resources,
-    progress: &mut Progress,
+    progress: &mut ProgressLine,
 ) -> Result<Done, Failure> {
     let manifest = campaign.manifest();
     let parts = ["", "blocks", "seconds"].into_iter();
@@ -151,7 +151,7 @@ pub fn run(
     let size = manifest.cases_of(0).count().max(1);
     let case_at =
         |place: usize| manifest.cases_of(missing[place / size]).start + (place % size) as u64;
-    let mut written = Written::default();
+    let mut written = OpenBlock::default();
     let mut waiting = missing.iter().copied().peekable();
     let mut unwritten = None;
     campaign.run(all, &case_at, resources, |flown| {
@@ -186,14 +186,14 @@ pub fn run(
 
 /// A block that is under way.
 #[derive(Default)]
-struct Written {
+struct OpenBlock {
     rows: String,
     seconds: String,
-    numbers: envelopes::Block,
+    numbers: envelopes::CaseBlock,
 }
 
-impl Written {
-    fn add(&mut self, manifest: &Manifest, flown: &Flown) {
+impl OpenBlock {
+    fn add(&mut self, manifest: &Manifest, flown: &FlownCase) {
         let row = &flown.row;
         self.rows += &(row.line() + "\n");
         self.seconds += &format!("{},{}\n", row.case, number(flown.seconds));
@@ -214,7 +214,7 @@ impl Written {
 }
 
 impl Done {
-    fn add(&mut self, flown: &Flown) {
+    fn add(&mut self, flown: &FlownCase) {
         let [steps, beside] = flown.steps;
         self.cases += 1;
         self.failed += u64::from(flown.row.status != "ok");

@@ -14,16 +14,16 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use crate::columns;
-use crate::dispersion::{Dispersions, Written};
+use crate::dispersion::{CampaignFile, Dispersions};
 use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
 use crate::histories::Choice;
-use crate::manifest::{Asked, Column, Manifest};
+use crate::manifest::{Manifest, ResultColumn, ResultOptions};
 use crate::metric::Metrics;
-use crate::results::Row;
+use crate::results::CaseRow;
 use crate::run::names::wrong;
-use crate::run::{Plan, PlanError, Settings};
+use crate::run::{PlanError, RunPlan, Settings};
 
 /// Cases that share a file of results, where the campaign file says nothing.
 const BLOCK: u64 = 100;
@@ -32,11 +32,11 @@ const BLOCK: u64 = 100;
 pub struct Campaign {
     model: Arc<dyn Model<f64>>,
     settings: Settings,
-    nominal: Plan,
+    nominal: RunPlan,
     dispersions: Dispersions,
     metrics: Metrics,
     envelopes: Option<Envelopes>,
-    asked: Asked,
+    asked: ResultOptions,
     block: u64,
 }
 
@@ -51,9 +51,9 @@ struct Judged {
 
 /// A case that was flown.
 #[derive(Clone, Debug)]
-pub struct Flown {
+pub struct FlownCase {
     /// Its row in the results.
-    pub row: Row,
+    pub row: CaseRow,
     /// The columns of the envelopes at their instants, one column after the other; `None` where it did not reach its end.
     pub numbers: Option<Vec<f64>>,
     /// The time it took on the clock [s].
@@ -84,7 +84,7 @@ impl Campaign {
         let name = file.display();
         let text = fs::read_to_string(file)
             .map_err(|error| Failure::Usage(format!("cannot read {name}: {error}")))?;
-        let written: Written =
+        let written: CampaignFile =
             toml::from_str(&text).map_err(|error| Failure::Invalid(format!("{name}: {error}")))?;
         let folder = file.parent().unwrap_or(Path::new(""));
         Campaign::new(&written, folder, model, settings)
@@ -96,7 +96,7 @@ impl Campaign {
     pub fn tables(file: &Path) -> Vec<PathBuf> {
         let text = fs::read_to_string(file).unwrap_or_default();
         let folder = file.parent().unwrap_or(Path::new(""));
-        let Ok(written) = toml::from_str::<Written>(&text) else {
+        let Ok(written) = toml::from_str::<CampaignFile>(&text) else {
             return Vec::new();
         };
         let mut found = Vec::new();
@@ -107,14 +107,14 @@ impl Campaign {
     }
 
     fn new(
-        written: &Written,
+        written: &CampaignFile,
         folder: &Path,
         model: Arc<dyn Model<f64>>,
         settings: Settings,
     ) -> Result<Self, PlanError> {
         let settings = settings_of(written, &*model, settings)?;
         let scene = (model.scene(), model.layout());
-        let mut nominal = Plan::with_layout(scene, &settings)?;
+        let mut nominal = RunPlan::with_layout(scene, &settings)?;
         let dispersions = Dispersions::new(written, scene, (&nominal, &settings), folder)?;
         let every_step = nominal.every.is_none();
         let mut content = columns::NOTHING;
@@ -157,12 +157,12 @@ impl Campaign {
     pub fn manifest(&self) -> Manifest {
         let hash = |text: String| format!("{:016x}", fingerprint(text.bytes()));
         let scene = self.model.scene();
-        let dispersed = self.dispersions.varied.iter().map(|varied| Column {
+        let dispersed = self.dispersions.varied.iter().map(|varied| ResultColumn {
             name: varied.known.name.clone(),
             unit: varied.known.unit.clone(),
             require: None,
         });
-        let metrics = self.metrics.list.iter().map(|metric| Column {
+        let metrics = self.metrics.list.iter().map(|metric| ResultColumn {
             name: metric.name.clone(),
             unit: metric.unit.clone(),
             require: metric.require,
@@ -198,7 +198,7 @@ impl Campaign {
     ///
     /// # Errors
     /// There is no such case; its start cannot be; no draw of it obeys the constraints.
-    pub fn plan(&self, case: u64) -> Result<Plan, PlanError> {
+    pub fn plan(&self, case: u64) -> Result<RunPlan, PlanError> {
         self.check(case)?;
         let values = self.dispersions.values(case)?;
         let scene = (self.model.scene(), self.model.layout());
@@ -212,7 +212,7 @@ impl Campaign {
         count: usize,
         number: &(dyn Fn(usize) -> u64 + Sync),
         resources: Resources,
-        mut deliver: impl FnMut(Flown) -> ControlFlow<()>,
+        mut deliver: impl FnMut(FlownCase) -> ControlFlow<()>,
     ) {
         let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
         let mut batch = Batch::new(&*self.model, self.nominal.options, self.nominal.until);
@@ -264,7 +264,7 @@ impl Campaign {
         }
     }
 
-    fn flight(&self, case: u64, finished: Finished<Judged>) -> Flown {
+    fn flight(&self, case: u64, finished: Finished<Judged>) -> FlownCase {
         let Finished {
             result,
             seconds,
@@ -280,7 +280,7 @@ impl Campaign {
             }) => (Ok((end, metrics)), Some(numbers)),
             Err(failed) => (Err(failed), None),
         };
-        Flown {
+        FlownCase {
             row: self.row(case, result),
             numbers,
             seconds,
@@ -288,13 +288,13 @@ impl Campaign {
         }
     }
 
-    fn row(&self, case: u64, result: Result<(f64, Vec<f64>), FailedCase>) -> Row {
+    fn row(&self, case: u64, result: Result<(f64, Vec<f64>), FailedCase>) -> CaseRow {
         // Where nothing was drawn there is nothing to tell.
         let nothing = || vec![f64::NAN; self.dispersions.varied.len()];
         let values = self.dispersions.values(case).unwrap_or_else(|_| nothing());
         let values = self.dispersions.in_units(&values);
         match result {
-            Ok((time, metrics)) => Row {
+            Ok((time, metrics)) => CaseRow {
                 case,
                 status: "ok".to_owned(),
                 time,
@@ -302,7 +302,7 @@ impl Campaign {
                 metrics,
                 why: String::new(),
             },
-            Err(failed) => Row {
+            Err(failed) => CaseRow {
                 case,
                 status: failed.why.status().to_owned(),
                 time: failed.time,
@@ -317,7 +317,7 @@ impl Campaign {
     ///
     /// # Errors
     /// There is no such case.
-    pub fn replay(&self, case: u64) -> Result<(Row, Trajectory), PlanError> {
+    pub fn replay(&self, case: u64) -> Result<(CaseRow, Trajectory), PlanError> {
         self.check(case)?;
         let mut found = None;
         let resources = Resources {
@@ -340,7 +340,7 @@ impl Campaign {
     ///
     /// # Errors
     /// It cannot be run.
-    pub(crate) fn flown(&self, case: u64) -> Result<(Arc<dyn Model<f64>>, Plan), PlanError> {
+    pub(crate) fn flown(&self, case: u64) -> Result<(Arc<dyn Model<f64>>, RunPlan), PlanError> {
         let plan = self.plan(case)?;
         let model = self.model.with_params(&plan.params);
         let model = model.map_err(|error| wrong(format!("case {case}"), error.to_string()))?;
@@ -357,12 +357,12 @@ impl Campaign {
 }
 
 /// What the file asks to be told beside the metrics.
-fn asked(written: &Written, metrics: &Metrics, last: u64) -> Result<Asked, PlanError> {
+fn asked(written: &CampaignFile, metrics: &Metrics, last: u64) -> Result<ResultOptions, PlanError> {
     let histories = written.histories.clone().unwrap_or_default();
     let footprints = written.footprint.iter().enumerate().map(|(at, footprint)| {
         Footprint::new(footprint, &metrics.list, &format!("footprint[{at}]"))
     });
-    Ok(Asked {
+    Ok(ResultOptions {
         histories: Choice::new(&histories, &metrics.list, last)?,
         footprints: footprints.collect::<Result<_, _>>()?,
     })
@@ -396,7 +396,7 @@ fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), PlanEr
 
 /// The settings of the runs: those of the file, else those of the scene; params that neither gives are those of the model.
 fn settings_of(
-    written: &Written,
+    written: &CampaignFile,
     model: &dyn Model<f64>,
     mut settings: Settings,
 ) -> Result<Settings, PlanError> {

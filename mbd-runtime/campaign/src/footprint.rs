@@ -4,7 +4,7 @@ use mbd_runtime::scene::similar::did_you_mean;
 use serde::{Deserialize, Serialize};
 
 use crate::dispersion::WrittenFootprint;
-use crate::metric::Metric;
+use crate::metric::CampaignMetric;
 use crate::results::Results;
 use crate::run::PlanError;
 use crate::run::names::wrong;
@@ -23,7 +23,7 @@ pub struct Footprint {
 
 /// What the cases say of a footprint.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spread {
+pub struct FootprintStatistics {
     /// Names and units, across and upwards.
     pub axes: [[String; 2]; 2],
     /// The nominal case; NaN where it has no value.
@@ -45,7 +45,7 @@ impl Footprint {
     /// The first setting that cannot be used.
     pub fn new(
         written: &WrittenFootprint,
-        metrics: &[Metric],
+        metrics: &[CampaignMetric],
         setting: &str,
     ) -> Result<Self, PlanError> {
         for (axis, name) in [("x", &written.x), ("y", &written.y)] {
@@ -83,11 +83,11 @@ impl Footprint {
 
     /// What the cases say; `None` where these results do not have its metrics.
     #[must_use]
-    pub fn of(&self, results: &Results) -> Option<Spread> {
+    pub fn of(&self, results: &Results) -> Option<FootprintStatistics> {
         let columns = &results.manifest.metrics;
         let find = |name: &String| columns.iter().position(|column| column.name == *name);
         let at = [find(&self.x)?, find(&self.y)?];
-        let place = |row: &crate::Row| at.map(|at| row.metrics[at]);
+        let place = |row: &crate::CaseRow| at.map(|at| row.metrics[at]);
         let all = results.rows.iter().skip(1).map(place);
         let places: Vec<[f64; 2]> = all
             .filter(|place| place.iter().all(|x| x.is_finite()))
@@ -97,7 +97,7 @@ impl Footprint {
             let shares = self.shares.iter();
             shares.map(|share| spot.ellipse(*share, &places))
         });
-        Some(Spread {
+        Some(FootprintStatistics {
             axes: at.map(|at| [columns[at].name.clone(), columns[at].unit.clone()]),
             nominal: results.rows.first().map_or([f64::NAN; 2], place),
             without: (results.rows.len() - 1 - places.len()) as u64,

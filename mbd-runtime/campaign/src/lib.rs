@@ -6,8 +6,8 @@
 //! | give your model a command line: `list`, `run`, `campaign`, `gather`, `report` | [`main`] |
 //! | read a campaign file for a model | [`Campaign::read`] |
 //! | run a shard of it into a folder, put the folder together | [`blocks::run`], [`blocks::gather`] |
-//! | read the results and what they say | [`Results`], [`Summary`] |
-//! | say how a scene is run: the table `[run]` | [`run::Settings`], [`run::Plan`] |
+//! | read the results and what they say | [`Results`], [`CampaignSummary`] |
+//! | say how a scene is run: the table `[run]` | [`run::Settings`], [`run::RunPlan`] |
 //!
 //! Many runs without files are a [`mbd_runtime::Batch`]. The page `docs/campaigns.md` has the campaign file, and how clusters run it.
 
@@ -32,12 +32,14 @@ mod summary;
 mod table;
 
 pub use blocks::Shard;
-pub use campaign::{Campaign, Flown, Resources};
-pub use command::{CampaignArgs, GatherArgs, Source, campaign, gather, main, report, text};
+pub use campaign::{Campaign, FlownCase, Resources};
+pub use command::{CampaignArgs, GatherArgs, ResultSource, campaign, gather, main, report, text};
 pub use failure::Failure;
-pub use footprint::{Footprint, Spread};
-pub use manifest::{Asked, Column, Manifest};
-pub use metric::{Metric, Metrics, Requirement};
+pub use footprint::{Footprint, FootprintStatistics};
+pub use manifest::{Manifest, ResultColumn, ResultOptions};
+pub use metric::{CampaignMetric, Metrics, Requirement};
 pub use page::Page;
-pub use results::{Results, Row};
-pub use summary::{CONFIDENCE, Driver, Failures, PARTS, Summary, Told, Verdict};
+pub use results::{CaseRow, Results};
+pub use summary::{
+    CONFIDENCE, CampaignSummary, Failures, MetricDriver, PARTS, RequirementVerdict, Told,
+};

@@ -20,7 +20,7 @@ const NAME: &str = "manifest.json";
 
 /// A column of the results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Column {
+pub struct ResultColumn {
     /// Its name.
     pub name: String,
     /// Its unit; empty for a pure number.
@@ -53,21 +53,21 @@ pub struct Manifest {
     /// So many of them share a file.
     pub block: u64,
     /// The dispersed numbers, in the order of the columns.
-    pub dispersed: Vec<Column>,
+    pub dispersed: Vec<ResultColumn>,
     /// The metrics, in the order of the columns.
-    pub metrics: Vec<Column>,
+    pub metrics: Vec<ResultColumn>,
     /// What is kept of all cases over time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub envelopes: Option<Envelopes>,
     /// What is told besides.
     #[serde(default)]
-    pub told: Asked,
+    pub told: ResultOptions,
 }
 
 /// What is told of results beside the metrics. It changes no number of any case: who goes on with a folder may ask for something else.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Asked {
+pub struct ResultOptions {
     /// Which cases keep their histories.
     pub histories: Choice,
     /// Pairs of metrics.
@@ -104,7 +104,7 @@ impl Manifest {
         block * self.block..((block + 1) * self.block).min(self.cases)
     }
 
-    /// Puts it into a folder, or finds the same there, where what is [`Asked`] takes the place of what was.
+    /// Puts it into a folder, or finds the same there, where what is [`ResultOptions`] takes the place of what was.
     ///
     /// # Errors
     /// Another one is there; it cannot be written.

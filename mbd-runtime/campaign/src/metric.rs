@@ -18,7 +18,7 @@ use crate::run::number::number;
 
 /// A number that is read from the history of every case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Metric {
+pub struct CampaignMetric {
     /// Its name.
     pub name: String,
     /// Its unit; empty for a pure number.
@@ -64,7 +64,7 @@ impl Requirement {
 #[derive(Clone, Debug)]
 pub struct Metrics {
     /// They, in the order of their names.
-    pub list: Vec<Metric>,
+    pub list: Vec<CampaignMetric>,
     /// What a history must hold.
     pub content: Content,
 }
@@ -107,12 +107,12 @@ impl Metrics {
             let mut declared = declared(metric, scene, &names, every_step)?;
             if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
                 declared.require =
-                    Reader::new(name, written, &names).of_declared(&declared.unit)?;
+                    MetricTextReader::new(name, written, &names).of_declared(&declared.unit)?;
             }
             metrics.list.push(declared);
         }
         for (name, written) in own {
-            let reader = Reader::new(name, written, &names);
+            let reader = MetricTextReader::new(name, written, &names);
             metrics.list.push(reader.metric(scene, every_step)?);
         }
         Ok(metrics)
@@ -159,7 +159,7 @@ fn declared(
     scene: &Scene,
     names: &[Name],
     every_step: bool,
-) -> Result<Metric, PlanError> {
+) -> Result<CampaignMetric, PlanError> {
     let reader = MetricReader::new(metric, scene, names, every_step).map_err(|missing| {
         let why = match missing {
             MissingMetric::NeedsEveryStep => EVERY_STEP,
@@ -167,7 +167,7 @@ fn declared(
         };
         wrong(format!("metric {}", metric.name), why)
     })?;
-    Ok(Metric {
+    Ok(CampaignMetric {
         name: metric.name.clone(),
         unit: metric.unit(scene),
         require: None,
@@ -178,16 +178,16 @@ fn declared(
 const EVERY_STEP: &str =
     "a value at an event needs a row at every step: leave out `every` under [run]";
 
-struct Reader<'r> {
+struct MetricTextReader<'r> {
     setting: String,
     name: &'r str,
     written: &'r WrittenMetric,
     names: &'r [Name],
 }
 
-impl<'r> Reader<'r> {
+impl<'r> MetricTextReader<'r> {
     fn new(name: &'r str, written: &'r WrittenMetric, names: &'r [Name]) -> Self {
-        Reader {
+        MetricTextReader {
             setting: format!("metrics.{name}"),
             name,
             written,
@@ -213,7 +213,7 @@ impl<'r> Reader<'r> {
         require.map(|it| self.requirement(it, unit)).transpose()
     }
 
-    fn metric(&self, scene: &Scene, every_step: bool) -> Result<Metric, PlanError> {
+    fn metric(&self, scene: &Scene, every_step: bool) -> Result<CampaignMetric, PlanError> {
         let written = self.written;
         let mut given = written.takes();
         let (Some((take, of)), None) = (given.next(), given.next()) else {
@@ -261,7 +261,7 @@ impl<'r> Reader<'r> {
             .as_ref()
             .map(|it| self.requirement(it, &unit))
             .transpose()?;
-        Ok(Metric {
+        Ok(CampaignMetric {
             name: self.name.to_owned(),
             unit,
             require,
@@ -340,7 +340,7 @@ impl<'r> Reader<'r> {
     }
 }
 
-impl Metric {
+impl CampaignMetric {
     /// Its value in a history; NaN where it has none.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> f64 {

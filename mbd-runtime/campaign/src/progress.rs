@@ -5,39 +5,39 @@ use std::time::{Duration, Instant};
 
 /// Shows on the standard error stream how far a job is. Nothing else of this crate writes to a stream by itself.
 #[derive(Debug)]
-pub struct Progress {
-    mode: Mode,
+pub struct ProgressLine {
+    mode: ProgressMode,
     started: Instant,
     shown: Option<Instant>,
     drawn: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Mode {
+enum ProgressMode {
     Silent,
     Terminal,
     Plain,
 }
 
-impl Progress {
+impl ProgressLine {
     /// A line on a terminal, plain lines elsewhere.
     #[must_use]
     pub fn new() -> Self {
-        Progress::with(if stderr().is_terminal() {
-            Mode::Terminal
+        ProgressLine::with(if stderr().is_terminal() {
+            ProgressMode::Terminal
         } else {
-            Mode::Plain
+            ProgressMode::Plain
         })
     }
 
     /// Shows nothing.
     #[must_use]
     pub fn silent() -> Self {
-        Progress::with(Mode::Silent)
+        ProgressLine::with(ProgressMode::Silent)
     }
 
-    fn with(mode: Mode) -> Self {
-        Progress {
+    fn with(mode: ProgressMode) -> Self {
+        ProgressLine {
             mode,
             started: Instant::now(),
             shown: None,
@@ -48,13 +48,13 @@ impl Progress {
     /// Says that `share` (0 … 1) of the job is done and what is being worked on. Cheap: may be called at every step of a run.
     pub fn show(&mut self, share: f64, what: &str) {
         let pause = match self.mode {
-            Mode::Silent => return,
-            Mode::Terminal => Duration::from_millis(100),
-            Mode::Plain => Duration::from_secs(10),
+            ProgressMode::Silent => return,
+            ProgressMode::Terminal => Duration::from_millis(100),
+            ProgressMode::Plain => Duration::from_secs(10),
         };
         let since = self.shown.unwrap_or(self.started).elapsed();
         // On a terminal the first line appears at once, elsewhere only long jobs speak.
-        let first = self.shown.is_none() && self.mode == Mode::Terminal;
+        let first = self.shown.is_none() && self.mode == ProgressMode::Terminal;
         if since < pause && !first {
             return;
         }
@@ -62,7 +62,7 @@ impl Progress {
         let line = line(share, what, self.started.elapsed());
         let mut stream = stderr();
         // A stream that cannot be written to is no reason to stop the job.
-        let _ = if self.mode == Mode::Terminal {
+        let _ = if self.mode == ProgressMode::Terminal {
             self.drawn = true;
             write!(stream, "\r\x1b[2K{line}").and_then(|()| stream.flush())
         } else {
@@ -80,13 +80,13 @@ impl Progress {
     }
 }
 
-impl Default for Progress {
+impl Default for ProgressLine {
     fn default() -> Self {
-        Progress::new()
+        ProgressLine::new()
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressLine {
     fn drop(&mut self) {
         self.clear();
     }

@@ -5,12 +5,12 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 
 use crate::failure::Failure;
-use crate::manifest::{Column, Manifest};
+use crate::manifest::{Manifest, ResultColumn};
 use crate::table::{cell, cells, heading, number};
 
 /// One case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct CaseRow {
     /// Its number; 0 is the nominal.
     pub case: u64,
     /// `ok`, or the kind of failure.
@@ -28,13 +28,13 @@ pub struct Row {
 /// The head of the table.
 pub fn head(manifest: &Manifest) -> String {
     let columns = manifest.dispersed.iter().chain(&manifest.metrics);
-    let columns = columns.map(|Column { name, unit, .. }| cell(&heading(name, unit)));
+    let columns = columns.map(|ResultColumn { name, unit, .. }| cell(&heading(name, unit)));
     let all = ["case", "status", "end [s]"].map(str::to_owned).into_iter();
     let all: Vec<String> = all.chain(columns).chain(["why".to_owned()]).collect();
     all.join(",")
 }
 
-impl Row {
+impl CaseRow {
     /// It as a line, without its end.
     #[must_use]
     pub fn line(&self) -> String {
@@ -48,7 +48,7 @@ impl Row {
         all.join(",")
     }
 
-    fn read(line: &str, [values, metrics]: [usize; 2]) -> Option<Row> {
+    fn read(line: &str, [values, metrics]: [usize; 2]) -> Option<CaseRow> {
         let mut cells = cells(line).into_iter();
         let real = |text: String| match text.as_str() {
             "" => Some(f64::NAN),
@@ -62,7 +62,7 @@ impl Row {
         };
         let (values, metrics) = (list(values)?, list(metrics)?);
         let why = cells.next()?;
-        Some(Row {
+        Some(CaseRow {
             case,
             status,
             time,
@@ -99,7 +99,7 @@ pub struct Results {
     /// What they belong to.
     pub manifest: Manifest,
     /// They, in order.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CaseRow>,
 }
 
 impl Results {
@@ -127,7 +127,7 @@ impl Results {
         let mut rows = Vec::new();
         for (at, line) in lines.enumerate() {
             let line = line.map_err(|error| wrong(error.to_string()))?;
-            let row = Row::read(&line, counts).filter(|row| row.case == at as u64);
+            let row = CaseRow::read(&line, counts).filter(|row| row.case == at as u64);
             rows.push(row.ok_or_else(|| wrong(format!("line {} is no row of case {at}", at + 2)))?);
         }
         if rows.len() as u64 != manifest.cases {

@@ -31,14 +31,14 @@ pub struct Told {
     /// Percentiles by order statistics.
     pub percentiles: Vec<Percentile>,
     /// What is required, and what became of it.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<RequirementVerdict>,
     /// What drives it, the strongest first.
-    pub drivers: Vec<Driver>,
+    pub drivers: Vec<MetricDriver>,
 }
 
 /// A dispersed number and what a metric has of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Driver {
+pub struct MetricDriver {
     /// The dispersed number, by its place.
     pub number: usize,
     /// Spearman's rank correlation, −1 … 1.
@@ -47,7 +47,7 @@ pub struct Driver {
     pub index: Option<f64>,
 }
 
-impl Driver {
+impl MetricDriver {
     /// How much it explains: a rank correlation misses what rises and falls again.
     fn strength(&self) -> f64 {
         let square = self.correlation.powi(2);
@@ -57,7 +57,7 @@ impl Driver {
 
 /// What became of a requirement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
+pub struct RequirementVerdict {
     /// What is required.
     pub require: Requirement,
     /// Cases that do not meet it: failed ones and those without a value among them.
@@ -83,7 +83,7 @@ pub struct Failures {
 
 /// What the cases of a campaign say.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
+pub struct CampaignSummary {
     /// Cases but the nominal.
     pub cases: u64,
     /// The metrics.
@@ -92,12 +92,12 @@ pub struct Summary {
     pub failures: Vec<Failures>,
 }
 
-impl Summary {
+impl CampaignSummary {
     /// Of these results.
     #[must_use]
     pub fn of(results: &Results) -> Self {
         let metrics = (0..results.manifest.metrics.len()).map(|at| told(results, at));
-        Summary {
+        CampaignSummary {
             cases: results.rows.len().saturating_sub(1) as u64,
             metrics: metrics.collect(),
             failures: failures(results),
@@ -140,7 +140,7 @@ fn told(results: &Results, at: usize) -> Told {
             .iter()
             .filter(|value| !require.meets(**value))
             .count() as u64;
-        Verdict {
+        RequirementVerdict {
             require,
             missed,
             of,
@@ -151,13 +151,13 @@ fn told(results: &Results, at: usize) -> Told {
     let dispersed = 0..results.manifest.dispersed.len();
     let drivers = dispersed.filter_map(|number| {
         let drawn = results.dispersed(number);
-        Some(Driver {
+        Some(MetricDriver {
             number,
             correlation: spearman(&drawn, &values)?,
             index: first_order(&drawn, &values),
         })
     });
-    let mut drivers: Vec<Driver> = drivers.collect();
+    let mut drivers: Vec<MetricDriver> = drivers.collect();
     drivers.sort_by(|a, b| {
         let stronger = b.strength().total_cmp(&a.strength());
         stronger.then(a.number.cmp(&b.number))

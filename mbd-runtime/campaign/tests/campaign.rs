@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use mbd_campaign::progress::Progress;
+use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::Settings;
-use mbd_campaign::{Campaign, Failure, Resources, Results, Shard, Summary, blocks};
+use mbd_campaign::{Campaign, CampaignSummary, Failure, Resources, Results, Shard, blocks};
 use mbd_runtime::{Generic, InLanes, Model, model};
 
 mod support;
@@ -92,7 +92,7 @@ fn run_on(
         out,
         (shard, true),
         resources,
-        &mut Progress::silent(),
+        &mut ProgressLine::silent(),
     )
 }
 
@@ -369,7 +369,7 @@ fn params_out_of_their_range_fail_their_case_and_are_counted_as_not_meeting_what
         .collect();
     assert!(!heavy.is_empty() && failed == heavy, "{failed:?} {heavy:?}");
     assert!(results.rows[heavy[0] as usize].why.contains("mass"));
-    let summary = Summary::of(&results);
+    let summary = CampaignSummary::of(&results);
     let peak = &summary.metrics[1];
     assert_eq!(
         (peak.name.as_str(), peak.without),
@@ -481,7 +481,7 @@ fn a_folder_of_another_campaign_is_refused_with_both_values() {
             threads: 1,
             lanes: None,
         },
-        &mut Progress::silent(),
+        &mut ProgressLine::silent(),
     );
     assert!(
         error
@@ -639,6 +639,6 @@ fn no_cases_are_the_nominal_alone() {
     let folder = Folder::new("none");
     let campaign = campaign(&folder, &FILE.replace("cases = 40", "cases = 0"));
     assert_eq!(whole(&campaign, &folder).lines().count(), 2);
-    let summary = Summary::of(&Results::read(&folder.0.join("whole")).expect("gathered"));
+    let summary = CampaignSummary::of(&Results::read(&folder.0.join("whole")).expect("gathered"));
     assert!(!summary.passes(), "nothing is shown by no cases");
 }

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use mbd_campaign::progress::Progress;
+use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::Settings;
 use mbd_campaign::{
-    Campaign, Failure, GatherArgs, Resources, Results, Shard, Source, blocks, envelopes, report,
+    Campaign, Failure, GatherArgs, Resources, ResultSource, Results, Shard, blocks, envelopes,
+    report,
 };
 use mbd_runtime::{InLanes, Model, model};
 
@@ -77,8 +78,8 @@ fn read(folder: &Folder, text: &str) -> Result<Campaign, Failure> {
     Campaign::read(&file, throw(), Settings::default())
 }
 
-fn source(folder: &Folder) -> Source {
-    Source {
+fn source(folder: &Folder) -> ResultSource {
+    ResultSource {
         command: "program run dispersions.toml".to_owned(),
         scene: None,
         campaign: folder.0.join("dispersions.toml"),
@@ -94,7 +95,7 @@ fn run(folder: &Folder, campaign: &Campaign, out: &Path, shards: u64, resources:
             out,
             (shard, true),
             resources,
-            &mut Progress::silent(),
+            &mut ProgressLine::silent(),
         );
         done.expect("it runs");
     }
@@ -391,7 +392,7 @@ fn what_is_asked_for_can_be_changed_and_what_was_flown_stays() {
     let other = FILE.replace("every = \"0.25 s\"", "every = \"0.5 s\"");
     let campaign = read(&folder, &other).expect("a campaign");
     let shard = (Shard::WHOLE, true);
-    let error = blocks::run(&campaign, &out, shard, ALONE, &mut Progress::silent());
+    let error = blocks::run(&campaign, &out, shard, ALONE, &mut ProgressLine::silent());
     let error = error.expect_err("another campaign");
     assert!(error.to_string().contains("envelopes: "), "{error}");
 }

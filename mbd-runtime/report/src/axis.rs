@@ -19,7 +19,7 @@ pub(super) struct Tick {
 
 /// An axis from `low` to `high` (their decimal logarithms if logarithmic).
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
+pub(super) struct PlotAxis {
     low: f64,
     high: f64,
     scale: Scale,
@@ -31,7 +31,7 @@ pub(super) struct Axis {
 
 /// How a range is chosen.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Range {
+pub(super) enum RangeChoice {
     /// Exactly these ends.
     Fixed(f64, f64),
     /// These data; an end that almost reaches a whole tick is moved to it.
@@ -43,9 +43,9 @@ pub(super) enum Range {
 /// Numbers beyond this are not drawn: their differences would overflow.
 pub(super) const HUGE: f64 = 1e300;
 
-impl Axis {
+impl PlotAxis {
     /// An axis with about `count` ticks.
-    pub fn new(range: Range, scale: Scale, count: usize) -> Axis {
+    pub fn new(range: RangeChoice, scale: Scale, count: usize) -> PlotAxis {
         match scale {
             Scale::Linear => linear(range, count.max(2)),
             Scale::Log => logarithmic(range, count.max(2)),
@@ -82,10 +82,10 @@ fn opened(low: f64, high: f64) -> (f64, f64) {
     (low - pad, high + pad)
 }
 
-fn linear(range: Range, count: usize) -> Axis {
+fn linear(range: RangeChoice, count: usize) -> PlotAxis {
     let (mut low, mut high) = match range {
-        Range::Fixed(low, high) | Range::JointForces(low, high) => opened(low, high),
-        Range::Around(low, high) => {
+        RangeChoice::Fixed(low, high) | RangeChoice::JointForces(low, high) => opened(low, high),
+        RangeChoice::Around(low, high) => {
             let (low, high) = opened(low, high);
             let near = 0.3 * (high - low);
             if low > 0.0 && low < near {
@@ -100,9 +100,9 @@ fn linear(range: Range, count: usize) -> Axis {
     let step = nice_step((high - low) / count as f64);
     // How much of a step may be added at an end.
     let reach = match range {
-        Range::Fixed(..) => 0.0,
-        Range::JointForces(..) => 0.1,
-        Range::Around(..) => 1.0,
+        RangeChoice::Fixed(..) => 0.0,
+        RangeChoice::JointForces(..) => 0.1,
+        RangeChoice::Around(..) => 1.0,
     };
     let (floor, ceiling) = (
         (low / step + 1e-9).floor() * step,
@@ -128,7 +128,7 @@ fn linear(range: Range, count: usize) -> Axis {
             }
         })
         .collect();
-    Axis {
+    PlotAxis {
         low,
         high,
         scale: Scale::Linear,
@@ -157,9 +157,10 @@ fn common_exponent(size: f64) -> i32 {
 }
 
 /// A logarithmic axis always spans whole decades.
-fn logarithmic(range: Range, count: usize) -> Axis {
-    let (Range::Fixed(low, high) | Range::JointForces(low, high) | Range::Around(low, high)) =
-        range;
+fn logarithmic(range: RangeChoice, count: usize) -> PlotAxis {
+    let (RangeChoice::Fixed(low, high)
+    | RangeChoice::JointForces(low, high)
+    | RangeChoice::Around(low, high)) = range;
     let decade = |x: f64| x.clamp(1.0 / HUGE, HUGE).log10();
     let low = (decade(low.min(high)) + 1e-9).floor();
     let high = (decade(low.max(high)) - 1e-9).ceil();
@@ -187,7 +188,7 @@ fn logarithmic(range: Range, count: usize) -> Axis {
             }));
         }
     }
-    Axis {
+    PlotAxis {
         low,
         high,
         scale: Scale::Log,
@@ -226,7 +227,7 @@ pub(super) fn superscript(number: i32) -> String {
 mod tests {
     use super::*;
 
-    fn labels(axis: &Axis) -> Vec<&str> {
+    fn labels(axis: &PlotAxis) -> Vec<&str> {
         axis.ticks
             .iter()
             .map(|tick| tick.label.as_str())
@@ -236,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_build_up_to_2810_newton_is_labelled_in_steps_of_500() {
-        let axis = Axis::new(Range::Around(0.0, 2810.0), Scale::Linear, 6);
+        let axis = PlotAxis::new(RangeChoice::Around(0.0, 2810.0), Scale::Linear, 6);
         assert_eq!(
             labels(&axis),
             ["0", "500", "1000", "1500", "2000", "2500", "3000"]
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_window_keeps_its_ends_and_ticks_lie_inside() {
-        let axis = Axis::new(Range::Fixed(5.05, 5.95), Scale::Linear, 6);
+        let axis = PlotAxis::new(RangeChoice::Fixed(5.05, 5.95), Scale::Linear, 6);
         assert_eq!(axis.place(5.05), Some(0.0));
         assert!(
             axis.ticks
@@ -259,7 +260,7 @@ mod tests {
     #[test]
     fn constant_data_get_an_axis_around_them() {
         for value in [0.0, 2810.0, -3.0, 1e-200, 3.4e6] {
-            let axis = Axis::new(Range::Around(value, value), Scale::Linear, 6);
+            let axis = PlotAxis::new(RangeChoice::Around(value, value), Scale::Linear, 6);
             let place = axis.place(value).unwrap();
             assert!(place > 0.1 && place < 0.9, "{value}: {place}");
             assert!(axis.ticks.len() >= 3);
@@ -268,15 +269,15 @@ mod tests {
 
     #[test]
     fn large_and_small_numbers_share_a_power_of_ten() {
-        let axis = Axis::new(Range::Around(3.39e6, 3.40e6), Scale::Linear, 5);
+        let axis = PlotAxis::new(RangeChoice::Around(3.39e6, 3.40e6), Scale::Linear, 5);
         assert_eq!(axis.exponent, 6);
-        let axis = Axis::new(Range::Around(0.0, 2e-5), Scale::Linear, 5);
+        let axis = PlotAxis::new(RangeChoice::Around(0.0, 2e-5), Scale::Linear, 5);
         assert_eq!((axis.exponent, labels(&axis)[1]), (-6, "5"));
     }
 
     #[test]
     fn errors_over_seven_decades_have_a_tick_a_decade() {
-        let axis = Axis::new(Range::Around(3e-9, 15.0), Scale::Log, 12);
+        let axis = PlotAxis::new(RangeChoice::Around(3e-9, 15.0), Scale::Log, 12);
         assert_eq!(labels(&axis).first(), Some(&"10⁻⁹"));
         assert_eq!(labels(&axis).last(), Some(&"10²"));
         assert_eq!(axis.place(0.0), None);
@@ -292,8 +293,11 @@ mod tests {
             (5e-324, 0.0),
         ] {
             for scale in [Scale::Linear, Scale::Log] {
-                for range in [Range::Around(low, high), Range::Fixed(low, high)] {
-                    let axis = Axis::new(range, scale, 6);
+                for range in [
+                    RangeChoice::Around(low, high),
+                    RangeChoice::Fixed(low, high),
+                ] {
+                    let axis = PlotAxis::new(range, scale, 6);
                     assert!(axis.ticks.len() < 5000);
                     assert!(axis.ticks.iter().all(|tick| tick.place.is_finite()));
                 }

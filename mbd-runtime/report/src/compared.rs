@@ -16,13 +16,13 @@ const COLUMNS: usize = 40;
 #[derive(Clone, Debug)]
 pub struct Compared<'a> {
     playback: Playback,
-    curves: Vec<Curves<'a>>,
+    curves: Vec<ComparedCurves<'a>>,
     left_out: usize,
 }
 
 /// A column of the first run with those of the others that have it, too.
 #[derive(Clone, Debug)]
-struct Curves<'a> {
+struct ComparedCurves<'a> {
     name: &'a Name,
     runs: Vec<(&'a str, &'a [f64], &'a [f64])>,
     /// Of the runs behind the first: times, and how far they are from it there.
@@ -38,7 +38,7 @@ impl<'a> Compared<'a> {
             .map(|(_, first)| columns(first))
             .unwrap_or_default();
         let shared = columns.into_iter().filter_map(|name| curves(name, runs));
-        let mut curves: Vec<Curves<'_>> = shared.collect();
+        let mut curves: Vec<ComparedCurves<'_>> = shared.collect();
         let left_out = curves.len().saturating_sub(COLUMNS);
         curves.truncate(COLUMNS);
         Compared {
@@ -116,7 +116,7 @@ fn columns<'a>(run: &Run<'a>) -> Vec<&'a Name> {
 }
 
 /// A column in all runs that have it in the same unit; `None` where only the first does.
-fn curves<'a>(name: &'a Name, runs: &[(&'a str, Run<'a>)]) -> Option<Curves<'a>> {
+fn curves<'a>(name: &'a Name, runs: &[(&'a str, Run<'a>)]) -> Option<ComparedCurves<'a>> {
     let has = |trajectory: &'a Trajectory| {
         let mut names = trajectory.names().iter();
         let same = names.find(|known| known.name == name.name)?;
@@ -149,7 +149,7 @@ fn curves<'a>(name: &'a Name, runs: &[(&'a str, Run<'a>)]) -> Option<Curves<'a>>
         (*label, times, apart)
     });
     let apart: Vec<_> = apart.collect();
-    (!apart.is_empty()).then_some(Curves { name, runs, apart })
+    (!apart.is_empty()).then_some(ComparedCurves { name, runs, apart })
 }
 
 /// A column at a time, straight between its rows; `None` beyond its ends.

@@ -1,76 +1,80 @@
 //! Line drawings of a mechanism: bodies, lines, joints and paths in one plane, equal scales on both axes.
 
-use super::axis::{Axis, Range, Scale};
+use super::axis::{PlotAxis, RangeChoice, Scale};
 use super::look::Look;
 use super::plot::{
-    Entry, Plot, RIGHT, SAMPLE, WIDTH, draw_grid, label, left_margin, with_exponent,
+    LegendEntry, Plot, RIGHT, SAMPLE, WIDTH, draw_grid, label, left_margin, with_exponent,
 };
 use super::svg::Svg;
 use super::trace::Panel;
 
 /// A place in the plane of the drawing: right and up.
-type Place = [f64; 2];
+type PagePoint = [f64; 2];
 
 /// One part of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum DrawingPart {
     /// A rigid body: the convex hull of these places; a line for two, a square mark for one.
-    Body(Vec<Place>),
+    Body(Vec<PagePoint>),
     /// A solid: the convex hull of these places, and the rims of what is flat and looks at the reader.
     Solid {
         /// Places whose convex hull is filled.
-        outline: Vec<Place>,
+        outline: Vec<PagePoint>,
         /// Closed lines on it.
-        rims: Vec<Vec<Place>>,
+        rims: Vec<Vec<PagePoint>>,
     },
     /// A line between two places, slack or taut.
-    Line([Place; 2], bool),
+    Line([PagePoint; 2], bool),
     /// The way between the two places of a joint that slides.
-    Rail([Place; 2]),
+    Rail([PagePoint; 2]),
     /// A joint between two bodies.
-    Joint(Place),
+    Joint(PagePoint),
     /// A joint, or the end of a line, fixed in the world.
-    Pivot(Place),
+    Pivot(PagePoint),
     /// A point, with or without mass.
-    Point(Place),
+    Point(PagePoint),
 }
 
-impl Shape {
-    fn places(&self) -> &[Place] {
+impl DrawingPart {
+    fn places(&self) -> &[PagePoint] {
         match self {
-            Shape::Body(places)
-            | Shape::Solid {
+            DrawingPart::Body(places)
+            | DrawingPart::Solid {
                 outline: places, ..
             } => places,
-            Shape::Line(ends, _) | Shape::Rail(ends) => ends,
-            Shape::Joint(at) | Shape::Pivot(at) | Shape::Point(at) => std::slice::from_ref(at),
+            DrawingPart::Line(ends, _) | DrawingPart::Rail(ends) => ends,
+            DrawingPart::Joint(at) | DrawingPart::Pivot(at) | DrawingPart::Point(at) => {
+                std::slice::from_ref(at)
+            }
         }
     }
 
     /// The same kind of shape in the legend, and what it stands for.
-    fn explained(&self) -> (Shape, &'static str) {
+    fn explained(&self) -> (DrawingPart, &'static str) {
         let middle = 0.5 * SAMPLE[1];
         let ends = [[0.0, middle], [SAMPLE[0], middle]];
         let at = [0.5 * SAMPLE[0], middle];
         match self {
-            Shape::Body(places) if places.len() == 1 => (Shape::Body(vec![at]), "body"),
-            Shape::Body(_) | Shape::Solid { .. } => (Shape::Body(ends.to_vec()), "body"),
-            Shape::Line(_, true) => (Shape::Line(ends, true), "slack line"),
-            Shape::Line(_, false) => (Shape::Line(ends, false), "line"),
-            Shape::Rail(_) => (Shape::Rail(ends), "between the places of a joint"),
-            Shape::Joint(_) => (Shape::Joint(at), "joint or knot"),
-            Shape::Pivot(_) => (Shape::Pivot([at[0], 4.0]), "held by the world"),
-            Shape::Point(_) => (Shape::Point(at), "point with mass"),
+            DrawingPart::Body(places) if places.len() == 1 => (DrawingPart::Body(vec![at]), "body"),
+            DrawingPart::Body(_) | DrawingPart::Solid { .. } => {
+                (DrawingPart::Body(ends.to_vec()), "body")
+            }
+            DrawingPart::Line(_, true) => (DrawingPart::Line(ends, true), "slack line"),
+            DrawingPart::Line(_, false) => (DrawingPart::Line(ends, false), "line"),
+            DrawingPart::Rail(_) => (DrawingPart::Rail(ends), "between the places of a joint"),
+            DrawingPart::Joint(_) => (DrawingPart::Joint(at), "joint or knot"),
+            DrawingPart::Pivot(_) => (DrawingPart::Pivot([at[0], 4.0]), "held by the world"),
+            DrawingPart::Point(_) => (DrawingPart::Point(at), "point with mass"),
         }
     }
 
     /// Later ones lie on top.
     fn layer(&self) -> usize {
         match self {
-            Shape::Body(_) | Shape::Solid { .. } => 0,
-            Shape::Line(..) | Shape::Rail(_) => 1,
-            Shape::Pivot(_) => 2,
-            Shape::Joint(_) | Shape::Point(_) => 3,
+            DrawingPart::Body(_) | DrawingPart::Solid { .. } => 0,
+            DrawingPart::Line(..) | DrawingPart::Rail(_) => 1,
+            DrawingPart::Pivot(_) => 2,
+            DrawingPart::Joint(_) | DrawingPart::Point(_) => 3,
         }
     }
 }
@@ -89,8 +93,8 @@ pub struct Drawing {
     title: String,
     caption: String,
     labels: [String; 2],
-    instants: Vec<Vec<Shape>>,
-    paths: Vec<(String, Vec<Place>)>,
+    instants: Vec<Vec<DrawingPart>>,
+    paths: Vec<(String, Vec<PagePoint>)>,
 }
 
 /// The panel is no higher and no lower than this [px].
@@ -113,14 +117,14 @@ impl Drawing {
 
     /// Adds the mechanism at one instant.
     #[must_use]
-    pub fn instant(mut self, shapes: impl IntoIterator<Item = Shape>) -> Self {
+    pub fn instant(mut self, shapes: impl IntoIterator<Item = DrawingPart>) -> Self {
         self.instants.push(shapes.into_iter().collect());
         self
     }
 
     /// Adds the path of a point, with its name in the legend.
     #[must_use]
-    pub fn path(mut self, name: impl Into<String>, places: Vec<Place>) -> Self {
+    pub fn path(mut self, name: impl Into<String>, places: Vec<PagePoint>) -> Self {
         self.paths.push((name.into(), places));
         self
     }
@@ -178,7 +182,7 @@ impl Drawing {
 
     /// Lowest and highest place of everything along both axes; a square metre for nothing.
     fn bounds(&self) -> [[f64; 2]; 2] {
-        let shapes = self.instants.iter().flatten().flat_map(Shape::places);
+        let shapes = self.instants.iter().flatten().flat_map(DrawingPart::places);
         let places = shapes.chain(self.paths.iter().flat_map(|(_, places)| places));
         let mut bounds: Option<[[f64; 2]; 2]> = None;
         for place in places.filter(|place| place.iter().all(|x| x.is_finite())) {
@@ -191,14 +195,14 @@ impl Drawing {
     }
 
     /// Each kind of shape once, then the paths.
-    fn legend(&self) -> Vec<Entry> {
-        let mut legend: Vec<Entry> = Vec::new();
+    fn legend(&self) -> Vec<LegendEntry> {
+        let mut legend: Vec<LegendEntry> = Vec::new();
         for shape in self.instants.iter().flatten() {
             let (sample, name) = shape.explained();
             if !shape.places().is_empty() && legend.iter().all(|entry| entry.name != name) {
                 let mut svg = Svg::content();
                 draw_shape(&mut svg, &sample, &|place| Some(*place));
-                legend.push(Entry {
+                legend.push(LegendEntry {
                     sample: svg.markup(),
                     name: name.to_string(),
                 });
@@ -208,7 +212,7 @@ impl Drawing {
         legend.extend(self.paths.iter().enumerate().map(|(index, (name, _))| {
             let mut svg = Svg::content();
             svg.line(&path_class(index), [0.0, middle], [SAMPLE[0], middle]);
-            Entry {
+            LegendEntry {
                 sample: svg.markup(),
                 name: format!("path of {name}"),
             }
@@ -226,7 +230,7 @@ impl Drawing {
                 index as f64 / last as f64
             };
             svg.fade(0.25 + 0.75 * share * share);
-            let mut ordered: Vec<&Shape> = shapes.iter().collect();
+            let mut ordered: Vec<&DrawingPart> = shapes.iter().collect();
             ordered.sort_by_key(|shape| shape.layer());
             for shape in ordered {
                 draw_shape(svg, shape, &|place| panel.place(place[0], place[1]));
@@ -247,9 +251,9 @@ fn path_class(index: usize) -> String {
 }
 
 /// An axis that is so long [px].
-pub(super) fn axis([low, high]: [f64; 2], length: f64) -> Axis {
+pub(super) fn axis([low, high]: [f64; 2], length: f64) -> PlotAxis {
     let count = (length / 52.0).round().clamp(5.0, 9.0) as usize;
-    Axis::new(Range::Fixed(low, high), Scale::Linear, count)
+    PlotAxis::new(RangeChoice::Fixed(low, high), Scale::Linear, count)
 }
 
 /// Ranges with a margin and the size of the panel, one scale for both axes, for a panel at most `widest` wide.
@@ -273,10 +277,10 @@ pub(super) fn fitted(bounds: [[f64; 2]; 2], widest: f64) -> ([[f64; 2]; 2], [f64
     ([range(0), range(1)], size)
 }
 
-fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place>) {
+fn draw_shape(svg: &mut Svg, shape: &DrawingPart, at: &impl Fn(&PagePoint) -> Option<PagePoint>) {
     match shape {
-        Shape::Body(places) => draw_hull(svg, "mbd-body", places, at),
-        Shape::Solid { outline, rims } => {
+        DrawingPart::Body(places) => draw_hull(svg, "mbd-body", places, at),
+        DrawingPart::Solid { outline, rims } => {
             draw_hull(svg, "mbd-solid", outline, at);
             for rim in rims {
                 let rim = hull(rim.iter().filter_map(at).collect());
@@ -285,30 +289,30 @@ fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place
                 }
             }
         }
-        Shape::Line([from, to], slack) => {
+        DrawingPart::Line([from, to], slack) => {
             if let (Some(from), Some(to)) = (at(from), at(to)) {
                 let class = if *slack { "mbd-slack" } else { "mbd-rope" };
                 svg.line(class, from, to);
             }
         }
-        Shape::Rail([from, to]) => {
+        DrawingPart::Rail([from, to]) => {
             if let (Some(from), Some(to)) = (at(from), at(to)) {
                 svg.line("mbd-rail", from, to);
             }
         }
-        Shape::Joint(place) => {
+        DrawingPart::Joint(place) => {
             if let Some(place) = at(place) {
                 svg.circle("mbd-joint", place, 3.6);
             }
         }
-        Shape::Pivot(place) => {
+        DrawingPart::Pivot(place) => {
             if let Some([x, y]) = at(place) {
                 let foot = [[x, y], [x - 8.0, y + 13.0], [x + 8.0, y + 13.0]];
                 svg.polygon("mbd-pivot", &foot);
                 svg.circle("mbd-joint", [x, y], 3.6);
             }
         }
-        Shape::Point(place) => {
+        DrawingPart::Point(place) => {
             if let Some(place) = at(place) {
                 svg.circle("mbd-dot", place, 3.2);
             }
@@ -317,7 +321,12 @@ fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place
 }
 
 /// The convex hull of places: a line for two, a square mark for one.
-fn draw_hull(svg: &mut Svg, class: &str, places: &[Place], at: &impl Fn(&Place) -> Option<Place>) {
+fn draw_hull(
+    svg: &mut Svg,
+    class: &str,
+    places: &[PagePoint],
+    at: &impl Fn(&PagePoint) -> Option<PagePoint>,
+) {
     match hull(places.iter().filter_map(at).collect()).as_slice() {
         [] => {}
         [[x, y]] => {
@@ -329,14 +338,14 @@ fn draw_hull(svg: &mut Svg, class: &str, places: &[Place], at: &impl Fn(&Place) 
 }
 
 /// The corners of the convex hull, in order (Andrew's monotone chain); places closer than half a pixel are one.
-fn hull(mut places: Vec<Place>) -> Vec<Place> {
+fn hull(mut places: Vec<PagePoint>) -> Vec<PagePoint> {
     places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     places.dedup_by(|a, b| (a[0] - b[0]).abs() < 0.5 && (a[1] - b[1]).abs() < 0.5);
     if places.len() < 3 {
         return places;
     }
-    let half = |places: &mut dyn Iterator<Item = Place>| {
-        let mut chain: Vec<Place> = Vec::new();
+    let half = |places: &mut dyn Iterator<Item = PagePoint>| {
+        let mut chain: Vec<PagePoint> = Vec::new();
         for place in places {
             while let [.., a, b] = chain[..] {
                 let turn = (b[0] - a[0]) * (place[1] - a[1]) - (b[1] - a[1]) * (place[0] - a[0]);
@@ -399,9 +408,9 @@ mod tests {
     fn what_cannot_be_drawn_is_left_out() {
         let svg = Drawing::new("none", ["x", "z"])
             .instant([
-                Shape::Body(vec![[f64::NAN, 0.0], [1.0, 0.0], [2.0, 1.0]]),
-                Shape::Body(Vec::new()),
-                Shape::Joint([f64::INFINITY, 0.0]),
+                DrawingPart::Body(vec![[f64::NAN, 0.0], [1.0, 0.0], [2.0, 1.0]]),
+                DrawingPart::Body(Vec::new()),
+                DrawingPart::Joint([f64::INFINITY, 0.0]),
             ])
             .path("gap", vec![[0.0, 0.0], [f64::NAN, 1.0], [2.0, 2.0]])
             .svg();

@@ -3,14 +3,14 @@
 use mbd_runtime::scene::Place;
 use serde::Serialize;
 
-use super::packing::Packed;
+use super::packing::PackedArray;
 use super::surface::Surface;
 use super::svg::visible;
 
 /// What the script of the page reads. Lengths in metres, forces in newtons, world axes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Drawn {
-    pub times: Packed,
+    pub times: PackedArray,
     /// Up in the world.
     pub up: [f64; 3],
     /// Where a planar scene is looked at from.
@@ -31,8 +31,8 @@ pub(super) type DrawnPlace = (u8, usize, usize);
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct DrawnBody {
     pub name: String,
-    pub p: Packed,
-    pub q: Packed,
+    pub p: PackedArray,
+    pub q: PackedArray,
     /// Frames from the centre of mass, body axes.
     pub arms: Vec<[f64; 3]>,
     /// Which of them are joined to the centre of mass by a line.
@@ -61,7 +61,7 @@ pub(super) struct DrawnSolid {
     /// Radius and length of a ball that is parted along z: it needs no faces.
     pub ball: Option<[f64; 2]>,
     /// Corners.
-    pub p: Packed,
+    pub p: PackedArray,
     /// Faces by their corners, per part.
     pub parts: Vec<Vec<Vec<usize>>>,
 }
@@ -75,7 +75,7 @@ impl DrawnSolid {
         let corners = places.iter().flat_map(|place| <[f64; 3]>::from(*place));
         DrawnSolid {
             ball: surface.ball,
-            p: Packed::floats(corners),
+            p: PackedArray::floats(corners),
             parts: parts.iter().map(|part| part.faces.clone()).collect(),
         }
     }
@@ -85,7 +85,7 @@ impl DrawnSolid {
 pub(super) struct DrawnPoint {
     pub name: String,
     pub node: bool,
-    pub p: Packed,
+    pub p: PackedArray,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -93,7 +93,7 @@ pub(super) struct DrawnFrame {
     pub name: String,
     /// Whether something is held by it.
     pub used: bool,
-    pub p: Packed,
+    pub p: PackedArray,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -111,8 +111,8 @@ pub(super) struct DrawnLine {
     pub name: String,
     pub a: DrawnPlace,
     pub b: DrawnPlace,
-    pub tension: Packed,
-    pub slack: Packed,
+    pub tension: PackedArray,
+    pub slack: PackedArray,
 }
 
 /// A force or a couple at a place.
@@ -121,7 +121,7 @@ pub(super) struct DrawnArrow {
     pub name: String,
     pub unit: &'static str,
     pub at: DrawnPlace,
-    pub v: Packed,
+    pub v: PackedArray,
 }
 
 impl Drawn {

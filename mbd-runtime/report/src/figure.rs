@@ -1,16 +1,17 @@
 //! Line plots: what is drawn, and where each part of the drawing goes.
 
-use super::axis::{Axis, HUGE, Range, Scale};
+use super::axis::{HUGE, PlotAxis, RangeChoice, Scale};
 use super::band::Band;
 use super::drawing::{axis, fitted};
 use super::live::{PlotNumbers, SeriesNumbers};
 use super::look::Look;
-use super::packing::Packed;
+use super::packing::PackedArray;
 use super::plot::{
-    Entry, Plot, RIGHT, SAMPLE, SMALL, TEXT, WIDTH, draw_grid, label, left_margin, with_exponent,
+    LegendEntry, Plot, RIGHT, SAMPLE, SMALL, TEXT, WIDTH, draw_grid, label, left_margin,
+    with_exponent,
 };
 use super::series::Series;
-use super::svg::{Anchor, Svg};
+use super::svg::{Svg, TextAnchor};
 use super::thin::curve_rows;
 use super::trace::{Panel, Trace};
 
@@ -175,13 +176,13 @@ impl<'a> Figure<'a> {
             let base = series.y.iter().copied().find(|y| y.is_finite());
             let base = base.unwrap_or(0.0);
             SeriesNumbers {
-                t: Packed::floats(rows.iter().map(|row| series.x[*row])),
+                t: PackedArray::floats(rows.iter().map(|row| series.x[*row])),
                 base,
-                v: Packed::floats(rows.iter().map(|row| series.y[*row] - base)),
+                v: PackedArray::floats(rows.iter().map(|row| series.y[*row] - base)),
                 wrap: series.period,
             }
         });
-        let [low, high] = Axis::new(self.range(0), self.scales[0], 8).ends();
+        let [low, high] = PlotAxis::new(self.range(0), self.scales[0], 8).ends();
         Some(PlotNumbers {
             x: [low, high],
             log: self.scales[1] == Scale::Log,
@@ -217,15 +218,15 @@ impl<'a> Figure<'a> {
     }
 
     /// Axes that follow their own numbers, the room left of the panel, and its size [px].
-    fn own_axes(&self) -> ([Axis; 2], f64, [f64; 2]) {
-        let x = Axis::new(self.range(0), self.scales[0], 8);
-        let y = Axis::new(self.range(1), self.scales[1], 6);
+    fn own_axes(&self) -> ([PlotAxis; 2], f64, [f64; 2]) {
+        let x = PlotAxis::new(self.range(0), self.scales[0], 8);
+        let y = PlotAxis::new(self.range(1), self.scales[1], 6);
         let left = left_margin(&y);
         ([x, y], left, [WIDTH - RIGHT - left, HEIGHT])
     }
 
     /// The same with one scale on both axes.
-    fn equal_axes(&self) -> ([Axis; 2], f64, [f64; 2]) {
+    fn equal_axes(&self) -> ([PlotAxis; 2], f64, [f64; 2]) {
         let mut bounds: Option<[[f64; 2]; 2]> = None;
         let drawable = |(x, y): &(f64, f64)| x.abs() <= HUGE && y.abs() <= HUGE;
         for (x, y) in self.samples().filter(drawable) {
@@ -247,12 +248,12 @@ impl<'a> Figure<'a> {
     }
 
     /// The range of one axis: the window, or the data inside the other axis's window.
-    fn range(&self, axis: usize) -> Range {
+    fn range(&self, axis: usize) -> RangeChoice {
         if let Some((low, high)) = self.windows[axis]
             && low.is_finite()
             && high.is_finite()
         {
-            return Range::Fixed(low, high);
+            return RangeChoice::Fixed(low, high);
         }
         let drawable = |v: f64, axis: usize| {
             v.abs() <= HUGE && (v > 0.0 || self.scales[axis] == Scale::Linear)
@@ -277,10 +278,10 @@ impl<'a> Figure<'a> {
             }
         }
         match (ends, axis, self.scales[axis]) {
-            (Some((low, high)), 0, Scale::Linear) => Range::JointForces(low, high),
-            (Some((low, high)), ..) => Range::Around(low, high),
-            (None, _, Scale::Linear) => Range::Fixed(0.0, 1.0),
-            (None, _, Scale::Log) => Range::Fixed(0.1, 10.0),
+            (Some((low, high)), 0, Scale::Linear) => RangeChoice::JointForces(low, high),
+            (Some((low, high)), ..) => RangeChoice::Around(low, high),
+            (None, _, Scale::Linear) => RangeChoice::Fixed(0.0, 1.0),
+            (None, _, Scale::Log) => RangeChoice::Fixed(0.1, 10.0),
         }
     }
 
@@ -294,7 +295,7 @@ impl<'a> Figure<'a> {
             })
     }
 
-    fn legend(&self, traces: &[Trace]) -> Vec<Entry> {
+    fn legend(&self, traces: &[Trace]) -> Vec<LegendEntry> {
         let middle = 0.5 * SAMPLE[1];
         let entry = |(index, (series, trace)): (usize, (&Series<'_>, &Trace))| {
             let mut sample = Svg::content();
@@ -306,12 +307,12 @@ impl<'a> Figure<'a> {
             if !trace.marks.is_empty() {
                 sample.mark([0.5, 0.5], &self.mark_class(index), mark(index));
             }
-            Entry {
+            LegendEntry {
                 sample: sample.markup(),
                 name: series.name.clone(),
             }
         };
-        let bands = self.bands.iter().map(|band| Entry {
+        let bands = self.bands.iter().map(|band| LegendEntry {
             sample: band.sample(),
             name: band.name.clone(),
         });
@@ -345,12 +346,12 @@ impl<'a> Figure<'a> {
                 // Above the line, unless it would be cut there.
                 let lift = if place > 0.94 { SMALL + 3.0 } else { -4.0 };
                 let at = ([0.0, place], [6.0, lift]);
-                svg.beside(" mbd-halo", at, SMALL, Anchor::Start, name);
+                svg.beside(" mbd-halo", at, SMALL, TextAnchor::Start, name);
             }
         }
         if self.bands.is_empty() && traces.iter().all(|trace| trace.path.is_empty()) {
             let middle = ([0.5, 0.5], [0.0, 0.0]);
-            svg.beside("", middle, TEXT, Anchor::Middle, "nothing to draw here");
+            svg.beside("", middle, TEXT, TextAnchor::Middle, "nothing to draw here");
         }
         svg.border("mbd-frame");
         let [width, height] = panel.size;

@@ -9,12 +9,12 @@ use super::drawn::{
     DrawnSolid, place, safe,
 };
 use super::mechanism::{upwards, views};
-use super::packing::Packed;
-use super::stage::{AXES, Stage};
+use super::packing::PackedArray;
+use super::stage::{AXES, RecordedScene};
 
 /// An instant between two rows of a history.
 #[derive(Clone, Copy)]
-struct Instant {
+struct FilmInstant {
     time: f64,
     row: usize,
     next: usize,
@@ -24,16 +24,16 @@ struct Instant {
 
 /// The instants of a history that are shown.
 pub(super) struct Film<'a> {
-    stage: &'a Stage<'a>,
-    instants: Vec<Instant>,
+    stage: &'a RecordedScene<'a>,
+    instants: Vec<FilmInstant>,
 }
 
 impl<'a> Film<'a> {
     /// Rows as they are.
-    pub fn of_rows(stage: &'a Stage<'a>, rows: &[usize]) -> Self {
+    pub fn of_rows(stage: &'a RecordedScene<'a>, rows: &[usize]) -> Self {
         let times = stage.trajectory.times();
         let instant = |row: &usize| {
-            Some(Instant {
+            Some(FilmInstant {
                 time: *times.get(*row)?,
                 row: *row,
                 next: *row,
@@ -47,7 +47,7 @@ impl<'a> Film<'a> {
     }
 
     /// Times, straight between the rows around them.
-    pub fn at_times(stage: &'a Stage<'a>, wanted: &[f64]) -> Self {
+    pub fn at_times(stage: &'a RecordedScene<'a>, wanted: &[f64]) -> Self {
         let times = stage.trajectory.times();
         let instant = |time: f64| {
             let next = times
@@ -61,7 +61,7 @@ impl<'a> Film<'a> {
                 false if time > to => f64::NAN,
                 false => 0.0,
             };
-            Instant {
+            FilmInstant {
                 time,
                 row,
                 next,
@@ -75,8 +75,8 @@ impl<'a> Film<'a> {
     }
 
     /// A number at every instant.
-    fn numbers(&self, column: &[f64]) -> Packed {
-        let at = |instant: &Instant| {
+    fn numbers(&self, column: &[f64]) -> PackedArray {
+        let at = |instant: &FilmInstant| {
             let [a, b] =
                 [instant.row, instant.next].map(|row| column.get(row).copied().unwrap_or(f64::NAN));
             if instant.share == 0.0 {
@@ -85,7 +85,7 @@ impl<'a> Film<'a> {
                 a + instant.share * (b - a)
             }
         };
-        Packed::floats(self.instants.iter().map(at))
+        PackedArray::floats(self.instants.iter().map(at))
     }
 
     pub fn drawn(&self) -> Drawn {
@@ -111,7 +111,7 @@ impl<'a> Film<'a> {
         Drawn {
             bodies: bodies.collect(),
             solids,
-            times: Packed::floats(self.instants.iter().map(|instant| instant.time)),
+            times: PackedArray::floats(self.instants.iter().map(|instant| instant.time)),
             up,
             from,
             points: (0..scene.points.len())
@@ -133,14 +133,14 @@ impl<'a> Film<'a> {
     }
 
     /// Three numbers a row; not numbers where the history does not hold them.
-    fn vectors(&self, at: impl Fn(usize) -> Option<Vector3<f64>>) -> Packed {
+    fn vectors(&self, at: impl Fn(usize) -> Option<Vector3<f64>>) -> PackedArray {
         let place = |row| at(row).unwrap_or_else(|| Vector3::repeat(f64::NAN));
-        let vector = |instant: &Instant| match instant.share == 0.0 {
+        let vector = |instant: &FilmInstant| match instant.share == 0.0 {
             true => place(instant.row),
             false => place(instant.row).lerp(&place(instant.next), instant.share),
         };
         let instants = self.instants.iter();
-        Packed::floats(instants.flat_map(|instant| <[f64; 3]>::from(vector(instant))))
+        PackedArray::floats(instants.flat_map(|instant| <[f64; 3]>::from(vector(instant))))
     }
 
     /// A body; what its shapes look like is added to the solids, if it is not among them.
@@ -152,7 +152,7 @@ impl<'a> Film<'a> {
             let parts = track.and_then(|track| track.quaternion(row));
             parts.unwrap_or([1.0, 0.0, 0.0, 0.0])
         };
-        let quaternion = |instant: &Instant| {
+        let quaternion = |instant: &FilmInstant| {
             let (a, b) = (attitude(instant.row), attitude(instant.next));
             match instant.share == 0.0 {
                 true => a,
@@ -188,7 +188,7 @@ impl<'a> Film<'a> {
         Some(DrawnBody {
             name: safe(&body.name),
             p: self.vectors(|row| track?.position(row)),
-            q: Packed::shares(self.instants.iter().flat_map(quaternion)),
+            q: PackedArray::shares(self.instants.iter().flat_map(quaternion)),
             arms: numbers
                 .frames
                 .iter()
@@ -225,7 +225,7 @@ impl<'a> Film<'a> {
             used: ends.any(|end| end == here) || lines.any(|end| end == here),
             p: match frame.moves(scene) {
                 true => self.vectors(place),
-                false => Packed::floats(place(0).map(<[f64; 3]>::from).into_iter().flatten()),
+                false => PackedArray::floats(place(0).map(<[f64; 3]>::from).into_iter().flatten()),
             },
         })
     }
@@ -278,7 +278,7 @@ impl<'a> Film<'a> {
             ["tension", "stretch"].map(|part| self.stage.column(&line.name, part));
         let (tension, stretch) = (tension?, stretch?);
         let one_way = line.kind.is_unilateral();
-        let slack = |instant: &Instant| {
+        let slack = |instant: &FilmInstant| {
             let stretch = stretch.get(instant.row);
             one_way && stretch.is_some_and(|x| *x <= 0.0)
         };
@@ -287,7 +287,7 @@ impl<'a> Film<'a> {
             a: place(line.from),
             b: place(line.to),
             tension: self.numbers(tension),
-            slack: Packed::flags(self.instants.iter().map(slack)),
+            slack: PackedArray::flags(self.instants.iter().map(slack)),
         })
     }
 
@@ -303,7 +303,7 @@ impl<'a> Film<'a> {
             name: format!("load {}", safe(&load.name)),
             unit,
             at: place(load.at),
-            v: Packed::floats(values.iter().flatten().copied()),
+            v: PackedArray::floats(values.iter().flatten().copied()),
         })
     }
 

@@ -10,7 +10,7 @@ use super::live::{PlotNumbers, at_the_end, player};
 use super::look::style_sheet;
 use super::playback::Playback;
 use super::svg::{escape, link, words};
-use super::table::Table;
+use super::table::ReportTable;
 
 /// A report, written from top to bottom. No dates, no paths, no machine names: the same input gives the same bytes.
 ///
@@ -80,7 +80,7 @@ impl Report {
 
     /// Adds a table.
     #[must_use]
-    pub fn table(mut self, table: &Table) -> Self {
+    pub fn table(mut self, table: &ReportTable) -> Self {
         self.body += &table.html();
         self
     }

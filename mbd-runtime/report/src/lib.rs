@@ -3,7 +3,7 @@
 //! - [`report()`] is the page of a run of your own model, in one call.
 //! - [`Figure`] draws line plots as SVG: axes with units, legend, several [`Series`] that stay apart in black and white.
 //! - [`Drawing`] draws a mechanism at several instants, with equal scales on both axes.
-//! - [`Table`] is one table for the terminal, the report and a CSV file.
+//! - [`ReportTable`] is one table for the terminal, the report and a CSV file.
 //! - [`Report`] is one HTML file that needs no network; with a [`Playback`] it shows the run as it moves.
 //! - [`gltf()`] is a run as an animated glTF file, for viewers and Blender.
 //! - [`Spectrum`] says which frequencies a history contains.
@@ -42,7 +42,7 @@ mod trace;
 mod views;
 
 pub use compared::Compared;
-pub use drawing::{Drawing, Shape};
+pub use drawing::{Drawing, DrawingPart};
 pub use figure::Figure;
 pub use gltf::gltf;
 pub use html::Report;
@@ -52,8 +52,8 @@ pub use metrics::metrics_table;
 pub use number::significant;
 pub use of_run::{report, with_run};
 pub use playback::Playback;
-pub use plots::{Group, groups};
+pub use plots::{PlotGroup, groups};
 pub use series::Series;
 pub use spectrum::{Peak, Spectrum};
-pub use table::{Cell, Table};
+pub use table::{Cell, ReportTable};
 pub use views::{Run, Views};

@@ -34,15 +34,15 @@ pub(super) struct PlotNumbers {
 /// The numbers of a curve: times, and values less `base`.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct SeriesNumbers {
-    pub t: super::packing::Packed,
+    pub t: super::packing::PackedArray,
     pub base: f64,
-    pub v: super::packing::Packed,
+    pub v: super::packing::PackedArray,
     /// What its values are periodic by.
     pub wrap: Option<f64>,
 }
 
 #[derive(Serialize)]
-struct Numbers<'a> {
+struct LiveNumbers<'a> {
     #[serde(flatten)]
     drawn: &'a Drawn,
     plots: &'a [PlotNumbers],
@@ -60,7 +60,7 @@ pub(super) fn player(playback: &Playback) -> String {
 /// What stands at the end of a page with a player.
 pub(super) fn at_the_end(playback: &Playback, plots: &[PlotNumbers]) -> String {
     let drawn = &playback.drawn;
-    let numbers = serde_json::to_string(&Numbers { drawn, plots });
+    let numbers = serde_json::to_string(&LiveNumbers { drawn, plots });
     // No name can end the script that holds it. Numbers and names are all there is: it can be written.
     let numbers = numbers.unwrap_or_default().replace('<', "\\u003c");
     format!(

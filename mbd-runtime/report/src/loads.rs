@@ -57,20 +57,22 @@ pub(super) fn loads(
                 says,
             }
         }
-        Err(Failed::NoState) => refuse("Loads are not shown: the history does not hold the state."),
-        Err(Failed::Run(error)) => refuse(&format!("Loads are not shown: {error}")),
+        Err(LoadsUnavailable::NoState) => {
+            refuse("Loads are not shown: the history does not hold the state.")
+        }
+        Err(LoadsUnavailable::Run(error)) => refuse(&format!("Loads are not shown: {error}")),
     }
 }
 
 /// Why loads cannot be evaluated.
-enum Failed {
+enum LoadsUnavailable {
     NoState,
     Run(RunError),
 }
 
-impl From<RunError> for Failed {
+impl From<RunError> for LoadsUnavailable {
     fn from(error: RunError) -> Self {
-        Failed::Run(error)
+        LoadsUnavailable::Run(error)
     }
 }
 
@@ -80,7 +82,7 @@ fn evaluated(
     inputs: Option<&[f64]>,
     (trajectory, rows): (&Trajectory, &[usize]),
     shown: &[(usize, &Load, &Formula)],
-) -> Result<Vec<Vec<[f64; 3]>>, Failed> {
+) -> Result<Vec<Vec<[f64; 3]>>, LoadsUnavailable> {
     let output = |(_, load, formula): &(usize, &Load, &Formula)| Output {
         name: load.name.clone(),
         doc: String::new(),
@@ -97,8 +99,10 @@ fn evaluated(
     let layout = Layout::new(&asked);
     let names = state_names(&asked, &layout);
     let columns = names.iter().map(|name| trajectory.column(&name.name));
-    let columns: Vec<&[f64]> = columns.collect::<Option<_>>().ok_or(Failed::NoState)?;
-    let model = Generic::<f64>::new(asked, params).map_err(|_| Failed::NoState)?;
+    let columns: Vec<&[f64]> = columns
+        .collect::<Option<_>>()
+        .ok_or(LoadsUnavailable::NoState)?;
+    let model = Generic::<f64>::new(asked, params).map_err(|_| LoadsUnavailable::NoState)?;
     let mut run = Simulation::new(&model, Options::rk4(1e-3))?;
     if let Some(inputs) = inputs {
         run.set_inputs(&inputs.to_vec())?;

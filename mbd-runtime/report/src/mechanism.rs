@@ -5,9 +5,9 @@ use mbd_runtime::nalgebra::{Matrix3, Vector3};
 use mbd_runtime::scene::laws::{GravityNumbers, Numbers};
 use mbd_runtime::scene::{Place, Plane, PointKind, Scene};
 
-use super::drawing::{Drawing, Shape};
-use super::stage::{AXES, Stage, Track};
-use super::surface::{Part as SurfacePart, Placed};
+use super::drawing::{Drawing, DrawingPart};
+use super::stage::{AXES, RecordedScene, Track};
+use super::surface::{Patch as SurfacePart, SurfaceSolid};
 
 /// The instants of a drawing when none are asked for.
 const INSTANTS: usize = 5;
@@ -21,7 +21,7 @@ const TRAVELS: f64 = 1.2;
 const APART: f64 = 1e-9;
 
 /// A part of the mechanism in space.
-enum Part {
+enum SpatialPart {
     Body(Vec<Vector3<f64>>),
     Solid(Skin),
     Line([Vector3<f64>; 2], bool),
@@ -41,7 +41,7 @@ struct Skin {
 
 impl Skin {
     /// That of a solid of a body whose centre of mass is there, and whose axes are turned so.
-    fn of(placed: &Placed, (middle, turn): (&Vector3<f64>, &Matrix3<f64>)) -> Skin {
+    fn of(placed: &SurfaceSolid, (middle, turn): (&Vector3<f64>, &Matrix3<f64>)) -> Skin {
         let surface = placed.surface();
         let places = surface.places.iter();
         let places = places.map(|place| middle + turn * placed.on_body(place));
@@ -56,7 +56,7 @@ impl Skin {
     }
 
     /// Its outline, and the rims of what is flat and looks at the reader.
-    fn seen(&self, view: &View) -> Shape {
+    fn seen(&self, view: &View) -> DrawingPart {
         let on_paper = |corner: &usize| self.places.get(*corner).map(|place| view.place(place));
         let rim = |rim: &Vec<usize>| rim.iter().filter_map(on_paper).collect();
         let facing = self
@@ -64,7 +64,7 @@ impl Skin {
             .iter()
             .filter(|(outwards, _)| view.sees(outwards));
         let rims = facing.flat_map(|(_, rims)| rims.iter().map(rim));
-        Shape::Solid {
+        DrawingPart::Solid {
             outline: self.places.iter().map(|place| view.place(place)).collect(),
             rims: rims.collect(),
         }
@@ -87,26 +87,30 @@ impl View {
     }
 }
 
-impl Part {
+impl SpatialPart {
     fn places(&self) -> &[Vector3<f64>] {
         match self {
-            Part::Body(places) => places,
-            Part::Solid(skin) => &skin.places,
-            Part::Line(ends, _) | Part::Rail(ends) => ends,
-            Part::Joint(at) | Part::Pivot(at) | Part::Point(at) => std::slice::from_ref(at),
+            SpatialPart::Body(places) => places,
+            SpatialPart::Solid(skin) => &skin.places,
+            SpatialPart::Line(ends, _) | SpatialPart::Rail(ends) => ends,
+            SpatialPart::Joint(at) | SpatialPart::Pivot(at) | SpatialPart::Point(at) => {
+                std::slice::from_ref(at)
+            }
         }
     }
 
-    fn seen(&self, view: &View) -> Shape {
+    fn seen(&self, view: &View) -> DrawingPart {
         let on_paper = |place: &Vector3<f64>| view.place(place);
         match self {
-            Part::Body(places) => Shape::Body(places.iter().map(on_paper).collect()),
-            Part::Solid(skin) => skin.seen(view),
-            Part::Line(ends, slack) => Shape::Line(ends.each_ref().map(on_paper), *slack),
-            Part::Rail(ends) => Shape::Rail(ends.each_ref().map(on_paper)),
-            Part::Joint(at) => Shape::Joint(view.place(at)),
-            Part::Pivot(at) => Shape::Pivot(view.place(at)),
-            Part::Point(at) => Shape::Point(view.place(at)),
+            SpatialPart::Body(places) => DrawingPart::Body(places.iter().map(on_paper).collect()),
+            SpatialPart::Solid(skin) => skin.seen(view),
+            SpatialPart::Line(ends, slack) => {
+                DrawingPart::Line(ends.each_ref().map(on_paper), *slack)
+            }
+            SpatialPart::Rail(ends) => DrawingPart::Rail(ends.each_ref().map(on_paper)),
+            SpatialPart::Joint(at) => DrawingPart::Joint(view.place(at)),
+            SpatialPart::Pivot(at) => DrawingPart::Pivot(view.place(at)),
+            SpatialPart::Point(at) => DrawingPart::Point(view.place(at)),
         }
     }
 }
@@ -122,8 +126,8 @@ pub fn drawings(
     trajectory: &Trajectory,
 ) -> Vec<Drawing> {
     let rows = rows(instants, trajectory.times());
-    let stage = Stage::new(scene, params, trajectory);
-    let mut instants: Vec<Vec<Part>> = rows.iter().map(|&row| stage.parts(row)).collect();
+    let stage = RecordedScene::new(scene, params, trajectory);
+    let mut instants: Vec<Vec<SpatialPart>> = rows.iter().map(|&row| stage.parts(row)).collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {
         return Vec::new();
     };
@@ -160,7 +164,7 @@ pub fn drawings(
 fn draw(
     scene: &Scene,
     plane: [usize; 2],
-    instants: &[Vec<Part>],
+    instants: &[Vec<SpatialPart>],
     paths: &[(String, Vec<Vector3<f64>>)],
     caption: &str,
 ) -> Drawing {
@@ -207,18 +211,18 @@ fn rows(instants: &[f64], times: &[f64]) -> Vec<usize> {
     rows
 }
 
-impl Stage<'_> {
+impl RecordedScene<'_> {
     /// Everything at one row.
-    fn parts(&self, row: usize) -> Vec<Part> {
+    fn parts(&self, row: usize) -> Vec<SpatialPart> {
         let scene = self.scene;
         let mut parts = Vec::new();
         for (body, declared) in scene.bodies.iter().enumerate() {
             let skins = self.skins(body, row);
             if !skins.is_empty() {
-                parts.extend(skins.into_iter().map(Part::Solid));
+                parts.extend(skins.into_iter().map(SpatialPart::Solid));
                 let arms = self.arms(body).into_iter().filter_map(|frame| {
                     let ends = [0, frame].map(|frame| self.place(Place::Body(body, frame), row));
-                    Some(Part::Body(vec![ends[0]?, ends[1]?]))
+                    Some(SpatialPart::Body(vec![ends[0]?, ends[1]?]))
                 });
                 parts.extend(arms);
                 continue;
@@ -227,7 +231,7 @@ impl Stage<'_> {
             let first = usize::from(declared.frames.len() > 2);
             let frames = (first..declared.frames.len()).map(|frame| Place::Body(body, frame));
             let places = frames.filter_map(|place| self.place(place, row)).collect();
-            parts.push(Part::Body(places));
+            parts.push(SpatialPart::Body(places));
         }
         for joint in scene.joints.iter().filter(|joint| joint.law.rows() > 0) {
             let fixed = |place: Place| matches!(place, Place::World(_));
@@ -237,14 +241,14 @@ impl Stage<'_> {
                 continue;
             };
             if (child - parent).norm() > APART {
-                parts.push(Part::Rail([parent, child]));
+                parts.push(SpatialPart::Rail([parent, child]));
             }
             parts.extend(
                 [(joint.parent, parent), (joint.child, child)].map(|(end, at)| {
                     if fixed(end) {
-                        Part::Pivot(at)
+                        SpatialPart::Pivot(at)
                     } else {
-                        Part::Joint(at)
+                        SpatialPart::Joint(at)
                     }
                 }),
             );
@@ -255,19 +259,19 @@ impl Stage<'_> {
             let stretch = stretch.and_then(|column| column.get(row));
             if let ([Some(from), Some(to)], Some(stretch)) = (ends, stretch) {
                 let slack = *stretch <= 0.0 && line.kind.is_unilateral();
-                parts.push(Part::Line([from, to], slack));
+                parts.push(SpatialPart::Line([from, to], slack));
             }
             for end in [line.from, line.to] {
                 if let (Place::World(_), Some(at)) = (end, self.place(end, row)) {
-                    parts.push(Part::Pivot(at));
+                    parts.push(SpatialPart::Pivot(at));
                 }
             }
         }
         for (point, declared) in scene.points.iter().enumerate() {
             if let Some(at) = self.place(Place::Point(point), row) {
                 parts.push(match declared.kind {
-                    PointKind::Mass(_) => Part::Point(at),
-                    PointKind::Node(_) => Part::Joint(at),
+                    PointKind::Mass(_) => SpatialPart::Point(at),
+                    PointKind::Node(_) => SpatialPart::Joint(at),
                 });
             }
         }
@@ -313,11 +317,14 @@ impl Stage<'_> {
 }
 
 /// Moves every instant about its own middle, if the mechanism travels far; paths are then left out. Whether it does.
-fn about_itself(instants: &mut [Vec<Part>], paths: &mut Vec<(String, Vec<Vector3<f64>>)>) -> bool {
+fn about_itself(
+    instants: &mut [Vec<SpatialPart>],
+    paths: &mut Vec<(String, Vec<Vector3<f64>>)>,
+) -> bool {
     let fixed = instants
         .iter()
         .flatten()
-        .any(|part| matches!(part, Part::Pivot(_)));
+        .any(|part| matches!(part, SpatialPart::Pivot(_)));
     let own = instants
         .iter()
         .map(|parts| extents(std::slice::from_ref(parts), &[]).max())
@@ -327,19 +334,21 @@ fn about_itself(instants: &mut [Vec<Part>], paths: &mut Vec<(String, Vec<Vector3
     }
     paths.clear();
     for parts in instants {
-        let Some((low, high)) = bounds(parts.iter().flat_map(Part::places)) else {
+        let Some((low, high)) = bounds(parts.iter().flat_map(SpatialPart::places)) else {
             continue;
         };
         let middle = 0.5 * (low + high);
         for part in parts {
             match part {
-                Part::Body(places) | Part::Solid(Skin { places, .. }) => {
+                SpatialPart::Body(places) | SpatialPart::Solid(Skin { places, .. }) => {
                     places.iter_mut().for_each(|place| *place -= middle)
                 }
-                Part::Line(ends, _) | Part::Rail(ends) => {
+                SpatialPart::Line(ends, _) | SpatialPart::Rail(ends) => {
                     ends.iter_mut().for_each(|end| *end -= middle)
                 }
-                Part::Joint(at) | Part::Pivot(at) | Part::Point(at) => *at -= middle,
+                SpatialPart::Joint(at) | SpatialPart::Pivot(at) | SpatialPart::Point(at) => {
+                    *at -= middle
+                }
             }
         }
     }
@@ -358,8 +367,8 @@ fn bounds<'p>(
 }
 
 /// How far everything extends along the three axes [m].
-fn extents(instants: &[Vec<Part>], paths: &[(String, Vec<Vector3<f64>>)]) -> Vector3<f64> {
-    let parts = instants.iter().flatten().flat_map(Part::places);
+fn extents(instants: &[Vec<SpatialPart>], paths: &[(String, Vec<Vector3<f64>>)]) -> Vector3<f64> {
+    let parts = instants.iter().flatten().flat_map(SpatialPart::places);
     let all = parts.chain(paths.iter().flat_map(|(_, places)| places));
     bounds(all).map_or_else(Vector3::zeros, |(low, high)| high - low)
 }

@@ -2,12 +2,12 @@
 
 use mbd_runtime::MetricValue;
 
-use super::table::{Cell, Table};
+use super::table::{Cell, ReportTable};
 
 /// The metrics of a run, from [`Trajectory::metrics`](mbd_runtime::Trajectory::metrics); without rows where there are none.
 #[must_use]
-pub fn metrics_table(told: &[MetricValue]) -> Table {
-    let mut table = Table::new("Metrics")
+pub fn metrics_table(told: &[MetricValue]) -> ReportTable {
+    let mut table = ReportTable::new("Metrics")
         .column("name", "")
         .column("taken", "")
         .number("value", "", 9)
@@ -30,5 +30,5 @@ pub fn metrics_table(told: &[MetricValue]) -> Table {
         let why = metric.value.err()?;
         Some(format!("`{}` has no value: {why}", metric.name))
     });
-    missing.fold(table, Table::note)
+    missing.fold(table, ReportTable::note)
 }

@@ -5,7 +5,7 @@ use mbd_runtime::{Model, Options, Trajectory};
 
 use super::html::Report;
 use super::metrics::metrics_table;
-use super::table::{Cell, Table};
+use super::table::{Cell, ReportTable};
 use super::views::{Run, Views};
 
 /// The page of a run: the mechanism as it moves, the histories, and what made them: model, hash of its declaration, params, options.
@@ -78,7 +78,7 @@ fn run<T: Float>(
     model: &(impl Model<T> + ?Sized),
     options: &Options,
     history: &Trajectory,
-) -> Table {
+) -> ReportTable {
     let statistics = history.statistics;
     let hash = fingerprint(format!("{:?}", model.scene()).into_bytes());
     let times = history.times();
@@ -106,7 +106,9 @@ fn run<T: Float>(
         ("rejected steps", Cell::Count(statistics.rejected)),
         ("right-hand sides", Cell::Count(statistics.rhs)),
     ];
-    let mut table = Table::new("Run").column("what", "").column("value", "");
+    let mut table = ReportTable::new("Run")
+        .column("what", "")
+        .column("value", "");
     for (what, value) in rows {
         table.push([what.into(), value]);
     }
@@ -114,8 +116,8 @@ fn run<T: Float>(
 }
 
 /// The params the model has, in SI.
-fn params_of<T: Float>(model: &(impl Model<T> + ?Sized)) -> Table {
-    let mut table = Table::new("Params, in SI units")
+fn params_of<T: Float>(model: &(impl Model<T> + ?Sized)) -> ReportTable {
+    let mut table = ReportTable::new("Params, in SI units")
         .column("name", "")
         .number("value", "", 6)
         .column("what", "");

@@ -4,25 +4,25 @@ use serde::{Serialize, Serializer};
 
 /// An array of numbers, little endian, as the page unpacks it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Packed(Vec<u8>);
+pub(super) struct PackedArray(Vec<u8>);
 
-impl Packed {
+impl PackedArray {
     /// Numbers of 32 bits: seven digits.
     pub fn floats(numbers: impl IntoIterator<Item = f64>) -> Self {
         let bytes = numbers.into_iter().flat_map(|x| (x as f32).to_le_bytes());
-        Packed(bytes.collect())
+        PackedArray(bytes.collect())
     }
 
     /// Shares from −1 to 1 in 16 bits.
     pub fn shares(numbers: impl IntoIterator<Item = f64>) -> Self {
         let share = |x: f64| (x.clamp(-1.0, 1.0) * f64::from(i16::MAX)).round() as i16;
         let bytes = numbers.into_iter().flat_map(|x| share(x).to_le_bytes());
-        Packed(bytes.collect())
+        PackedArray(bytes.collect())
     }
 
     /// Yes and no.
     pub fn flags(flags: impl IntoIterator<Item = bool>) -> Self {
-        Packed(flags.into_iter().map(u8::from).collect())
+        PackedArray(flags.into_iter().map(u8::from).collect())
     }
 
     fn text(&self) -> String {
@@ -45,7 +45,7 @@ impl Packed {
     }
 }
 
-impl Serialize for Packed {
+impl Serialize for PackedArray {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&self.text())
     }
@@ -64,14 +64,14 @@ mod tests {
             ("foo", "Zm9v"),
             ("foobar", "Zm9vYmFy"),
         ] {
-            assert_eq!(Packed(bytes.as_bytes().to_vec()).text(), text);
+            assert_eq!(PackedArray(bytes.as_bytes().to_vec()).text(), text);
         }
     }
 
     #[test]
     fn shares_keep_their_ends() {
         assert_eq!(
-            Packed::shares([1.0, -1.0, 2.0]).0,
+            PackedArray::shares([1.0, -1.0, 2.0]).0,
             [255, 127, 1, 128, 255, 127]
         );
     }

@@ -3,7 +3,7 @@
 use super::drawn::Drawn;
 use super::film::Film;
 use super::loads::loads;
-use super::stage::{Stage, Track};
+use super::stage::{RecordedScene, Track};
 use super::thin::motion_rows;
 use super::views::Run;
 
@@ -23,7 +23,7 @@ impl Playback {
     /// A run of a scene. What the history does not hold is not shown, and the page says so.
     #[must_use]
     pub fn new(run: &Run<'_>) -> Self {
-        let stage = Stage::new(run.scene, run.params, run.trajectory);
+        let stage = RecordedScene::new(run.scene, run.params, run.trajectory);
         let rows = rows(&stage);
         let acting = loads((run.scene, run.params), run.inputs, (run.trajectory, &rows));
         let film = Film::of_rows(&stage, &rows);
@@ -39,11 +39,16 @@ impl Playback {
     /// Several runs in one drawing, each with its label before its names; of the times of the one that lasts longest. Loads are not shown.
     #[must_use]
     pub fn of_several(runs: &[(&str, Run<'_>)]) -> Self {
-        let stages: Vec<(&str, Stage<'_>)> = runs
+        let stages: Vec<(&str, RecordedScene<'_>)> = runs
             .iter()
-            .map(|(label, run)| (*label, Stage::new(run.scene, run.params, run.trajectory)))
+            .map(|(label, run)| {
+                (
+                    *label,
+                    RecordedScene::new(run.scene, run.params, run.trajectory),
+                )
+            })
             .collect();
-        let end = |stage: &Stage<'_>| stage.trajectory.times().last().copied();
+        let end = |stage: &RecordedScene<'_>| stage.trajectory.times().last().copied();
         let longest = stages.iter().max_by(|(_, a), (_, b)| {
             let [a, b] = [a, b].map(|stage| end(stage).unwrap_or(f64::NEG_INFINITY));
             a.total_cmp(&b)
@@ -74,7 +79,7 @@ impl Playback {
 }
 
 /// The rows that are shown.
-pub(super) fn rows(stage: &Stage<'_>) -> Vec<usize> {
+pub(super) fn rows(stage: &RecordedScene<'_>) -> Vec<usize> {
     let scene = stage.scene;
     let tracks = stage.bodies.iter().chain(&stage.points).flatten();
     let lines = scene.lines.iter();
@@ -94,7 +99,7 @@ pub(super) fn rows(stage: &Stage<'_>) -> Vec<usize> {
 }
 
 /// What is shown of the run, and what is not.
-fn says(stage: &Stage<'_>, rows: &[usize]) -> Vec<String> {
+fn says(stage: &RecordedScene<'_>, rows: &[usize]) -> Vec<String> {
     let times = stage.trajectory.times();
     let mut says = Vec::new();
     match (times, rows.len()) {

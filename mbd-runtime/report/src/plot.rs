@@ -1,9 +1,9 @@
 //! A picture with axes, put together: title, legend, panel, axis labels, words under it. Once as a file of its own, of fixed size; once as a
 //! part of a page, where the panel is as wide as there is room and text keeps its size.
 
-use super::axis::{Axis, superscript};
+use super::axis::{PlotAxis, superscript};
 use super::look::style_sheet;
-use super::svg::{Anchor, Svg, escape, plain, text_width, words, wrap};
+use super::svg::{Svg, TextAnchor, escape, plain, text_width, words, wrap};
 use super::trace::Panel;
 
 /// Width of a picture that is a file [px].
@@ -24,7 +24,7 @@ const BELOW: f64 = 48.0;
 pub(super) const SAMPLE: [f64; 2] = [36.0, 12.0];
 
 /// An entry of a legend: a sample, drawn into [`SAMPLE`], and its name.
-pub(super) struct Entry {
+pub(super) struct LegendEntry {
     /// Markup of the sample.
     pub sample: String,
     /// What it stands for.
@@ -40,7 +40,7 @@ pub(super) struct Plot<'a> {
     /// Names of both axes, powers of ten included.
     pub labels: [String; 2],
     /// What is drawn.
-    pub legend: Vec<Entry>,
+    pub legend: Vec<LegendEntry>,
     /// Markup inside the panel.
     pub content: String,
     /// Room for the labels left of the panel [px].
@@ -70,25 +70,39 @@ impl Plot<'_> {
         let mut svg = Svg::open(size, self.title, self.caption, &style_sheet());
         for (row, words) in titles.iter().enumerate() {
             let down = 8.0 + 1.3 * TITLE * (row as f64 + 0.8);
-            svg.text("", [self.left, down], TITLE, Anchor::Start, false, words);
+            svg.text(
+                "",
+                [self.left, down],
+                TITLE,
+                TextAnchor::Start,
+                false,
+                words,
+            );
         }
         for (row, entries) in legend.iter().enumerate() {
             let middle = head + LINE * (row as f64 + 0.5);
             for &(entry, left) in entries {
                 svg.inside([left, middle - 0.5 * SAMPLE[1]], SAMPLE, &entry.sample);
                 let at = [left + SAMPLE[0] + 7.0, middle + 0.35 * TEXT];
-                svg.text("", at, TEXT, Anchor::Start, false, &entry.name);
+                svg.text("", at, TEXT, TextAnchor::Start, false, &entry.name);
             }
         }
         svg.inside([self.left, top], self.size, &self.content);
         let [x, y] = &self.labels;
         let below = [self.left + 0.5 * width, top + height + 36.0];
-        svg.text("", below, TEXT, Anchor::Middle, false, x);
+        svg.text("", below, TEXT, TextAnchor::Middle, false, x);
         let beside = [16.0, top + 0.5 * height];
-        svg.text("", beside, TEXT, Anchor::Middle, true, y);
+        svg.text("", beside, TEXT, TextAnchor::Middle, true, y);
         for (row, words) in under.iter().enumerate() {
             let down = bottom + LINE * (row as f64 + 0.4);
-            svg.text("", [self.left, down], SMALL, Anchor::Start, false, words);
+            svg.text(
+                "",
+                [self.left, down],
+                SMALL,
+                TextAnchor::Start,
+                false,
+                words,
+            );
         }
         svg.close()
     }
@@ -104,7 +118,7 @@ impl Plot<'_> {
         if !self.legend.is_empty() {
             let [w, h] = SAMPLE;
             html += "<ul class=\"legend\">";
-            for Entry { sample, name } in &self.legend {
+            for LegendEntry { sample, name } in &self.legend {
                 html += &format!(
                     "<li><svg width=\"{w}\" height=\"{h}\" aria-hidden=\"true\">{sample}</svg>{}</li>",
                     escape(name)
@@ -142,8 +156,8 @@ impl Plot<'_> {
     }
 
     /// The entries of each row of the legend of a file, with their left ends [px].
-    fn legend_rows(&self) -> Vec<Vec<(&Entry, f64)>> {
-        let mut rows: Vec<Vec<(&Entry, f64)>> = Vec::new();
+    fn legend_rows(&self) -> Vec<Vec<(&LegendEntry, f64)>> {
+        let mut rows: Vec<Vec<(&LegendEntry, f64)>> = Vec::new();
         let mut free = WIDTH;
         for entry in &self.legend {
             let width = SAMPLE[0] + 8.0 + text_width(&entry.name, TEXT) + 18.0;
@@ -170,7 +184,7 @@ pub(super) fn label(name: &str, unit: &str) -> String {
 }
 
 /// Room for the tick labels of the vertical axis [px].
-pub(super) fn left_margin(y: &Axis) -> f64 {
+pub(super) fn left_margin(y: &PlotAxis) -> f64 {
     let widest = y
         .ticks
         .iter()
@@ -196,7 +210,13 @@ pub(super) fn draw_grid(svg: &mut Svg, panel: &Panel) {
     for (index, tick) in labelled.enumerate() {
         let every = if index % 2 == 1 { " mbd-second" } else { "" };
         let at = [tick.place, 0.0];
-        svg.beside(every, (at, [0.0, 16.0]), TEXT, Anchor::Middle, &tick.label);
+        svg.beside(
+            every,
+            (at, [0.0, 16.0]),
+            TEXT,
+            TextAnchor::Middle,
+            &tick.label,
+        );
     }
     svg.ungroup();
     svg.group("mbd-y");
@@ -205,7 +225,7 @@ pub(super) fn draw_grid(svg: &mut Svg, panel: &Panel) {
         if !tick.label.is_empty() {
             let shift = [-6.0, 0.35 * TEXT];
             let at = ([0.0, tick.place], shift);
-            svg.beside("", at, TEXT, Anchor::End, &tick.label);
+            svg.beside("", at, TEXT, TextAnchor::End, &tick.label);
         }
     }
     svg.ungroup();

@@ -14,7 +14,7 @@ const JOINTS: usize = 8;
 
 /// Curves that share a plot.
 #[derive(Clone, Debug)]
-pub struct Group<'a> {
+pub struct PlotGroup<'a> {
     name: String,
     axis: String,
     unit: String,
@@ -30,12 +30,12 @@ enum Curve<'a> {
     Made(String, Vec<f64>),
 }
 
-impl<'a> Group<'a> {
+impl<'a> PlotGroup<'a> {
     fn of(name: &str, axis: &str, columns: &[&'a Name], trajectory: &'a Trajectory) -> Self {
         let curves = columns
             .iter()
             .filter_map(|name| Some(Curve::Column(&name.name, trajectory.column(&name.name)?)));
-        Group {
+        PlotGroup {
             name: name.to_string(),
             axis: axis.to_string(),
             unit: columns
@@ -48,14 +48,14 @@ impl<'a> Group<'a> {
     }
 
     /// The same curves in as many plots as it takes for each to have a look of its own.
-    fn told_apart(self) -> Vec<Group<'a>> {
+    fn told_apart(self) -> Vec<PlotGroup<'a>> {
         let (all, most) = (self.curves.len(), Look::ALL.len());
         if all <= most {
             return vec![self];
         }
         let count = all.div_ceil(most);
         let mut curves = self.curves.into_iter();
-        let part = |k: usize| Group {
+        let part = |k: usize| PlotGroup {
             name: format!("{} ({} of {count})", self.name, k + 1),
             axis: self.axis.clone(),
             unit: self.unit.clone(),
@@ -105,13 +105,13 @@ pub fn groups<'a>(
     scene: &Scene,
     figures: &[(String, Vec<String>)],
     trajectory: &'a Trajectory,
-) -> Vec<Group<'a>> {
+) -> Vec<PlotGroup<'a>> {
     let find = |column: &String| trajectory.names().iter().find(|name| name.name == *column);
-    let mut groups: Vec<Group<'a>> = figures
+    let mut groups: Vec<PlotGroup<'a>> = figures
         .iter()
         .map(|(title, columns)| {
             let columns: Vec<&Name> = columns.iter().filter_map(find).collect();
-            Group::of(title, title, &columns, trajectory)
+            PlotGroup::of(title, title, &columns, trajectory)
         })
         .collect();
     let shown = |name: &Name| figures.iter().any(|(_, list)| list.contains(&name.name));
@@ -130,13 +130,13 @@ pub fn groups<'a>(
         }
         if !columns.is_empty() {
             let axis = if axis.is_empty() { owner } else { axis };
-            groups.push(Group::of(title.trim(), axis, &columns, trajectory));
+            groups.push(PlotGroup::of(title.trim(), axis, &columns, trajectory));
         }
     }
     groups.extend(reactions(scene, trajectory));
     groups.extend(drift(trajectory));
     groups.extend(energy(scene, trajectory));
-    groups.into_iter().flat_map(Group::told_apart).collect()
+    groups.into_iter().flat_map(PlotGroup::told_apart).collect()
 }
 
 /// What an angle is periodic by, where all its values lie in one turn: `None` of other quantities and of angles that count turns.
@@ -191,7 +191,7 @@ fn histories<'s, 'n>(
 }
 
 /// Sizes of the forces in the joints.
-fn reactions<'a>(scene: &Scene, trajectory: &Trajectory) -> Option<Group<'a>> {
+fn reactions<'a>(scene: &Scene, trajectory: &Trajectory) -> Option<PlotGroup<'a>> {
     let size = |joint: &str| -> Option<Vec<f64>> {
         let [x, y, z] =
             ["x", "y", "z"].map(|part| trajectory.column(&format!("{joint}.force.{part}")));
@@ -219,7 +219,7 @@ fn reactions<'a>(scene: &Scene, trajectory: &Trajectory) -> Option<Group<'a>> {
     if (0..scene.joints.len()).any(|joint| !redundancy.is_unique(joint)) {
         caption += " Rows repeat each other, so some of these forces are one choice of many; `mbd check` marks them.";
     }
-    Some(Group {
+    Some(PlotGroup {
         name: "Joints: force".to_string(),
         axis: "force".to_string(),
         unit: "N".to_string(),
@@ -233,12 +233,12 @@ fn reactions<'a>(scene: &Scene, trajectory: &Trajectory) -> Option<Group<'a>> {
 }
 
 /// How far the joints are open.
-fn drift<'a>(trajectory: &Trajectory) -> Option<Group<'a>> {
+fn drift<'a>(trajectory: &Trajectory) -> Option<PlotGroup<'a>> {
     // A logarithmic axis has no zero.
     let visible = |column: &[f64]| column.iter().map(|x| x.abs().max(1e-18)).collect();
     let position = visible(trajectory.column("joint_drift")?);
     let rate = visible(trajectory.column("joint_drift_rate")?);
-    Some(Group {
+    Some(PlotGroup {
         name: "Joints: drift".to_string(),
         axis: "drift".to_string(),
         unit: "m, m/s".to_string(),
@@ -252,7 +252,7 @@ fn drift<'a>(trajectory: &Trajectory) -> Option<Group<'a>> {
 }
 
 /// The parts of the energy, and what the balance leaves.
-fn energy<'a>(scene: &Scene, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
+fn energy<'a>(scene: &Scene, trajectory: &'a Trajectory) -> Vec<PlotGroup<'a>> {
     let parts: Vec<&Name> = trajectory
         .names()
         .iter()
@@ -264,12 +264,12 @@ fn energy<'a>(scene: &Scene, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
         .collect();
     let mut groups = Vec::new();
     if !parts.is_empty() {
-        groups.push(Group::of("Energy", "energy", &parts, trajectory));
+        groups.push(PlotGroup::of("Energy", "energy", &parts, trajectory));
     }
     if scene.gravity != Gravity::Field
         && let Some(left) = trajectory.energy_surplus()
     {
-        groups.push(Group {
+        groups.push(PlotGroup {
             name: "Energy balance".to_string(),
             axis: "balance".to_string(),
             unit: "J".to_string(),
@@ -297,7 +297,7 @@ mod tests {
 
     #[test]
     fn a_plot_has_no_two_curves_of_one_look() {
-        let group = Group {
+        let group = PlotGroup {
             name: "legs tension".into(),
             axis: "tension".into(),
             unit: "N".into(),

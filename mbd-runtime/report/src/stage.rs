@@ -5,7 +5,7 @@ use mbd_runtime::nalgebra::{Matrix3, Vector3};
 use mbd_runtime::scene::laws::{Numbers, ground};
 use mbd_runtime::scene::{Place, Plane, Scene, rotation};
 
-use super::surface::Placed;
+use super::surface::SurfaceSolid;
 
 /// What is nearer to a solid than this share of its distance from the centre of mass touches it.
 const CLEAR: f64 = 0.02;
@@ -13,7 +13,7 @@ const CLEAR: f64 = 0.02;
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A scene and a history of it.
-pub(super) struct Stage<'a> {
+pub(super) struct RecordedScene<'a> {
     pub scene: &'a Scene,
     pub trajectory: &'a Trajectory,
     pub numbers: Numbers<f64>,
@@ -27,11 +27,11 @@ pub(super) struct Stage<'a> {
 pub(super) struct Track<'a> {
     /// Along x, y, z [m]; `None` along the normal of a planar scene.
     position: [Option<&'a [f64]>; 3],
-    attitude: Option<Attitude<'a>>,
+    attitude: Option<AttitudeSource<'a>>,
 }
 
 /// The columns of an attitude.
-enum Attitude<'a> {
+enum AttitudeSource<'a> {
     /// w, x, y, z.
     Quaternion([&'a [f64]; 4]),
     /// The angle about the normal of a plane [rad].
@@ -48,9 +48,11 @@ impl<'a> Track<'a> {
             }
         }
         let attitude = match plane {
-            Some(plane) => column("angle").map(|angle| Attitude::Angle(plane, angle)),
+            Some(plane) => column("angle").map(|angle| AttitudeSource::Angle(plane, angle)),
             None => match ["qw", "qx", "qy", "qz"].map(column) {
-                [Some(w), Some(x), Some(y), Some(z)] => Some(Attitude::Quaternion([w, x, y, z])),
+                [Some(w), Some(x), Some(y), Some(z)] => {
+                    Some(AttitudeSource::Quaternion([w, x, y, z]))
+                }
                 _ => None,
             },
         };
@@ -71,14 +73,14 @@ impl<'a> Track<'a> {
     /// Attitude as a quaternion w, x, y, z: body axes → world axes.
     pub fn quaternion(&self, row: usize) -> Option<[f64; 4]> {
         match self.attitude.as_ref()? {
-            Attitude::Quaternion(parts) => {
+            AttitudeSource::Quaternion(parts) => {
                 let mut quaternion = [0.0; 4];
                 for (number, part) in quaternion.iter_mut().zip(parts) {
                     *number = *part.get(row)?;
                 }
                 Some(quaternion)
             }
-            Attitude::Angle(plane, angle) => {
+            AttitudeSource::Angle(plane, angle) => {
                 let (sin, cos) = (0.5 * angle.get(row)?).sin_cos();
                 let [x, y, z] = plane.axis().0;
                 Some([cos, x * sin, y * sin, z * sin])
@@ -89,16 +91,16 @@ impl<'a> Track<'a> {
     /// Body axes → world axes.
     pub fn turn(&self, row: usize) -> Option<Matrix3<f64>> {
         match self.attitude.as_ref()? {
-            Attitude::Angle(plane, angle) => Some(plane.axis().turn(*angle.get(row)?)),
-            Attitude::Quaternion(_) => self.quaternion(row).map(rotation),
+            AttitudeSource::Angle(plane, angle) => Some(plane.axis().turn(*angle.get(row)?)),
+            AttitudeSource::Quaternion(_) => self.quaternion(row).map(rotation),
         }
     }
 
     /// All columns.
     pub fn columns(&self) -> impl Iterator<Item = &'a [f64]> + '_ {
         let attitude: &[&[f64]] = match &self.attitude {
-            Some(Attitude::Quaternion(parts)) => parts,
-            Some(Attitude::Angle(_, angle)) => std::slice::from_ref(angle),
+            Some(AttitudeSource::Quaternion(parts)) => parts,
+            Some(AttitudeSource::Angle(_, angle)) => std::slice::from_ref(angle),
             None => &[],
         };
         let position = self.position.iter().copied().flatten();
@@ -106,11 +108,11 @@ impl<'a> Track<'a> {
     }
 }
 
-impl<'a> Stage<'a> {
+impl<'a> RecordedScene<'a> {
     /// A history of a scene with these params (declaration order, SI).
     pub fn new(scene: &'a Scene, params: &[f64], trajectory: &'a Trajectory) -> Self {
         let track = |name: &str| Track::of(trajectory, scene.planar, name);
-        Stage {
+        RecordedScene {
             scene,
             trajectory,
             numbers: Numbers::new(scene, params),
@@ -128,8 +130,8 @@ impl<'a> Stage<'a> {
     }
 
     /// The solids of a body.
-    pub fn solids(&self, body: usize) -> Vec<Placed> {
-        Placed::of_body(self.scene, &self.numbers.params, body)
+    pub fn solids(&self, body: usize) -> Vec<SurfaceSolid> {
+        SurfaceSolid::of_body(self.scene, &self.numbers.params, body)
     }
 
     /// The frames of a body that are joined to its centre of mass by a line, since no solid of it shows where they are: all of a body without
@@ -147,7 +149,7 @@ impl<'a> Stage<'a> {
         let frames = numbers.frames.iter().enumerate();
         let shown = frames.filter(|(frame, numbers)| {
             let place = &numbers.position;
-            let inside = |solid: &Placed| solid.contains(place, CLEAR * place.norm());
+            let inside = |solid: &SurfaceSolid| solid.contains(place, CLEAR * place.norm());
             let bare = || held.contains(&Place::Body(body, *frame)) && !solids.iter().any(inside);
             place.norm() > 0.0 && (solids.is_empty() || bare())
         });

@@ -16,14 +16,14 @@ pub(super) struct Surface {
     /// Corners [m].
     pub places: Vec<Vector3<f64>>,
     /// Its parts, with edges between them; each may hide those before it.
-    pub parts: Vec<Part>,
+    pub parts: Vec<Patch>,
     /// Radius, and the length between the middles of its two halves [m], where all of it is the skin of a ball that is parted along z.
     pub ball: Option<[f64; 2]>,
 }
 
 /// A part without edges inside.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Part {
+pub(super) struct Patch {
     /// Flat faces by their corners, counter-clockwise seen from outside.
     pub faces: Vec<Vec<usize>>,
     /// Where a flat part ends, by corners all around; of a bent part nothing.
@@ -41,7 +41,7 @@ enum Bend {
     Ball(f64),
 }
 
-impl Part {
+impl Patch {
     /// The unit vector outwards at one of its corners.
     pub fn normal(&self, place: &Vector3<f64>) -> Vector3<f64> {
         let normal = match self.bend {
@@ -139,7 +139,7 @@ impl Surface {
         for pair in rings.windows(2) {
             faces.extend(between(&pair[0], &pair[1]));
         }
-        surface.parts.push(Part {
+        surface.parts.push(Patch {
             faces,
             rims: Vec::new(),
             bend: Bend::Ball(half),
@@ -169,7 +169,7 @@ impl Surface {
             Bend::Flat(_) => vec![first.to_vec(), second.to_vec()],
             Bend::Round(_) | Bend::Ball(_) => Vec::new(),
         };
-        self.parts.push(Part {
+        self.parts.push(Patch {
             faces: between(first, second),
             rims,
             bend,
@@ -177,7 +177,7 @@ impl Surface {
     }
 
     fn flat(&mut self, faces: Vec<Vec<usize>>, outwards: Vector3<f64>) {
-        self.parts.push(Part {
+        self.parts.push(Patch {
             rims: faces.clone(),
             faces,
             bend: Bend::Flat(outwards),
@@ -207,7 +207,7 @@ fn between(first: &[usize], second: &[usize]) -> Vec<Vec<usize>> {
 
 /// A solid of a body with its numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(super) struct SurfaceSolid {
     pub solid: Solid,
     /// Its sizes [m].
     pub sizes: Vec<f64>,
@@ -217,12 +217,12 @@ pub(super) struct Placed {
     pub turn: Matrix3<f64>,
 }
 
-impl Placed {
+impl SurfaceSolid {
     /// The solids of a body, with params in declaration order.
-    pub fn of_body(scene: &Scene, params: &[f64], body: usize) -> Vec<Placed> {
+    pub fn of_body(scene: &Scene, params: &[f64], body: usize) -> Vec<SurfaceSolid> {
         let number = |formula: &Formula| constant(scene, params, formula);
         let vector = |triple: &Triple| Vector3::from(triple.each_ref().map(number));
-        let placed = |shape: &Shape| Placed {
+        let placed = |shape: &Shape| SurfaceSolid {
             solid: shape.solid,
             sizes: shape.sizes.iter().map(number).collect(),
             at: vector(&shape.position),

@@ -6,7 +6,7 @@ use super::number::pixel;
 
 /// Where a text is anchored.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Anchor {
+pub(super) enum TextAnchor {
     Start,
     Middle,
     End,
@@ -180,7 +180,7 @@ impl Svg {
         class: &str,
         (at, shift): ([f64; 2], [f64; 2]),
         size: f64,
-        anchor: Anchor,
+        anchor: TextAnchor,
         words: &str,
     ) {
         let [x, y] = [share(at[0]), share(1.0 - at[1])];
@@ -263,7 +263,7 @@ impl Svg {
         class: &str,
         at: [f64; 2],
         size: f64,
-        anchor: Anchor,
+        anchor: TextAnchor,
         rotated: bool,
         words: &str,
     ) {
@@ -293,11 +293,11 @@ fn share(part: f64) -> String {
     format!("{:.2}%", 100.0 * part)
 }
 
-fn anchored(anchor: Anchor) -> &'static str {
+fn anchored(anchor: TextAnchor) -> &'static str {
     match anchor {
-        Anchor::Start => "",
-        Anchor::Middle => " text-anchor=\"middle\"",
-        Anchor::End => " text-anchor=\"end\"",
+        TextAnchor::Start => "",
+        TextAnchor::Middle => " text-anchor=\"middle\"",
+        TextAnchor::End => " text-anchor=\"end\"",
     }
 }
 

@@ -54,7 +54,7 @@ impl<C: Into<Cell>> From<Option<C>> for Cell {
 }
 
 #[derive(Clone, Debug)]
-struct Column {
+struct TableColumn {
     name: String,
     unit: String,
     digits: usize,
@@ -68,20 +68,20 @@ struct Column {
 /// assert!(table.text().contains("1.57e-4"));
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct ReportTable {
     title: String,
-    columns: Vec<Column>,
+    columns: Vec<TableColumn>,
     rows: Vec<Vec<Cell>>,
     notes: Vec<String>,
 }
 
-impl Table {
+impl ReportTable {
     /// A table without columns.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Table {
+        ReportTable {
             title: title.into(),
-            ..Table::default()
+            ..ReportTable::default()
         }
     }
 
@@ -94,7 +94,7 @@ impl Table {
     /// Adds a column of numbers with this many significant digits.
     #[must_use]
     pub fn number(mut self, name: &str, unit: &str, digits: usize) -> Self {
-        self.columns.push(Column {
+        self.columns.push(TableColumn {
             name: name.to_string(),
             unit: unit.to_string(),
             digits,
@@ -109,7 +109,7 @@ impl Table {
         self
     }
 
-    /// [`Table::row`] in a loop.
+    /// [`ReportTable::row`] in a loop.
     pub fn push(&mut self, cells: impl IntoIterator<Item = Cell>) {
         let mut row: Vec<Cell> = cells.into_iter().collect();
         row.resize(self.columns.len(), Cell::Missing);
@@ -295,8 +295,8 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn table() -> Table {
-        Table::new("Runs")
+    fn table() -> ReportTable {
+        ReportTable::new("Runs")
             .column("node", "")
             .number("step", "s", 3)
             .column("solves", "1/s")
@@ -329,14 +329,19 @@ mod tests {
 
     #[test]
     fn rows_of_the_wrong_length_and_empty_tables_are_shown_all_the_same() {
-        let table = Table::new("t")
+        let table = ReportTable::new("t")
             .column("a", "")
             .column("b", "")
             .row(["x".into()]);
         assert!(table.text().contains('–'));
-        assert!(Table::new("empty").column("a", "m").text().contains("[m]"));
         assert!(
-            Table::new("nothing")
+            ReportTable::new("empty")
+                .column("a", "m")
+                .text()
+                .contains("[m]")
+        );
+        assert!(
+            ReportTable::new("nothing")
                 .row(["x".into()])
                 .html()
                 .contains("<table>")

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::number::pixel;
 
 /// The rectangle of a plot and its axes.
@@ -13,9 +13,9 @@ pub(super) struct Panel<'a> {
     /// Width and height [px].
     pub size: [f64; 2],
     /// The horizontal axis.
-    pub x: &'a Axis,
+    pub x: &'a PlotAxis,
     /// The vertical axis.
-    pub y: &'a Axis,
+    pub y: &'a PlotAxis,
 }
 
 /// A drawn series.
@@ -140,11 +140,11 @@ struct Pen {
     text: String,
     down: bool,
     drawn: Option<[String; 2]>,
-    column: Option<Column>,
+    column: Option<PixelColumn>,
 }
 
 /// The samples of one pixel column that are worth drawing, with the order in which the extremes came.
-struct Column {
+struct PixelColumn {
     index: f64,
     count: usize,
     low: (usize, [f64; 2]),
@@ -160,7 +160,7 @@ impl Pen {
         // A dot, if nothing follows: a line of length zero has round ends.
         self.drawn = None;
         self.down = true;
-        self.column = Some(Column::new(place));
+        self.column = Some(PixelColumn::new(place));
     }
 
     fn line_to(&mut self, place: [f64; 2]) {
@@ -168,7 +168,7 @@ impl Pen {
             Some(column) if column.index == place[0].floor() => column.add(place),
             _ => {
                 self.flush();
-                self.column = Some(Column::new(place));
+                self.column = Some(PixelColumn::new(place));
             }
         }
     }
@@ -192,9 +192,9 @@ impl Pen {
     }
 }
 
-impl Column {
-    fn new(place: [f64; 2]) -> Column {
-        Column {
+impl PixelColumn {
+    fn new(place: [f64; 2]) -> PixelColumn {
+        PixelColumn {
             index: place[0].floor(),
             count: 1,
             low: (0, place),
@@ -226,13 +226,13 @@ impl Column {
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::{Range, Scale};
+    use super::super::axis::{RangeChoice, Scale};
     use super::*;
 
     /// On a panel of 100 × 100 pixels, x from 0 to 10, y from 0 to 1.
     fn on_panel(draw: impl FnOnce(&Panel<'_>) -> Trace) -> Trace {
-        let x = Axis::new(Range::Fixed(0.0, 10.0), Scale::Linear, 5);
-        let y = Axis::new(Range::Fixed(0.0, 1.0), Scale::Linear, 5);
+        let x = PlotAxis::new(RangeChoice::Fixed(0.0, 10.0), Scale::Linear, 5);
+        let y = PlotAxis::new(RangeChoice::Fixed(0.0, 1.0), Scale::Linear, 5);
         draw(&Panel {
             size: [100.0, 100.0],
             x: &x,

@@ -11,7 +11,7 @@ use super::files;
 use super::html::Report;
 use super::mechanism::drawings;
 use super::playback::Playback;
-use super::plots::{Group, groups};
+use super::plots::{PlotGroup, groups};
 
 /// A run that is shown.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ impl<'a> Run<'a> {
 pub struct Views<'a> {
     playback: Playback,
     drawings: Vec<Drawing>,
-    groups: Vec<Group<'a>>,
+    groups: Vec<PlotGroup<'a>>,
     times: &'a [f64],
 }
 

@@ -24,6 +24,7 @@ mod packed;
 mod params;
 mod placement;
 mod plan;
+pub mod random;
 mod redundancy;
 pub mod rows;
 mod scalar;
@@ -49,9 +50,9 @@ pub use joints::{
     Universal,
 };
 pub use layout::{
-    Anchor, Asked, Below, Carrying, Dependent, Elimination, Grouped, HeldMotor, InputSlots,
-    InputSource, JointSlots, Layout, LineEnd, LineSlots, Link, LinkAxes, Network, Node, Order,
-    Plan, PointSlots, Redundancy, Repeat, Slots, Step, StopSlots, Tree,
+    Anchor, Below, Carrying, Dependent, Elimination, EliminationStep, FromSolution, Grouped,
+    HeldMotor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Link, LinkAxes,
+    Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
@@ -74,6 +75,6 @@ pub use starts::{declared_beside, declared_parts, place_bodies, place_declared};
 pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
-    Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,
+    EnergyKind, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,
     Pose, Quantity, Relative, RowSet, Rule, SecondArgument, Table, Twist, Unit, Variable,
 };

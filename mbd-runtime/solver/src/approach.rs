@@ -4,7 +4,7 @@
 use mbd_scene::Float;
 
 use crate::error::StepError;
-use crate::locate::Bracket;
+use crate::locate::EventBracket;
 use crate::simulation::Simulation;
 
 /// Places inside a step at which margins are read to see that they keep away from zero, and those at which the ends of them are counted.
@@ -62,7 +62,7 @@ impl<T: Float> Simulation<T> {
         above: f64,
         high: f64,
         step: f64,
-    ) -> Result<Option<Bracket>, StepError> {
+    ) -> Result<Option<EventBracket>, StepError> {
         if self.margins.delay > LONGEST_DELAY * step {
             return Ok(None);
         }
@@ -81,7 +81,7 @@ impl<T: Float> Simulation<T> {
                 false => clear = Some((place, margin.max(f64::MIN_POSITIVE))),
             }
             if let (Some((low, above)), Some((high, below))) = (clear, passed) {
-                return Ok((low < high).then_some(Bracket {
+                return Ok((low < high).then_some(EventBracket {
                     low,
                     above,
                     high,

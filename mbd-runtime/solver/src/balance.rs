@@ -48,14 +48,14 @@ impl Imbalance {
 
 /// Energy and power at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Reading {
+pub(crate) struct EnergyReading {
     /// Kinetic, gravitational, elastic energy [J].
     pub energies: [f64; ENERGIES],
     /// Power of what gives and takes energy [W].
     pub power: f64,
 }
 
-impl Reading {
+impl EnergyReading {
     fn total(&self) -> f64 {
         self.energies.iter().sum()
     }
@@ -63,12 +63,12 @@ impl Reading {
 
 /// The smallest and the largest value so far, from zero on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Range {
+struct ValueRange {
     low: f64,
     high: f64,
 }
 
-impl Range {
+impl ValueRange {
     fn widen(&mut self, value: f64) {
         self.low = self.low.min(value);
         self.high = self.high.max(value);
@@ -81,7 +81,7 @@ impl Range {
 
 /// (1) so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Balance {
+pub(crate) struct EnergyBalance {
     /// Energies at the last step end [J].
     last: [f64; ENERGIES],
     /// Times before the last step end [s], the last one first, and the powers there [W].
@@ -91,7 +91,7 @@ pub(crate) struct Balance {
     /// E − E(0) − ∫ P dt [J].
     surplus: f64,
     /// Changes of each energy since the start, without those that jumped, and the work.
-    ranges: [Range; ENERGIES + 1],
+    ranges: [ValueRange; ENERGIES + 1],
     /// Where these changes stand.
     changes: [f64; ENERGIES + 1],
     /// The largest kinetic energy, and the largest sum of the sizes of the energies [J].
@@ -100,9 +100,9 @@ pub(crate) struct Balance {
     most: f64,
 }
 
-impl Balance {
+impl EnergyBalance {
     /// Takes up the energy after a start or after something jumped: what jumped counts neither as made nor as lost.
-    pub(crate) fn take_up(&mut self, now: Reading) {
+    pub(crate) fn take_up(&mut self, now: EnergyReading) {
         self.last = now.energies;
         self.before = [(0.0, now.power); 3];
         self.known = 1;
@@ -134,7 +134,7 @@ impl Balance {
     }
 
     /// Takes a step that ended with `now` and in which `work` was done [J].
-    pub(crate) fn take(&mut self, step: f64, work: f64, now: Reading) {
+    pub(crate) fn take(&mut self, step: f64, work: f64, now: EnergyReading) {
         let before = self.last.iter().sum::<f64>();
         self.surplus += gained([before, now.total()], work);
         let energies = now
@@ -160,7 +160,7 @@ impl Balance {
         self.widen(&now);
     }
 
-    fn widen(&mut self, now: &Reading) {
+    fn widen(&mut self, now: &EnergyReading) {
         let [kinetic, ..] = now.energies;
         self.kinetic = self.kinetic.max(kinetic);
         self.size = self
@@ -170,7 +170,7 @@ impl Balance {
 
     /// What moved so far [J].
     fn moved(&self) -> f64 {
-        let changed = self.ranges.iter().map(Range::extent);
+        let changed = self.ranges.iter().map(ValueRange::extent);
         changed.fold(self.kinetic, f64::max)
     }
 
@@ -243,8 +243,8 @@ fn lagrange(points: &[(f64, f64); 4], x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn reading(energy: f64, power: f64) -> Reading {
-        Reading {
+    fn reading(energy: f64, power: f64) -> EnergyReading {
+        EnergyReading {
             energies: [energy, 0.0, 0.0],
             power,
         }
@@ -252,7 +252,7 @@ mod tests {
 
     /// The work of ∫ P over steps of uneven sizes; the error over the whole.
     fn error(power: impl Fn(f64) -> f64, integral: impl Fn(f64) -> f64, step: f64) -> f64 {
-        let mut balance = Balance::default();
+        let mut balance = EnergyBalance::default();
         balance.take_up(reading(0.0, power(0.0)));
         let (mut time, mut done) = (0.0, 0.0);
         for number in 0..(2.0 / step) as usize {
@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn what_jumps_is_not_made_and_what_is_lost_counts() {
-        let mut balance = Balance::default();
+        let mut balance = EnergyBalance::default();
         balance.take_up(reading(10.0, 0.0));
         balance.take_up(reading(15.0, 0.0));
         balance.take(0.1, 0.0, reading(14.0, 0.0));

@@ -20,7 +20,7 @@ use crate::simulation::{Course, Given, Handover, Simulation, Snapshot, Stop};
 use crate::supply::{self, Inputs, Law, Sample};
 use crate::system::External;
 use crate::trajectory::Trajectory;
-use crate::trim::{Asked, TrimError, Trimmed};
+use crate::trim::{TrimError, TrimProblem, Trimmed};
 
 /// Declares every door once: the name that the public method calls, and the function behind it.
 macro_rules! doors {
@@ -79,7 +79,7 @@ doors! {
     fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = Generic::run;
     fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run;
     fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), along: (Option<&[f64]>, &[&str])) -> Result<StateSpace, LinearisationError> = StateSpace::make;
-    fn find_trim(model: &dyn Model<Self>, asked: &Asked) -> Result<Trimmed, TrimError> = crate::trim::find;
+    fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
     fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
     fn prepare(scene: &Scene, params: &[Self]) -> Result<Lines<Self>, ParamError> = crate::__private::prepare;
 }

@@ -34,7 +34,7 @@ pub struct Occurrence {
 
 /// What is looked at inside a step.
 #[derive(Clone, Copy, Debug)]
-enum Watched {
+enum WatchedGuard {
     /// A unilateral element; 1/K [m/N, for an angle 1/(N m)], whether it ends at a `rate` node, and how far its margin must be passed at least to
     /// count [m or rad].
     Element {
@@ -55,7 +55,7 @@ enum Watched {
 /// The margins of one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Margins {
-    watched: Vec<Watched>,
+    watched: Vec<WatchedGuard>,
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
     /// Per watched margin, of an event whose guard depends on nothing but coordinates that may be locked, the places of these locks in the modes:
@@ -130,7 +130,7 @@ impl Margins {
             if locate && switches(model, element) {
                 let at_node = is_node_line(layout, element);
                 let delay = (numbers.damping / numbers.stiffness).to_f64();
-                watched.push(Watched::Element {
+                watched.push(WatchedGuard::Element {
                     element,
                     softness: 1.0 / numbers.stiffness.to_f64(),
                     at_node,
@@ -142,16 +142,16 @@ impl Margins {
         watched.extend(
             events
                 .filter(|_| locate)
-                .map(|(event, declared)| Watched::Declared {
+                .map(|(event, declared)| WatchedGuard::Declared {
                     event,
                     at: 2 * layout.one_way() + event,
                     direction: declared.direction,
                     acts: declared.actions.changes(),
                 }),
         );
-        let locks = |watched: &Watched| match *watched {
-            Watched::Element { .. } => Vec::new(),
-            Watched::Declared { event, .. } => locks_of_guard(scene, layout, event),
+        let locks = |watched: &WatchedGuard| match *watched {
+            WatchedGuard::Element { .. } => Vec::new(),
+            WatchedGuard::Declared { event, .. } => locks_of_guard(scene, layout, event),
         };
         let locks = watched.iter().map(locks).collect();
         let count = watched.len();
@@ -187,7 +187,7 @@ impl Margins {
     /// The stiffnesses and dampings of other parameters.
     pub(crate) fn read_lines<T: Float>(&mut self, lines: &[LineNumbers<T>]) {
         for watched in &mut self.watched {
-            if let Watched::Element {
+            if let WatchedGuard::Element {
                 element, softness, ..
             } = watched
                 && let Some(numbers) = lines.get(*element)
@@ -214,7 +214,7 @@ impl Margins {
     /// How far a margin must be passed to count, in this step [m or rad].
     fn tolerance(&self, index: usize) -> f64 {
         match self.watched.get(index) {
-            Some(Watched::Element { floor, .. }) => floor.max(self.resolved),
+            Some(WatchedGuard::Element { floor, .. }) => floor.max(self.resolved),
             _ => 0.0,
         }
     }
@@ -222,8 +222,8 @@ impl Margins {
     /// The smallest of them among elements [m or rad].
     pub(crate) fn finest(&self) -> f64 {
         let floors = self.watched.iter().filter_map(|watched| match watched {
-            Watched::Element { floor, .. } => Some(floor.max(self.resolved)),
-            Watched::Declared { .. } => None,
+            WatchedGuard::Element { floor, .. } => Some(floor.max(self.resolved)),
+            WatchedGuard::Declared { .. } => None,
         });
         floors.fold(f64::INFINITY, f64::min)
     }
@@ -235,11 +235,11 @@ impl Margins {
     /// Whether a line that is watched does not carry: then a step is looked into.
     pub(crate) fn restless(&self, modes: &[Mode]) -> bool {
         self.watched.iter().any(|watched| match watched {
-            Watched::Element { element, .. } => {
+            WatchedGuard::Element { element, .. } => {
                 let mode = modes.get(*element);
                 !matches!(mode, Some(Mode::Active | Mode::Detached))
             }
-            Watched::Declared { .. } => false,
+            WatchedGuard::Declared { .. } => false,
         })
     }
 
@@ -249,8 +249,8 @@ impl Margins {
         let all = self.now.iter_mut().zip(&self.watched).zip(&self.locks);
         for ((margin, watched), locks) in all {
             *margin = match *watched {
-                Watched::Declared { .. } if is_locked(locks, modes) => f64::INFINITY,
-                Watched::Element {
+                WatchedGuard::Declared { .. } if is_locked(locks, modes) => f64::INFINITY,
+                WatchedGuard::Element {
                     element,
                     softness,
                     at_node,
@@ -260,7 +260,7 @@ impl Margins {
                     let pull = guard(2 * element + 1) * softness;
                     mode.margin(guard(2 * element), pull, at_node)
                 }
-                Watched::Declared { event, at, .. } => {
+                WatchedGuard::Declared { event, at, .. } => {
                     let positive = self.sides.get(event).copied().unwrap_or(false);
                     side_margin(guard(at), positive)
                 }
@@ -289,8 +289,8 @@ impl Margins {
         modes: &[Mode],
     ) -> Option<Happening> {
         match *self.watched.get(index)? {
-            Watched::Declared { event, .. } => Some(Happening::Declared(event)),
-            Watched::Element {
+            WatchedGuard::Declared { event, .. } => Some(Happening::Declared(event)),
+            WatchedGuard::Element {
                 element, softness, ..
             } => {
                 let stretch = guards.get(2 * element)?.to_f64();
@@ -305,26 +305,28 @@ impl Margins {
 
     /// Whether a margin is that of a unilateral element.
     pub(crate) fn is_element(&self, index: usize) -> bool {
-        matches!(self.watched.get(index), Some(Watched::Element { .. }))
+        matches!(self.watched.get(index), Some(WatchedGuard::Element { .. }))
     }
 
     /// Whether an event is watched that acts.
     pub(crate) fn acts(&self) -> bool {
-        let acts = |watched: &Watched| matches!(watched, Watched::Declared { acts: true, .. });
+        let acts =
+            |watched: &WatchedGuard| matches!(watched, WatchedGuard::Declared { acts: true, .. });
         self.watched.iter().any(acts)
     }
 
     /// Whether several events are watched of which some act.
     pub(crate) fn may_act_together(&self) -> bool {
-        let declared = |watched: &&Watched| matches!(watched, Watched::Declared { .. });
+        let declared = |watched: &&WatchedGuard| matches!(watched, WatchedGuard::Declared { .. });
         self.acts() && self.watched.iter().filter(declared).count() > 1
     }
 
     /// How many declared events have passed at the last look.
     pub(crate) fn happened(&self) -> usize {
         let declared = self.watched.iter().zip(&self.now);
-        let passed = declared
-            .filter(|(watched, now)| matches!(watched, Watched::Declared { .. }) && **now < 0.0);
+        let passed = declared.filter(|(watched, now)| {
+            matches!(watched, WatchedGuard::Declared { .. }) && **now < 0.0
+        });
         passed.count()
     }
 
@@ -332,7 +334,7 @@ impl Margins {
     pub(crate) fn about_to_act(&self) -> bool {
         let mut declared = self.watched.iter().zip(&self.now);
         declared.any(|(watched, now)| {
-            matches!(watched, Watched::Declared { acts: true, .. }) && *now < 0.0
+            matches!(watched, WatchedGuard::Declared { acts: true, .. }) && *now < 0.0
         })
     }
 
@@ -347,7 +349,7 @@ impl Margins {
             if is_locked(locks, modes) {
                 continue;
             }
-            let Watched::Declared {
+            let WatchedGuard::Declared {
                 event,
                 at,
                 direction,

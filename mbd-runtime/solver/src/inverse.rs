@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::linearise::LinearisationError;
 use crate::linearise::chart::Chart;
-use crate::linearise::moment::Moment;
+use crate::linearise::moment::SceneMoment;
 
 /// What [`inverse_dynamics`](crate::inverse_dynamics) found.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub(crate) fn find<T: Float>(
     at: (f64, &[f64], &[f64]),
     given: &[(&str, f64)],
 ) -> Result<Efforts, LinearisationError> {
-    let mut moment = Moment::new(model, at)?;
+    let mut moment = SceneMoment::new(model, at)?;
     moment.settle(None)?;
     let names: Vec<&str> = given.iter().map(|(name, _)| *name).collect();
     let chart = Chart::choose(&mut moment, &names)?;
@@ -100,7 +100,7 @@ fn finite(efforts: Vec<f64>, accelerations: Vec<f64>) -> Result<Efforts, Lineari
     }
 }
 
-impl Moment {
+impl SceneMoment {
     /// v̇ of forces alone, one column each: M x = b + Φ_vᵀ y, Φ_v x = 0.
     fn solve(&mut self, forces: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearisationError> {
         let (nv, nc) = (self.layout().nv, self.layout().nc);

@@ -114,7 +114,9 @@ pub use system::{External, NoLoads};
 
 // Many runs.
 pub use batch::{Batch, Case, Failed as FailedCase, Finished, Tally, Why};
-pub use lanes::{Beside, Equations, Form, Forms, InLanes, Lanes, Lanes4, Lanes8, LockStep};
+pub use lanes::{
+    Beside, Equations, Forms, InLanes, LaneParameters, Lanes, Lanes4, Lanes8, LockStep,
+};
 
 // What it leaves.
 pub use columns::{Name, state_names};
@@ -128,7 +130,7 @@ pub use watch::Instability;
 
 // Derivatives, and what is found by them.
 pub use accuracy::{
-    Accurate, Advice, Deviation, Entry, Failed, Question, Race, TradeError, Variant, trade,
+    Accurate, Advice, Deviation, Entry, FailedSetting, Question, Race, TradeError, Variant, trade,
 };
 pub use compiled::{inverse_dynamics, linearise, linearise_along};
 pub use inverse::Efforts;

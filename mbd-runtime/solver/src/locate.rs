@@ -22,14 +22,14 @@ const MOST_TRIALS: u32 = 100;
 
 /// A located event: the step that ends on it. Which margins are passed stands in `Simulation::chosen`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Found {
+pub(crate) struct LocatedEvent {
     /// Its size [s]; zero: it happens at the start.
     pub step: f64,
 }
 
 /// Steps between which the chosen margins change sign, and the smallest of them there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bracket {
+pub(crate) struct EventBracket {
     pub low: f64,
     pub above: f64,
     pub high: f64,
@@ -38,7 +38,7 @@ pub(crate) struct Bracket {
 
 impl<T: Float> Simulation<T> {
     /// Looks into the attempted step. With an event, the attempt is redone so that it ends there.
-    pub(crate) fn find_event(&mut self, step: f64) -> Result<Option<Found>, StepError> {
+    pub(crate) fn find_event(&mut self, step: f64) -> Result<Option<LocatedEvent>, StepError> {
         if self.margins.is_empty() {
             return Ok(None);
         }
@@ -108,7 +108,12 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The chosen margins were not passed at `low` and are at `high`: makes sure that they were positive in between, and locates.
-    fn narrow(&mut self, low: f64, high: f64, step: f64) -> Result<Option<Found>, StepError> {
+    fn narrow(
+        &mut self,
+        low: f64,
+        high: f64,
+        step: f64,
+    ) -> Result<Option<LocatedEvent>, StepError> {
         let mut low = low;
         if self.chosen_before() <= 0.0 {
             // Just after a switch a margin is ±0: the excursion lies later in the step, unless no look finds it positive.
@@ -145,7 +150,7 @@ impl<T: Float> Simulation<T> {
                     } else {
                         self.stalled = self.time;
                     }
-                    return Ok(Some(Found { step: theta * step }));
+                    return Ok(Some(LocatedEvent { step: theta * step }));
                 }
             }
         }
@@ -180,7 +185,7 @@ impl<T: Float> Simulation<T> {
         above: f64,
         high: f64,
         step: f64,
-    ) -> Result<Option<Found>, StepError> {
+    ) -> Result<Option<LocatedEvent>, StepError> {
         let bracket = match self.approach(low, above, high, step)? {
             Some(bracket) => Some(bracket),
             None => self.bracket(low, above, high, step)?,
@@ -196,7 +201,7 @@ impl<T: Float> Simulation<T> {
         for (chosen, margin) in self.chosen.iter_mut().zip(&self.margins.now) {
             *chosen &= *margin < 0.0;
         }
-        Ok(Some(Found { step: high }))
+        Ok(Some(LocatedEvent { step: high }))
     }
 
     /// A bracket on redone steps. The one given comes from the interpolant, which differs from a redone step by its own error: an end on the
@@ -207,10 +212,10 @@ impl<T: Float> Simulation<T> {
         above: f64,
         high: f64,
         step: f64,
-    ) -> Result<Option<Bracket>, StepError> {
+    ) -> Result<Option<EventBracket>, StepError> {
         let stride = step / f64::from(LOOKS);
         let below = self.redo(high)?;
-        let mut bracket = Bracket {
+        let mut bracket = EventBracket {
             low,
             above,
             high,
@@ -239,8 +244,8 @@ impl<T: Float> Simulation<T> {
     }
 
     /// False position (Illinois) on redone steps, until the bracket is a point in time or the margin at its far side is negligible.
-    fn close_in(&mut self, bracket: Bracket, step: f64) -> Result<f64, StepError> {
-        let Bracket {
+    fn close_in(&mut self, bracket: EventBracket, step: f64) -> Result<f64, StepError> {
+        let EventBracket {
             mut low,
             mut above,
             mut high,

@@ -32,7 +32,7 @@ fn times([high, low]: Twice, by: f64) -> [f64; 2] {
 
 /// How the origin moves: uniformly, from where it was set down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Origin {
+pub(crate) struct MovingOrigin {
     /// Where it was [m].
     position: [Twice; 3],
     /// Its velocity [m/s].
@@ -41,7 +41,7 @@ pub(crate) struct Origin {
     since: f64,
 }
 
-impl Origin {
+impl MovingOrigin {
     /// Where it is at a time [m], and its velocity [m/s].
     pub(crate) fn at(&self, time: f64) -> [[f64; 3]; 2] {
         let passed = time - self.since;
@@ -57,7 +57,7 @@ impl Origin {
     fn moved_on(&self, time: f64, [away, faster]: [[f64; 3]; 2]) -> Self {
         let passed = time - self.since;
         let axes = [0, 1, 2];
-        Origin {
+        MovingOrigin {
             position: axes.map(|axis| {
                 let [moved, rest] = times(self.velocity[axis], passed);
                 plus(plus(plus(self.position[axis], moved), rest), away[axis])
@@ -98,7 +98,7 @@ impl From {
 
 /// What the numbers of a scene are measured from.
 #[derive(Clone, Debug)]
-pub(crate) struct Measured {
+pub(crate) struct MeasuredFrom {
     /// Per number of the state.
     state: Vec<From>,
     /// Per node unknown.
@@ -107,7 +107,7 @@ pub(crate) struct Measured {
     rate_nodes: std::ops::Range<usize>,
 }
 
-impl Measured {
+impl MeasuredFrom {
     pub(crate) fn new(layout: &Layout) -> Self {
         let axes = layout.directions.translations();
         let mut state = vec![From::Nothing; layout.nx()];
@@ -133,7 +133,7 @@ impl Measured {
                 _ => From::Position(axis),
             })
         });
-        Measured {
+        MeasuredFrom {
             nodes: nodes.collect(),
             state,
             rate_nodes,
@@ -172,8 +172,8 @@ impl Measured {
 /// An origin that follows something, and what is measured from it.
 #[derive(Clone, Debug)]
 pub(crate) struct Following {
-    pub(crate) origin: Origin,
-    measured: Measured,
+    pub(crate) origin: MovingOrigin,
+    measured: MeasuredFrom,
     /// What is followed.
     followed: Slots,
 }
@@ -182,8 +182,8 @@ impl Following {
     /// That of a scene; `None` where its origin stays in the world.
     pub(crate) fn new(scene: &Scene, layout: &Layout) -> Option<Self> {
         Some(Following {
-            origin: Origin::default(),
-            measured: Measured::new(layout),
+            origin: MovingOrigin::default(),
+            measured: MeasuredFrom::new(layout),
             followed: followed(layout, scene.runs.origin?)?,
         })
     }
@@ -257,14 +257,19 @@ impl<T: Float> System<T> {
     }
 
     /// Sets the origin down at what it follows in a state that is measured from another origin, and says what that state is from there.
-    pub(crate) fn set_down(&mut self, time: f64, last: Option<Origin>, state: &[f64]) -> Vec<T> {
+    pub(crate) fn set_down(
+        &mut self,
+        time: f64,
+        last: Option<MovingOrigin>,
+        state: &[f64],
+    ) -> Vec<T> {
         let last = last.unwrap_or_default();
         let Some(following) = &mut self.following else {
             let [position, velocity] = last.at(time);
             let back = [position, velocity].map(|vector| vector.map(|x| -x));
             let mut state = state.to_vec();
-            if last != Origin::default() {
-                Measured::new(self.model.layout()).measure_from(&mut state, &back);
+            if last != MovingOrigin::default() {
+                MeasuredFrom::new(self.model.layout()).measure_from(&mut state, &back);
             }
             return state.into_iter().map(T::from_f64).collect();
         };
@@ -278,7 +283,7 @@ impl<T: Float> System<T> {
     }
 
     /// Goes on from an origin that was kept.
-    pub(crate) fn take_up_origin(&mut self, origin: Option<Origin>) {
+    pub(crate) fn take_up_origin(&mut self, origin: Option<MovingOrigin>) {
         if let (Some(following), Some(origin)) = (&mut self.following, origin) {
             following.origin = origin;
         }
@@ -286,7 +291,7 @@ impl<T: Float> System<T> {
     }
 
     /// The origin as it is now; `None` where it stays in the world.
-    pub(crate) fn origin(&self) -> Option<Origin> {
+    pub(crate) fn origin(&self) -> Option<MovingOrigin> {
         self.following.as_ref().map(|following| following.origin)
     }
 
@@ -342,7 +347,7 @@ mod tests {
 
     #[test]
     fn an_origin_that_is_moved_on_a_million_times_loses_nothing() {
-        let mut origin = Origin::default().moved_on(0.0, [[1e9, 0.0, 0.0], [1e4, 0.0, 0.0]]);
+        let mut origin = MovingOrigin::default().moved_on(0.0, [[1e9, 0.0, 0.0], [1e4, 0.0, 0.0]]);
         for k in 1..=1_000_000_u32 {
             let time = 0.125 * f64::from(k);
             origin = origin.moved_on(time, [[0.001, 0.0, 0.0], [0.0; 3]]);

@@ -74,7 +74,7 @@ impl<T: Real> PlanarBodyState<T> {
 }
 
 /// A part of a state as numbers among its coordinates and its speeds.
-pub trait Part<T>: Sized {
+pub trait StatePart<T>: Sized {
     /// Reads it from where its coordinates and its speeds begin; numbers that are not there are zero.
     fn read(q: &[T], v: &[T]) -> Self;
 
@@ -90,7 +90,7 @@ fn fill<T>(to: &mut [T], from: impl IntoIterator<Item = T>) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = from);
 }
 
-impl<T: Real> Part<T> for BodyState<T> {
+impl<T: Real> StatePart<T> for BodyState<T> {
     fn read(q: &[T], v: &[T]) -> Self {
         let [x, y, z, orientation @ ..] = first::<T, 7>(q);
         let [vx, vy, vz, angular_velocity @ ..] = first::<T, 6>(v);
@@ -108,7 +108,7 @@ impl<T: Real> Part<T> for BodyState<T> {
     }
 }
 
-impl<T: Real> Part<T> for PlanarBodyState<T> {
+impl<T: Real> StatePart<T> for PlanarBodyState<T> {
     fn read(q: &[T], v: &[T]) -> Self {
         let ([x, y, angle], [vx, vy, angular_velocity]) = (first(q), first(v));
         PlanarBodyState {
@@ -125,7 +125,7 @@ impl<T: Real> Part<T> for PlanarBodyState<T> {
     }
 }
 
-impl<T: Real, const D: usize> Part<T> for PointState<T, D> {
+impl<T: Real, const D: usize> StatePart<T> for PointState<T, D> {
     fn read(q: &[T], v: &[T]) -> Self {
         let (position, velocity) = (first(q), first(v));
         PointState { position, velocity }
@@ -137,7 +137,7 @@ impl<T: Real, const D: usize> Part<T> for PointState<T, D> {
     }
 }
 
-impl<T: Real, const Q: usize, const U: usize> Part<T> for JointState<Q, U, T> {
+impl<T: Real, const Q: usize, const U: usize> StatePart<T> for JointState<Q, U, T> {
     fn read(q: &[T], v: &[T]) -> Self {
         JointState {
             coordinates: first(q),
@@ -153,7 +153,7 @@ impl<T: Real, const Q: usize, const U: usize> Part<T> for JointState<Q, U, T> {
 
 /// Reads the part whose coordinates begin at `at[0]` and whose speeds at `at[1]`.
 #[must_use]
-pub fn read<T, P: Part<T>>(q: &[T], v: &[T], at: [usize; 2]) -> P {
+pub fn read<T, P: StatePart<T>>(q: &[T], v: &[T], at: [usize; 2]) -> P {
     P::read(
         q.get(at[0]..).unwrap_or_default(),
         v.get(at[1]..).unwrap_or_default(),
@@ -161,7 +161,7 @@ pub fn read<T, P: Part<T>>(q: &[T], v: &[T], at: [usize; 2]) -> P {
 }
 
 /// Writes the same.
-pub fn write<T, P: Part<T>>(part: P, q: &mut [T], v: &mut [T], at: [usize; 2]) {
+pub fn write<T, P: StatePart<T>>(part: P, q: &mut [T], v: &mut [T], at: [usize; 2]) {
     part.write(
         q.get_mut(at[0]..).unwrap_or_default(),
         v.get_mut(at[1]..).unwrap_or_default(),

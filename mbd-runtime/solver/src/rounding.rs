@@ -24,7 +24,7 @@ pub(crate) const REFUSED: f64 = 0.1;
 /// What is known of (1) and (2) before a run.
 #[derive(Debug)]
 pub(crate) struct Rounding {
-    parts: Vec<Held>,
+    parts: Vec<HeldBody>,
     /// The least that an acceleration is measured against [m/s²].
     acceleration: f64,
     /// The longest arm of the joints [m]; `None` without rows.
@@ -34,7 +34,7 @@ pub(crate) struct Rounding {
 
 /// A body or a point with mass, and what holds it.
 #[derive(Debug)]
-struct Held {
+struct HeldBody {
     moving: Moving,
     /// What lines and springs hold it with, over the largest mass that it is tied to [1/s²].
     rate: f64,
@@ -82,7 +82,7 @@ impl Rounding {
                 rate if rate.is_finite() => rate,
                 _ => 0.0,
             });
-            Held {
+            HeldBody {
                 on_world,
                 from_world: (moving.carried)
                     .and_then(|body| layout.root_link(body)?.joint)

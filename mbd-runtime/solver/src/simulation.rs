@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, ParamError, Quantity};
 
-use crate::balance::Balance;
+use crate::balance::EnergyBalance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
@@ -52,14 +52,14 @@ pub enum Stop {
 
 /// The last accepted step in the world, once somebody has asked for it.
 #[derive(Debug)]
-struct Shown<T> {
+struct WorldState<T> {
     state: OnceCell<Vec<T>>,
     nodes: OnceCell<Vec<T>>,
 }
 
-impl<T> Shown<T> {
+impl<T> WorldState<T> {
     fn new() -> Self {
-        Shown {
+        WorldState {
             state: OnceCell::new(),
             nodes: OnceCell::new(),
         }
@@ -125,7 +125,7 @@ pub struct Simulation<T: Float> {
     pub(crate) method: Stepper<T>,
     pub(crate) state: Vec<T>,
     /// What the outside has been shown of them, where that is something else.
-    shown: Shown<T>,
+    shown: WorldState<T>,
     pub(crate) time: f64,
     pub(crate) margins: Margins,
     pub(crate) chatter: Chatter,
@@ -156,7 +156,7 @@ pub struct Simulation<T: Float> {
     /// Whether the stability watch runs.
     watched: bool,
     /// The balance of energy, where this run can tell it.
-    balance: Option<Balance>,
+    balance: Option<EnergyBalance>,
     /// The balance of momentum, where it was asked for and the ground holds nothing.
     pub(crate) momentum: Option<MomentumBalance>,
     /// Whether fixed steps are judged by the balance of energy.

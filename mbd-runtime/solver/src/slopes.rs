@@ -11,26 +11,26 @@ type Slope = Dual<f64, PASS>;
 
 /// What is differentiated by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum By {
+pub(crate) enum DerivativeBy {
     /// A variable of the model.
     Variable(Variable),
     /// Time, at fixed state, node unknowns, inputs and parameters.
     Time,
 }
 
-impl By {
+impl DerivativeBy {
     /// How many numbers it has.
     pub(crate) fn count(self, layout: &Layout) -> usize {
         match self {
-            By::Variable(variable) => layout.variables(variable),
-            By::Time => 1,
+            DerivativeBy::Variable(variable) => layout.variables(variable),
+            DerivativeBy::Time => 1,
         }
     }
 }
 
-impl From<Variable> for By {
+impl From<Variable> for DerivativeBy {
     fn from(variable: Variable) -> Self {
-        By::Variable(variable)
+        DerivativeBy::Variable(variable)
     }
 }
 
@@ -73,7 +73,7 @@ impl Slopes {
     pub(crate) fn differentiate<T: Float>(
         &mut self,
         (scene, layout): (&Scene, &Layout),
-        (of, by): (Quantity, impl Into<By>),
+        (of, by): (Quantity, impl Into<DerivativeBy>),
         effective: Effective,
         at: &At<'_, T>,
         out: &mut [T],
@@ -88,14 +88,20 @@ impl Slopes {
             let last = columns.min(first + PASS);
             let mut seeded = None;
             match by {
-                By::Time => {
+                DerivativeBy::Time => {
                     let time = std::slice::from_mut(&mut self.arguments.time);
                     seed(time, first..last);
                 }
-                By::Variable(Variable::State) => seed(&mut self.arguments.state, first..last),
-                By::Variable(Variable::Node) => seed(&mut self.arguments.nodes, first..last),
-                By::Variable(Variable::Input) => seed(&mut self.arguments.inputs, first..last),
-                By::Variable(Variable::Parameter) => {
+                DerivativeBy::Variable(Variable::State) => {
+                    seed(&mut self.arguments.state, first..last)
+                }
+                DerivativeBy::Variable(Variable::Node) => {
+                    seed(&mut self.arguments.nodes, first..last)
+                }
+                DerivativeBy::Variable(Variable::Input) => {
+                    seed(&mut self.arguments.inputs, first..last)
+                }
+                DerivativeBy::Variable(Variable::Parameter) => {
                     let mut params = self.numbers.params.clone();
                     seed(&mut params, first..last);
                     let numbers = Numbers::new(scene, &params);

@@ -9,14 +9,14 @@ use crate::unilateral::is_node_line;
 /// Everything that acts between two places with a stiffness.
 pub(crate) struct Stiffness {
     numbers: Numbers<f64>,
-    lines: Vec<Element>,
+    lines: Vec<ElasticElement>,
     /// Per body, then per point, the lines that end on it, each once.
     lines_of: Vec<Vec<usize>>,
-    coordinates: Vec<Coordinate>,
+    coordinates: Vec<SprungCoordinate>,
 }
 
 /// A line or a spring.
-struct Element {
+struct ElasticElement {
     ends: [Place; 2],
     /// Whether it pulls only, and ends at no equilibrium point: what such a point passes on is softer than each of its lines.
     unilateral: bool,
@@ -25,7 +25,7 @@ struct Element {
 }
 
 /// A joint coordinate with a spring or stops.
-struct Coordinate {
+struct SprungCoordinate {
     ends: [Place; 2],
     angle: bool,
     /// Of the spring, and of one stop: only one is touched at a time [N/m or N m].
@@ -39,14 +39,16 @@ impl Stiffness {
         let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         let numbers = Numbers::new(scene, &params);
         let lines = scene.lines.iter().zip(model.lines());
-        let lines = lines.enumerate().map(|(index, (line, numbers))| Element {
-            ends: [line.from, line.to],
-            unilateral: line.kind.is_unilateral() && !is_node_line(model.layout(), index),
-            stiffness: line
-                .kind
-                .stiffest(&scene.tables, numbers.stiffness.to_f64()),
-        });
-        let lines: Vec<Element> = lines.collect();
+        let lines = lines
+            .enumerate()
+            .map(|(index, (line, numbers))| ElasticElement {
+                ends: [line.from, line.to],
+                unilateral: line.kind.is_unilateral() && !is_node_line(model.layout(), index),
+                stiffness: line
+                    .kind
+                    .stiffest(&scene.tables, numbers.stiffness.to_f64()),
+            });
+        let lines: Vec<ElasticElement> = lines.collect();
         let mut lines_of = vec![Vec::new(); numbers.bodies.len() + numbers.points.len()];
         for (index, line) in lines.iter().enumerate() {
             for place in line.ends {
@@ -81,7 +83,7 @@ impl Stiffness {
     }
 
     /// The lines that end on it.
-    fn lines_on(&self, owner: &Moving) -> impl Iterator<Item = &Element> {
+    fn lines_on(&self, owner: &Moving) -> impl Iterator<Item = &ElasticElement> {
         let place = match (owner.body(), owner.part) {
             (Some(body), _) => Some(Place::Body(body, 0)),
             (None, Part::Point(point)) => Some(Place::Point(point)),
@@ -144,7 +146,7 @@ impl Stiffness {
         // Points without mass tie what their lines lead to.
         let bodies = self.numbers.bodies.len();
         let number = |place: Place| number(&self.numbers, place);
-        let mut groups = Groups::of(bodies + self.numbers.points.len());
+        let mut groups = ConnectedGroups::of(bodies + self.numbers.points.len());
         for [a, b] in ends {
             if let (Some(a), Some(b)) = (number(a), number(b)) {
                 groups.join(a, b);
@@ -201,11 +203,11 @@ fn number(numbers: &Numbers<f64>, place: Place) -> Option<usize> {
 }
 
 /// What hangs together, by the number of one of a group.
-struct Groups(Vec<usize>);
+struct ConnectedGroups(Vec<usize>);
 
-impl Groups {
+impl ConnectedGroups {
     fn of(count: usize) -> Self {
-        Groups((0..count).collect())
+        ConnectedGroups((0..count).collect())
     }
 
     /// The number that stands for a group.
@@ -228,7 +230,7 @@ impl Groups {
     }
 }
 
-fn coordinates<T: Float>(model: &dyn Model<T>, numbers: &Numbers<f64>) -> Vec<Coordinate> {
+fn coordinates<T: Float>(model: &dyn Model<T>, numbers: &Numbers<f64>) -> Vec<SprungCoordinate> {
     let (scene, lines) = (model.scene(), model.layout().lines.len());
     let mut found = Vec::new();
     for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.forces).enumerate() {
@@ -247,7 +249,7 @@ fn coordinates<T: Float>(model: &dyn Model<T>, numbers: &Numbers<f64>) -> Vec<Co
                 .filter(|(slots, _)| own(slots))
                 .map(|(_, numbers)| numbers.stiffness.to_f64())
                 .fold(0.0, f64::max);
-            found.push(Coordinate {
+            found.push(SprungCoordinate {
                 ends: [joint.parent, joint.child],
                 angle: coordinate.is_angle(),
                 stiffness: [numbers.stiffness.unwrap_or(0.0), stop],

@@ -120,7 +120,7 @@ pub(crate) struct Gauge<'a, T: Float> {
 }
 
 /// Measures where a sample is taken.
-trait Measure<T> {
+trait SampleMeasure<T> {
     /// Hands the numbers of a quantity to `read`; of outputs only where inputs and nodes are known.
     fn measure(&self, what: Quantity, read: &mut dyn FnMut(&[T]));
 
@@ -128,7 +128,7 @@ trait Measure<T> {
     fn position(&self, body: &str) -> Option<[T; 3]>;
 }
 
-impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
+impl<T: Float> SampleMeasure<T> for RefCell<Gauge<'_, T>> {
     fn measure(&self, what: Quantity, read: &mut dyn FnMut(&[T])) {
         if let Ok(mut gauge) = self.try_borrow_mut() {
             let Gauge {
@@ -184,7 +184,7 @@ pub struct Sample<'a, I, T: Float = f64> {
     /// Time [s].
     pub time: f64,
     state: &'a [T],
-    gauge: &'a dyn Measure<T>,
+    gauge: &'a dyn SampleMeasure<T>,
     of: PhantomData<fn() -> I>,
 }
 

@@ -22,7 +22,7 @@ use crate::watch;
 mod known;
 mod rates;
 
-use known::Known;
+use known::KnownAtEnd;
 
 /// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
 ///
@@ -114,7 +114,7 @@ pub(crate) struct System<T: Float> {
     /// Work of the actions of events so far [J].
     pub action_work: f64,
     /// What is known of the end of a step that was tried beside those of other runs.
-    pub known: Known<T>,
+    pub known: KnownAtEnd<T>,
     /// The origin, where it follows something.
     pub following: Option<Following>,
     /// Room for a state in the world.
@@ -184,7 +184,7 @@ impl<T: Float> System<T> {
                     .max(layout.len(Quantity::Bodies))
             ],
             action_work: 0.0,
-            known: Known::new(layout),
+            known: KnownAtEnd::new(layout),
             following: Following::new(model.scene(), layout),
             world: Vec::new(),
             model,

@@ -15,7 +15,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use dense::Dense;
-use mbd_compiler::Equations;
+use mbd_compiler::SceneEquations;
 use mbd_runtime::{At, Generic, Model, Options, Quantity, Simulation, model};
 use timing::{medians, microseconds};
 
@@ -225,7 +225,7 @@ fn begun(model: &dyn Model<f64>, state: &[f64]) -> Simulation<f64> {
 /// Times one mechanism and prints its line of the table.
 fn compare(name: &str, generated: &dyn Model<f64>, place: impl Fn(usize) -> Pose) {
     let scene = generated.scene().clone();
-    let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
+    let equations = SceneEquations::trace_only(&scene, &[Quantity::Derivative]);
     let operations = equations
         .program(Quantity::Derivative)
         .map_or(0, |program| program.cost().total());
@@ -400,7 +400,7 @@ fn four_bars(name: &str, model: &dyn Model<f64>, windows: usize) {
         .find(|(_, error)| *error <= 1e-6);
     let (steps, error) = found.expect("a step that is short enough");
     let scene = model.scene().clone();
-    let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
+    let equations = SceneEquations::trace_only(&scene, &[Quantity::Derivative]);
     let operations = equations
         .program(Quantity::Derivative)
         .map_or(0, |program| program.cost().total());

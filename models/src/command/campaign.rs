@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use mbd_campaign::{Campaign, CampaignArgs, GatherArgs, Source};
+use mbd_campaign::{Campaign, CampaignArgs, GatherArgs, ResultSource};
 use mbd_runtime::Model;
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::scene_file::SceneFile;
 
 /// The scene of a campaign, and the campaign.
@@ -20,10 +20,10 @@ pub struct SceneCampaignArgs {
 }
 
 /// Runs a campaign of a scene, or a shard of it.
-pub fn campaign(args: &SceneCampaignArgs) -> Result<String, Failure> {
+pub fn campaign(args: &SceneCampaignArgs) -> Result<String, CommandFailure> {
     let file = SceneFile::find_alone(&args.scene, "campaign")?;
     let model = nominal(&file)?;
-    let source = |campaign: &Path| Source {
+    let source = |campaign: &Path| ResultSource {
         command: format!(
             "mbd run {} --campaign {}",
             args.scene.display(),
@@ -42,12 +42,12 @@ pub fn campaign(args: &SceneCampaignArgs) -> Result<String, Failure> {
 }
 
 /// Writes the page of a campaign, with the histories it chooses.
-pub fn report(args: &GatherArgs) -> Result<String, Failure> {
+pub fn report(args: &GatherArgs) -> Result<String, CommandFailure> {
     Ok(mbd_campaign::report(args, &reopen)?)
 }
 
 /// The campaign of a folder, by the files it is from.
-fn reopen(source: &Source) -> Result<Campaign, mbd_campaign::Failure> {
+fn reopen(source: &ResultSource) -> Result<Campaign, mbd_campaign::Failure> {
     let Some(scene) = &source.scene else {
         let text = format!(
             "its model is that of a program of its own: `{}`",
@@ -55,21 +55,21 @@ fn reopen(source: &Source) -> Result<Campaign, mbd_campaign::Failure> {
         );
         return Err(mbd_campaign::Failure::Usage(text));
     };
-    let told = |failure: Failure| mbd_campaign::Failure::Invalid(failure.to_string());
+    let told = |failure: CommandFailure| mbd_campaign::Failure::Invalid(failure.to_string());
     let file = SceneFile::find_alone(scene, "campaign").map_err(told)?;
     let model = nominal(&file).map_err(told)?;
     Campaign::read(&source.campaign, model, file.settings)
 }
 
 /// Puts the results of all shards together.
-pub fn gather(args: &GatherArgs) -> Result<String, Failure> {
+pub fn gather(args: &GatherArgs) -> Result<String, CommandFailure> {
     Ok(mbd_campaign::gather(args)?)
 }
 
 /// The model of a scene as it is declared.
-pub fn nominal(file: &SceneFile) -> Result<Arc<dyn Model<f64>>, Failure> {
+pub fn nominal(file: &SceneFile) -> Result<Arc<dyn Model<f64>>, CommandFailure> {
     let declared = file.scene.params.iter().map(|param| param.default);
     let declared: Vec<f64> = declared.collect();
     let made = file.model_of_many(&declared);
-    made.map_err(|error| Failure::Invalid(format!("{}: {error}", file.name)))
+    made.map_err(|error| CommandFailure::Invalid(format!("{}: {error}", file.name)))
 }

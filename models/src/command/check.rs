@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use mbd_compiler::Equations;
+use mbd_compiler::SceneEquations;
 use mbd_runtime::Layout;
 use models::advice::advice;
 use models::describe;
-use models::report::Table;
+use models::report::ReportTable;
 use serde_json::{Value, json};
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::mistakes::listed;
 use super::phases::Phases;
 use super::scene_file::SceneFile;
@@ -26,7 +26,7 @@ pub struct CheckArgs {
 }
 
 /// Reads a scene and tells what is in it.
-pub fn check(args: &CheckArgs) -> Result<String, Failure> {
+pub fn check(args: &CheckArgs) -> Result<String, CommandFailure> {
     let read = SceneFile::find(&args.scene).and_then(|file| {
         let phases = Phases::of(file, &args.scene)?;
         let remarks = phases.remarks();
@@ -39,14 +39,14 @@ pub fn check(args: &CheckArgs) -> Result<String, Failure> {
             file.reading.notes.extend(notes);
             file
         });
-        first.ok_or_else(|| Failure::Usage("no scene was read".into()))
+        first.ok_or_else(|| CommandFailure::Usage("no scene was read".into()))
     });
     match read {
         Ok(file) if args.json => pretty(&contents(&file)),
         Ok(file) => Ok(tables(&file)),
-        Err(Failure::Mistakes(mistakes)) if args.json => {
+        Err(CommandFailure::Mistakes(mistakes)) if args.json => {
             let told = pretty(&json!({ "valid": false, "errors": mistakes.json() }))?;
-            Err(Failure::Told(told))
+            Err(CommandFailure::Told(told))
         }
         Err(failure) => Err(failure),
     }
@@ -54,8 +54,8 @@ pub fn check(args: &CheckArgs) -> Result<String, Failure> {
 
 fn tables(file: &SceneFile) -> String {
     let mut parts = vec![describe::counts(&file.scene).text()];
-    parts.extend(describe::things(&file.scene).iter().map(Table::text));
-    parts.push(describe::operations(&Equations::trace(&file.scene)).text());
+    parts.extend(describe::things(&file.scene).iter().map(ReportTable::text));
+    parts.push(describe::operations(&SceneEquations::trace(&file.scene)).text());
     let advice = advice(&file.scene, &file.settings);
     let advice = advice.iter().map(|text| format!("advice: {text}"));
     let told: Vec<String> = file.remarks.iter().cloned().chain(advice).collect();
@@ -66,10 +66,10 @@ fn tables(file: &SceneFile) -> String {
 }
 
 /// A value as text of several lines.
-pub fn pretty(value: &Value) -> Result<String, Failure> {
+pub fn pretty(value: &Value) -> Result<String, CommandFailure> {
     let text = serde_json::to_string_pretty(value);
     text.map(|text| text + "\n")
-        .map_err(|error| Failure::Usage(error.to_string()))
+        .map_err(|error| CommandFailure::Usage(error.to_string()))
 }
 
 /// The contents for a program; numbers of params in SI.

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser};
 use models::files;
-use models::report::{Cell, Compared, Report, Table};
+use models::report::{Cell, Compared, Report, ReportTable};
 use models::run::{Quality, metrics, shown};
 
-use super::failure::Failure;
-use super::run::{Flown, RunArgs, flown, unwritten};
+use super::failure::CommandFailure;
+use super::run::{FinishedRun, RunArgs, flown, unwritten};
 
 /// What to compare.
 #[derive(Args, Debug)]
@@ -24,17 +24,17 @@ pub struct CompareArgs {
 /// A run as it is typed.
 #[derive(Parser)]
 #[command(name = "mbd run", no_binary_name = true)]
-struct Typed {
+struct TypedRun {
     #[command(flatten)]
     run: RunArgs,
 }
 
 /// Runs everything and writes `compare.html`.
-pub fn compare(args: &CompareArgs) -> Result<String, Failure> {
+pub fn compare(args: &CompareArgs) -> Result<String, CommandFailure> {
     let mut all = Vec::new();
     for text in &args.runs {
-        let typed = Typed::try_parse_from(text.split_whitespace())
-            .map_err(|error| Failure::Usage(format!("in \"{text}\": {error}")))?;
+        let typed = TypedRun::try_parse_from(text.split_whitespace())
+            .map_err(|error| CommandFailure::Usage(format!("in \"{text}\": {error}")))?;
         all.push((text.as_str(), flown(&typed.run)?));
     }
     let table = differences(&all);
@@ -64,8 +64,8 @@ fn label(index: usize) -> String {
 }
 
 /// What was asked and what came out, the rows in which the runs differ; the names of all runs above them.
-fn differences(all: &[(&str, Flown)]) -> Table {
-    let mut table = Table::new("What differs").column("what", "");
+fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
+    let mut table = ReportTable::new("What differs").column("what", "");
     for index in 0..all.len() {
         table = table.number(&label(index), "", 8);
     }
@@ -73,7 +73,7 @@ fn differences(all: &[(&str, Flown)]) -> Table {
         "run".into(),
         all.iter().map(|(text, _)| Cell::from(*text)).collect(),
     )];
-    let mut row = |what: &str, cell: &dyn Fn(&Flown) -> Cell| {
+    let mut row = |what: &str, cell: &dyn Fn(&FinishedRun) -> Cell| {
         rows.push((what.into(), all.iter().map(|(_, run)| cell(run)).collect()));
     };
     row("scene", &|run| run.scene.name.as_str().into());
@@ -117,7 +117,7 @@ fn differences(all: &[(&str, Flown)]) -> Table {
             found.next().map(|(_, value)| *value).into()
         });
     }
-    let declared = |run: &Flown| {
+    let declared = |run: &FinishedRun| {
         let metrics = run.scene.runs.metrics.iter();
         metrics.map(|metric| metric.name.clone()).collect()
     };
@@ -128,7 +128,7 @@ fn differences(all: &[(&str, Flown)]) -> Table {
             found.next().and_then(|metric| metric.value.ok()).into()
         });
     }
-    let columns = |run: &Flown| -> Vec<String> {
+    let columns = |run: &FinishedRun| -> Vec<String> {
         let names = run.outcome.trajectory.names().iter();
         let shown = names.filter(|name| {
             let owner = name.name.split('.').next().unwrap_or_default();
@@ -153,7 +153,7 @@ fn differences(all: &[(&str, Flown)]) -> Table {
 }
 
 /// Every name once, in the order in which they come.
-fn names(all: &[(&str, Flown)], of: impl Fn(&Flown) -> Vec<String>) -> Vec<String> {
+fn names(all: &[(&str, FinishedRun)], of: impl Fn(&FinishedRun) -> Vec<String>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in all.iter().flat_map(|(_, run)| of(run)) {
         if !names.contains(&name) {

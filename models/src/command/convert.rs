@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use mbd_compiler::{format_text, toml_to_text, write_text, write_toml};
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::scene_file::SceneFile;
 
 /// The two forms of a scene file.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Form {
+pub enum FileFormat {
     /// Tables and keys.
     Toml,
     /// The text of a `model!` declaration.
@@ -24,18 +24,18 @@ pub struct ConvertArgs {
     scene: PathBuf,
     /// The form to write.
     #[arg(long, value_name = "FORM", default_value = "toml")]
-    to: Form,
+    to: FileFormat,
 }
 
 /// The scene of a file in one of both forms, with the settings of its run.
-pub fn convert(args: &ConvertArgs) -> Result<String, Failure> {
+pub fn convert(args: &ConvertArgs) -> Result<String, CommandFailure> {
     let file = SceneFile::find(&args.scene)?;
     // What is a document already keeps its repetitions, consts and units.
     let scene = match (args.to, &file.document) {
-        (Form::Toml, Some(document)) => document.clone(),
-        (Form::Mbd, Some(document)) => laid_out(toml_to_text(document).unwrap_or_default()),
-        (Form::Toml, None) => write_toml(&file.scene),
-        (Form::Mbd, None) => laid_out(write_text(&file.scene)),
+        (FileFormat::Toml, Some(document)) => document.clone(),
+        (FileFormat::Mbd, Some(document)) => laid_out(toml_to_text(document).unwrap_or_default()),
+        (FileFormat::Toml, None) => write_toml(&file.scene),
+        (FileFormat::Mbd, None) => laid_out(write_text(&file.scene)),
     };
     Ok(match file.run.as_str() {
         "" => scene,

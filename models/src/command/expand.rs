@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::scene_file::SceneFile;
 
 /// The expansion as formatted text.
-pub fn expand(path: &Path) -> Result<String, Failure> {
+pub fn expand(path: &Path) -> Result<String, CommandFailure> {
     let file = SceneFile::find(path)?;
-    mbd_compiler::expand(&file.reading).map_err(Failure::Invalid)
+    mbd_compiler::expand(&file.reading).map_err(CommandFailure::Invalid)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use models::extremes::{cases, publish, run};
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::run::unwritten;
 
 /// How much is run.
@@ -20,7 +20,7 @@ pub struct ExtremesArgs {
 }
 
 /// Runs all cases, and tells how many promises were not kept.
-pub fn extremes(args: &ExtremesArgs) -> Result<String, Failure> {
+pub fn extremes(args: &ExtremesArgs) -> Result<String, CommandFailure> {
     let cases = cases(args.reduced);
     let (table, broken) = run(&cases);
     publish(&table, &args.out).map_err(|error| unwritten(&error))?;
@@ -33,6 +33,6 @@ pub fn extremes(args: &ExtremesArgs) -> Result<String, Failure> {
     );
     match broken {
         0 => Ok(told),
-        _ => Err(Failure::Inaccurate(told)),
+        _ => Err(CommandFailure::Inaccurate(told)),
     }
 }

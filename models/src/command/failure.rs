@@ -6,7 +6,7 @@ use super::mistakes::{Mistakes, Paint};
 
 /// A command that did not succeed: the text is for the user.
 #[derive(Debug)]
-pub enum Failure {
+pub enum CommandFailure {
     /// The command was not understood, or a file cannot be read or written.
     Usage(String),
     /// The scene or its params are invalid.
@@ -21,38 +21,38 @@ pub enum Failure {
     Aborted(String),
 }
 
-impl Failure {
+impl CommandFailure {
     /// The exit code of the process.
     pub fn code(&self) -> u8 {
         match self {
-            Failure::Usage(_) => 1,
-            Failure::Invalid(_) | Failure::Mistakes(_) | Failure::Told(_) => 2,
-            Failure::Inaccurate(_) => 3,
-            Failure::Aborted(_) => 4,
+            CommandFailure::Usage(_) => 1,
+            CommandFailure::Invalid(_) | CommandFailure::Mistakes(_) | CommandFailure::Told(_) => 2,
+            CommandFailure::Inaccurate(_) => 3,
+            CommandFailure::Aborted(_) => 4,
         }
     }
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for CommandFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::Mistakes(mistakes) => f.write_str(&mistakes.text(Paint::Plain)),
-            Failure::Usage(text)
-            | Failure::Invalid(text)
-            | Failure::Told(text)
-            | Failure::Inaccurate(text)
-            | Failure::Aborted(text) => f.write_str(text),
+            CommandFailure::Mistakes(mistakes) => f.write_str(&mistakes.text(Paint::Plain)),
+            CommandFailure::Usage(text)
+            | CommandFailure::Invalid(text)
+            | CommandFailure::Told(text)
+            | CommandFailure::Inaccurate(text)
+            | CommandFailure::Aborted(text) => f.write_str(text),
         }
     }
 }
 
-impl From<mbd_campaign::Failure> for Failure {
+impl From<mbd_campaign::Failure> for CommandFailure {
     fn from(failure: mbd_campaign::Failure) -> Self {
         match failure {
-            mbd_campaign::Failure::Usage(text) => Failure::Usage(text),
-            mbd_campaign::Failure::Invalid(text) => Failure::Invalid(text),
-            mbd_campaign::Failure::NotMet(text) => Failure::Inaccurate(text),
-            mbd_campaign::Failure::Aborted(text) => Failure::Aborted(text),
+            mbd_campaign::Failure::Usage(text) => CommandFailure::Usage(text),
+            mbd_campaign::Failure::Invalid(text) => CommandFailure::Invalid(text),
+            mbd_campaign::Failure::NotMet(text) => CommandFailure::Inaccurate(text),
+            mbd_campaign::Failure::Aborted(text) => CommandFailure::Aborted(text),
         }
     }
 }

@@ -8,7 +8,7 @@ use mbd_compiler::{Message, format_rust, format_text};
 use mbd_report::files::write_text;
 use models::run::split;
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::read_file;
 
@@ -28,7 +28,7 @@ pub struct FmtArgs {
 
 /// How a text is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+enum TextForm {
     /// A scene file.
     Scene,
     /// Rust with declarations in it.
@@ -36,10 +36,10 @@ enum Form {
 }
 
 /// Formats files in place, or tells which of them would change.
-pub fn fmt(args: &FmtArgs) -> Result<String, Failure> {
+pub fn fmt(args: &FmtArgs) -> Result<String, CommandFailure> {
     if args.files.iter().any(|file| file == Path::new("-")) {
         if args.files.len() > 1 {
-            return Err(Failure::Usage(
+            return Err(CommandFailure::Usage(
                 "`-` is the standard input, which is formatted alone: leave out the files, or the `-`".into(),
             ));
         }
@@ -63,10 +63,10 @@ pub fn fmt(args: &FmtArgs) -> Result<String, Failure> {
 }
 
 /// What is said at the end: which declarations stay as they are, and with `--check` which files would change.
-fn told(args: &FmtArgs, changing: &[String], left: &[String]) -> Result<String, Failure> {
+fn told(args: &FmtArgs, changing: &[String], left: &[String]) -> Result<String, CommandFailure> {
     let left: String = left.iter().map(|line| format!("{line}\n")).collect();
     match args.check && !changing.is_empty() {
-        true => Err(Failure::Usage(format!(
+        true => Err(CommandFailure::Usage(format!(
             "{left}{}\n`mbd fmt` without `--check` formats {}",
             changing.join("\n"),
             if changing.len() == 1 { "it" } else { "them" }
@@ -76,12 +76,16 @@ fn told(args: &FmtArgs, changing: &[String], left: &[String]) -> Result<String, 
 }
 
 /// Formats the standard input.
-fn of_input(args: &FmtArgs, mut input: impl Read) -> Result<String, Failure> {
+fn of_input(args: &FmtArgs, mut input: impl Read) -> Result<String, CommandFailure> {
     let mut text = String::new();
-    input
-        .read_to_string(&mut text)
-        .map_err(|error| Failure::Usage(format!("cannot read the standard input: {error}")))?;
-    let form = if args.rust { Form::Rust } else { Form::Scene };
+    input.read_to_string(&mut text).map_err(|error| {
+        CommandFailure::Usage(format!("cannot read the standard input: {error}"))
+    })?;
+    let form = if args.rust {
+        TextForm::Rust
+    } else {
+        TextForm::Scene
+    };
     let (formatted, left) = formatted(&text, form, "<stdin>")?;
     if args.check {
         let changing: Vec<String> = changed("<stdin>", &text, &formatted).into_iter().collect();
@@ -93,12 +97,12 @@ fn of_input(args: &FmtArgs, mut input: impl Read) -> Result<String, Failure> {
 }
 
 /// Formats one file; told is where it would change, or did, and what stays in it.
-fn of_file(file: &Path, check: bool) -> Result<(Option<String>, Vec<String>), Failure> {
+fn of_file(file: &Path, check: bool) -> Result<(Option<String>, Vec<String>), CommandFailure> {
     let form = match file.extension().and_then(|end| end.to_str()) {
-        Some("rs") => Form::Rust,
-        Some("mbd") => Form::Scene,
+        Some("rs") => TextForm::Rust,
+        Some("mbd") => TextForm::Scene,
         _ => {
-            return Err(Failure::Usage(format!(
+            return Err(CommandFailure::Usage(format!(
                 "{}: `mbd fmt` formats scene files (`.mbd`) and the `model! {{ … }}` in files of Rust (`.rs`)",
                 file.display()
             )));
@@ -115,8 +119,9 @@ fn of_file(file: &Path, check: bool) -> Result<(Option<String>, Vec<String>), Fa
 }
 
 /// Writes a file that is there, whole or not at all. A link stays one, and who may not write the file cannot replace it.
-fn overwrite(file: &Path, text: &str) -> Result<(), Failure> {
-    let cannot = |why: String| Failure::Usage(format!("cannot write {}: {why}", file.display()));
+fn overwrite(file: &Path, text: &str) -> Result<(), CommandFailure> {
+    let cannot =
+        |why: String| CommandFailure::Usage(format!("cannot write {}: {why}", file.display()));
     let place = file
         .canonicalize()
         .map_err(|error| cannot(error.to_string()))?;
@@ -126,7 +131,7 @@ fn overwrite(file: &Path, text: &str) -> Result<(), Failure> {
     if found.permissions().readonly() {
         return Err(cannot("it is read-only; it stays as it is".into()));
     }
-    write_text(&place, text).map_err(|error| Failure::Usage(format!("cannot write {error}")))
+    write_text(&place, text).map_err(|error| CommandFailure::Usage(format!("cannot write {error}")))
 }
 
 /// Where a text changes first: `file:line`.
@@ -143,17 +148,21 @@ fn changed(name: &str, before: &str, after: &str) -> Option<String> {
 }
 
 /// A text with its blanks in order, and what of it stays as it is. The settings of a run behind a scene do, without a word.
-fn formatted(text: &str, form: Form, name: &str) -> Result<(String, Vec<String>), Failure> {
+fn formatted(
+    text: &str,
+    form: TextForm,
+    name: &str,
+) -> Result<(String, Vec<String>), CommandFailure> {
     let result = match form {
-        Form::Rust => format_rust(text).map(|file| (file.text, file.left)),
-        Form::Scene => scene(text).map(|text| (text, Vec::new())),
+        TextForm::Rust => format_rust(text).map(|file| (file.text, file.left)),
+        TextForm::Scene => scene(text).map(|text| (text, Vec::new())),
     };
     let told = |(text, left): (String, Vec<Message>)| {
         let left = left.iter().map(|message| message.in_file(name));
         (text, left.collect())
     };
     result.map(told).map_err(|errors| {
-        Failure::Mistakes(Mistakes {
+        CommandFailure::Mistakes(Mistakes {
             file: name.to_owned(),
             source: text.to_owned(),
             errors,
@@ -178,15 +187,15 @@ fn scene(text: &str) -> Result<String, Vec<Message>> {
 }
 
 /// What is wrong with several files, as one failure; mistakes of scenes say more than files that cannot be read.
-fn together(mut failures: Vec<Failure>) -> Option<Failure> {
+fn together(mut failures: Vec<CommandFailure>) -> Option<CommandFailure> {
     if failures.len() < 2 {
         return failures.pop();
     }
     let texts: Vec<String> = failures.iter().map(ToString::to_string).collect();
     let text = texts.join("\n");
     Some(match failures.iter().any(|failure| failure.code() == 2) {
-        true => Failure::Invalid(text),
-        false => Failure::Usage(text),
+        true => CommandFailure::Invalid(text),
+        false => CommandFailure::Usage(text),
     })
 }
 
@@ -202,7 +211,7 @@ mod tests {
         args: FmtArgs,
     }
 
-    fn input(arguments: &[&str], text: &str) -> Result<String, Failure> {
+    fn input(arguments: &[&str], text: &str) -> Result<String, CommandFailure> {
         let typed = ["fmt"].iter().chain(arguments);
         of_input(&Typed::parse_from(typed).args, text.as_bytes())
     }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use mbd_runtime::{Generic, Simulation, StateSpace, linearise_along, trim};
-use models::report::Table;
-use models::run::Plan;
+use models::report::ReportTable;
+use models::run::RunPlan;
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::scene_file::SceneFile;
 
 /// Where and in which coordinates.
@@ -24,14 +24,14 @@ pub struct LineariseArgs {
 }
 
 /// Linearises a scene and tells its coordinates and eigenvalues.
-pub fn linearise(args: &LineariseArgs) -> Result<String, Failure> {
+pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     let SceneFile {
         scene, settings, ..
     } = SceneFile::find(&args.scene)?;
     let invalid = |error: &dyn std::fmt::Display| {
-        Failure::Invalid(format!("{}: {error}", args.scene.display()))
+        CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
     };
-    let plan = Plan::new(&scene, &settings).map_err(|error| invalid(&error))?;
+    let plan = RunPlan::new(&scene, &settings).map_err(|error| invalid(&error))?;
     let model = Generic::new(scene, &plan.params).map_err(|error| invalid(&error))?;
     let mut run = Simulation::new(&model, plan.options).map_err(|e| invalid(&e))?;
     plan.begin(&mut run).map_err(|e| invalid(&e))?;
@@ -56,7 +56,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, Failure> {
 /// The tables.
 fn told(space: &StateSpace, place: &str) -> String {
     let count = space.states.len();
-    let mut states = Table::new(format!("Linear system about the {place}"))
+    let mut states = ReportTable::new(format!("Linear system about the {place}"))
         .column("state", "")
         .column("unit", "")
         .column("acceleration", "");
@@ -71,7 +71,7 @@ fn told(space: &StateSpace, place: &str) -> String {
             own.into(),
         ]);
     }
-    let mut vibrations = Table::new("Eigenvalues")
+    let mut vibrations = ReportTable::new("Eigenvalues")
         .column("frequency", "Hz")
         .column("|λ|", "rad/s")
         .column("damping", "")

@@ -3,18 +3,18 @@
 use clap::{Args, Subcommand};
 use mbd_compiler::nearest;
 use mbd_runtime::scene::Scene;
-use models::report::Table;
+use models::report::ReportTable;
 use models::{describe, quantities, scenes};
 use serde_json::{Value, json};
 
 use super::SceneArgs;
 use super::check::pretty;
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::scene_file::SceneFile;
 
 /// A ready scene that is a file: the two forms a scene file can have.
 #[derive(Clone, Copy, Debug)]
-pub struct Written {
+pub struct ReadyFile {
     /// Its name for `mbd run`.
     pub name: &'static str,
     /// What it is.
@@ -26,44 +26,44 @@ pub struct Written {
 }
 
 /// The ready scenes that are files; they lie in `models/scenes`.
-const WRITTEN: &[Written] = &[
-    Written {
+const WRITTEN: &[ReadyFile] = &[
+    ReadyFile {
         name: "drop",
         what: "Capsule under a parachute, dropped with slack in the riser; a stepwise equilibrium point. A scene in TOML.",
         text: include_str!("../../scenes/drop.toml"),
         is_toml: true,
     },
-    Written {
+    ReadyFile {
         name: "swing",
         what: "Bob on a line that hangs from the knot of two others; a static equilibrium point. A scene as text.",
         text: include_str!("../../scenes/swing.mbd"),
         is_toml: false,
     },
-    Written {
+    ReadyFile {
         name: "linkage",
         what: "Four-bar with a weight on a line, everything in a plane. A scene as text.",
         text: include_str!("../../scenes/linkage.mbd"),
         is_toml: false,
     },
-    Written {
+    ReadyFile {
         name: "arm",
         what: "Arm of seven joints: motors carry its weight while an input moves it, then their power is cut and it falls. Joint coordinates.",
         text: include_str!("../../scenes/arm.mbd"),
         is_toml: false,
     },
-    Written {
+    ReadyFile {
         name: "quadruped",
         what: "Trunk that floats on four legs of three hinges, dropped into springs at its feet. Joint coordinates.",
         text: include_str!("../../scenes/quadruped.mbd"),
         is_toml: false,
     },
-    Written {
+    ReadyFile {
         name: "pendulums",
         what: "Chain of eight rods on hinges about crossed axes. Joint coordinates.",
         text: include_str!("../../scenes/pendulums.mbd"),
         is_toml: false,
     },
-    Written {
+    ReadyFile {
         name: "crank_rocker",
         what: "Four-bar in a plane in joint coordinates: the fourth hinge closes the loop by rows.",
         text: include_str!("../../scenes/crank_rocker.mbd"),
@@ -73,11 +73,11 @@ const WRITTEN: &[Written] = &[
 
 /// A ready scene.
 #[derive(Clone, Copy, Debug)]
-pub enum Ready {
+pub enum ReadyEntry {
     /// Compiled with `model!`.
     Compiled(&'static scenes::Ready),
     /// A file, run without compilation.
-    Written(&'static Written),
+    Written(&'static ReadyFile),
 }
 
 /// The names of the ready scenes.
@@ -87,12 +87,12 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// A ready scene by name.
-pub fn ready(name: &str) -> Option<Ready> {
+pub fn ready(name: &str) -> Option<ReadyEntry> {
     let compiled = scenes::READY.iter().find(|ready| ready.name == name);
     let written = || WRITTEN.iter().find(|ready| ready.name == name);
     compiled
-        .map(Ready::Compiled)
-        .or_else(|| written().map(Ready::Written))
+        .map(ReadyEntry::Compiled)
+        .or_else(|| written().map(ReadyEntry::Written))
 }
 
 /// What to list: the ready scenes, if nothing is said.
@@ -114,7 +114,7 @@ enum Listed {
 }
 
 /// Lists.
-pub fn list(args: &ListArgs) -> Result<String, Failure> {
+pub fn list(args: &ListArgs) -> Result<String, CommandFailure> {
     let scene = |args: &SceneArgs| SceneFile::find(&args.scene).map(|file| file.scene);
     match (&args.what, args.json) {
         (None, false) => Ok(ready_scenes()),
@@ -125,7 +125,7 @@ pub fn list(args: &ListArgs) -> Result<String, Failure> {
         (Some(Listed::Quantities(args)), true) => json_list(
             quantities::asked(&scene(args)?)
                 .iter()
-                .map(quantities::Asked::json),
+                .map(quantities::RequestedQuantity::json),
         ),
         (Some(Listed::Metrics(args)), false) => Ok(metrics_of(&scene(args)?)),
         (Some(Listed::Metrics(args)), true) => {
@@ -146,7 +146,7 @@ fn metrics_of(scene: &Scene) -> String {
     describe::metrics(scene).text()
 }
 
-fn json_list(entries: impl Iterator<Item = Value>) -> Result<String, Failure> {
+fn json_list(entries: impl Iterator<Item = Value>) -> Result<String, CommandFailure> {
     pretty(&Value::Array(entries.collect()))
 }
 
@@ -167,7 +167,7 @@ fn what_is_ready() -> impl Iterator<Item = (&'static str, String)> {
 }
 
 fn ready_scenes() -> String {
-    let mut table = Table::new("Ready scenes")
+    let mut table = ReportTable::new("Ready scenes")
         .column("name", "")
         .column("what", "");
     for (name, what) in what_is_ready() {

@@ -1,6 +1,6 @@
 //! The mistakes of a scene file: each with its place, the line of the file and a caret under it.
 
-use mbd_compiler::{Location, Message, Place};
+use mbd_compiler::{Location, Message, MessagePlace};
 use serde_json::{Value, json};
 
 /// Whether a text is coloured: for people in front of a terminal.
@@ -69,7 +69,7 @@ impl Mistakes {
         format!("{}\n{}", all.join("\n"), paint.with(RED, &count))
     }
 
-    fn place(&self, message: &Message, place: &Place, paint: Paint) -> String {
+    fn place(&self, message: &Message, place: &MessagePlace, paint: Paint) -> String {
         let text = place.note.as_ref().unwrap_or(&message.text);
         let Location::Text { line, column } = place.location else {
             return format!("{}: {text}", self.file);

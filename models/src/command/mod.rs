@@ -31,7 +31,7 @@ use check::CheckArgs;
 use compare::CompareArgs;
 use convert::ConvertArgs;
 use extremes::ExtremesArgs;
-use failure::Failure;
+use failure::CommandFailure;
 use fmt::FmtArgs;
 use linearise::LineariseArgs;
 use list::ListArgs;
@@ -107,10 +107,10 @@ pub fn main() -> ExitCode {
     };
     // The exit code tells of the failure when a stream cannot.
     let _ = match &failure {
-        Failure::Told(text) | Failure::Inaccurate(text) => {
+        CommandFailure::Told(text) | CommandFailure::Inaccurate(text) => {
             writeln!(std::io::stdout(), "{}", text.trim_end())
         }
-        Failure::Mistakes(mistakes) => {
+        CommandFailure::Mistakes(mistakes) => {
             let colours = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
             let paint = Paint::of(std::io::stderr().is_terminal() && colours);
             writeln!(std::io::stderr(), "{}", mistakes.text(paint).trim_end())
@@ -121,12 +121,12 @@ pub fn main() -> ExitCode {
 }
 
 /// Writes the whole text. Nobody reading any more (`mbd list | head`) is no error; a full disk is.
-fn print(text: &str, stream: &mut impl Write) -> Result<(), Failure> {
+fn print(text: &str, stream: &mut impl Write) -> Result<(), CommandFailure> {
     let written = stream
         .write_all(text.as_bytes())
         .and_then(|()| stream.flush());
     match written {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Usage(format!(
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CommandFailure::Usage(format!(
             "cannot write the result to the standard output: {error}"
         ))),
         _ => Ok(()),
@@ -134,10 +134,10 @@ fn print(text: &str, stream: &mut impl Write) -> Result<(), Failure> {
 }
 
 /// The text a command prints.
-fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failure> {
+fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, CommandFailure> {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) if error.use_stderr() => return Err(Failure::Usage(error.to_string())),
+        Err(error) if error.use_stderr() => return Err(CommandFailure::Usage(error.to_string())),
         Err(help) => return Ok(help.to_string()),
     };
     let command = cli.command.unwrap_or_else(|| {

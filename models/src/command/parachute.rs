@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use models::parachute::{self, scene, study, summary};
-use models::progress::Progress;
+use models::progress::ProgressLine;
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 
 /// Where the results of the main job go.
 #[derive(Args, Debug)]
@@ -33,10 +33,10 @@ pub fn announced(args: &ParachuteArgs) -> String {
 }
 
 /// Flies the study, writes it and tells its table.
-pub fn parachute(args: &ParachuteArgs) -> Result<String, Failure> {
-    let mut progress = Progress::new();
+pub fn parachute(args: &ParachuteArgs) -> Result<String, CommandFailure> {
+    let mut progress = ProgressLine::new();
     let study = study::study(|what, share| progress.show(share, what))
-        .map_err(|error| Failure::Aborted(error.to_string()))?;
+        .map_err(|error| CommandFailure::Aborted(error.to_string()))?;
     progress.clear();
     let folder = args.out.display();
     let all = scene::PROVENANCE.len();
@@ -45,7 +45,7 @@ pub fn parachute(args: &ParachuteArgs) -> Result<String, Failure> {
         .filter(|[.., source]| !source.starts_with("paper"))
         .count();
     let found = parachute::write(&study, &args.out)
-        .map_err(|error| Failure::Usage(format!("cannot write {error}")))?;
+        .map_err(|error| CommandFailure::Usage(format!("cannot write {error}")))?;
     Ok(format!(
         "{}\n{}\nSteady riser force over the weight of the capsule: {:.6}\nOf the numbers of the scene, {assumed} of {all} groups are assumed or recalled because the copy of the paper lost them; the report lists each with its source.\nWritten to {folder}: report.html, figures, histories, summary.json\n",
         summary::table(&study).text(),

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use mbd_campaign::run::Plan;
+use mbd_campaign::run::RunPlan;
 use mbd_compiler::{Location, Message, misfits};
 use models::run::{PlanError, Settings};
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::SceneFile;
 
@@ -27,7 +27,7 @@ impl Phases {
     ///
     /// # Errors
     /// A file that cannot be read or does not fit, at the place that names it; mistakes in it, at theirs.
-    pub fn of(first: SceneFile, path: &Path) -> Result<Self, Failure> {
+    pub fn of(first: SceneFile, path: &Path) -> Result<Self, CommandFailure> {
         let mut paths = vec![path.canonicalize().unwrap_or_else(|_| path.to_owned())];
         let mut names = vec![path.to_owned()];
         let mut phases = Phases {
@@ -56,7 +56,7 @@ impl Phases {
                 next[going.event] = Some(known.unwrap_or(paths.len()));
                 if known.is_none() {
                     let read = SceneFile::find(&name).map_err(|failure| match failure {
-                        Failure::Usage(why) => unread(file, going.file, &name, &why),
+                        CommandFailure::Usage(why) => unread(file, going.file, &name, &why),
                         failure => failure,
                     })?;
                     paths.push(whole);
@@ -77,7 +77,7 @@ impl Phases {
     }
 
     /// Refuses scenes that cannot go on from each other.
-    fn fit(&self) -> Result<(), Failure> {
+    fn fit(&self) -> Result<(), CommandFailure> {
         for (file, next) in self.files.iter().zip(&self.next) {
             let going = file.reading.going.iter().enumerate();
             let errors: Vec<Message> = going
@@ -103,21 +103,19 @@ impl Phases {
     /// Settings that a scene cannot be run with.
     pub fn planned(
         &self,
-        first: &Plan,
+        first: &RunPlan,
         settings: &Settings,
-        typed: &Typed,
-    ) -> Result<Vec<Plan>, Failure> {
+        typed: &TypedSettings,
+    ) -> Result<Vec<RunPlan>, CommandFailure> {
         let mut plans = vec![first.clone()];
         for file in self.files.iter().skip(1) {
             let own = after(settings, &file.settings, typed, |name| {
                 file.scene.params.iter().any(|param| param.name == name)
             });
-            let plan = Plan::new(&file.scene, &own);
-            plans.push(
-                plan.map_err(|error: PlanError| {
-                    Failure::Invalid(format!("{}: {error}", file.name))
-                })?,
-            );
+            let plan = RunPlan::new(&file.scene, &own);
+            plans.push(plan.map_err(|error: PlanError| {
+                CommandFailure::Invalid(format!("{}: {error}", file.name))
+            })?);
         }
         Ok(plans)
     }
@@ -162,7 +160,7 @@ impl Phases {
 
 /// What of the settings was typed.
 #[derive(Debug, Default)]
-pub struct Typed {
+pub struct TypedSettings {
     /// The method, the step or the tolerance.
     pub method: bool,
     /// How often a row is kept.
@@ -174,7 +172,12 @@ pub struct Typed {
 }
 
 /// The settings of a scene that goes on from one with the settings `first`: of its params those that were typed count here, too.
-fn after(first: &Settings, own: &Settings, typed: &Typed, has: impl Fn(&str) -> bool) -> Settings {
+fn after(
+    first: &Settings,
+    own: &Settings,
+    typed: &TypedSettings,
+    has: impl Fn(&str) -> bool,
+) -> Settings {
     let mut settings = own.clone();
     settings.until.clone_from(&first.until);
     if typed.method {
@@ -206,7 +209,7 @@ fn placed(settings: &Settings) -> Vec<String> {
     settings.start.keys().cloned().collect()
 }
 
-fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> Failure {
+fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> CommandFailure {
     let why = why.trim_start_matches("cannot read ");
     let name: PathBuf = name.to_owned();
     let text = format!(
@@ -216,8 +219,8 @@ fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> Failure {
     mistakes(file, vec![Message::new(text, at)])
 }
 
-fn mistakes(file: &SceneFile, errors: Vec<Message>) -> Failure {
-    Failure::Mistakes(Mistakes {
+fn mistakes(file: &SceneFile, errors: Vec<Message>) -> CommandFailure {
+    CommandFailure::Mistakes(Mistakes {
         file: file.name.clone(),
         source: file.source.clone(),
         errors,

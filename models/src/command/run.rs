@@ -5,17 +5,17 @@ use std::path::{Component, Path, PathBuf};
 use clap::Args;
 use mbd_campaign::Campaign;
 use mbd_runtime::scene::Scene;
-use models::progress::Progress;
-use models::report::Table;
+use models::progress::ProgressLine;
+use models::report::ReportTable;
 use models::run::{
-    Outcome, Phase, Plan, Segment, Settings, doubt, fly_model, fly_phases, phases_json, publish,
-    publish_gltf, publish_phases, summary_json, warning,
+    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, phases_json,
+    publish, publish_gltf, publish_phases, summary_json, warning,
 };
 use toml::Value;
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::list;
-use super::phases::{MOST, Phases, Typed};
+use super::phases::{MOST, Phases, TypedSettings};
 use super::scene_file::SceneFile;
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -105,34 +105,34 @@ impl RunArgs {
 
 /// A run that came to an end, or stopped early.
 #[derive(Debug)]
-pub struct Flown {
+pub struct FinishedRun {
     /// What was run.
     pub scene: Scene,
     /// How.
-    pub plan: Plan,
+    pub plan: RunPlan,
     /// What came out.
-    pub outcome: Outcome,
+    pub outcome: RunOutcome,
     /// What was noticed when the scene was read.
     pub remarks: Vec<String>,
 }
 
 /// Runs a scene and writes nothing.
-pub fn flown(args: &RunArgs) -> Result<Flown, Failure> {
+pub fn flown(args: &RunArgs) -> Result<FinishedRun, CommandFailure> {
     fly(args, SceneFile::find_alone(&args.scene, "compare")?)
 }
 
-fn fly(args: &RunArgs, file: SceneFile) -> Result<Flown, Failure> {
+fn fly(args: &RunArgs, file: SceneFile) -> Result<FinishedRun, CommandFailure> {
     let settings = with_flags(file.settings.clone(), args)?;
     let invalid = |error: &dyn std::fmt::Display| {
-        Failure::Invalid(format!("{}: {error}", args.scene.display()))
+        CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
     };
     let plan = match &args.campaign {
         Some(campaign) => case_of(&file, settings, campaign, args.case)?,
-        None => Plan::new(&file.scene, &settings).map_err(|error| invalid(&error))?,
+        None => RunPlan::new(&file.scene, &settings).map_err(|error| invalid(&error))?,
     };
     let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
-    let outcome = fly_model(&*model, &plan, &mut Progress::new());
-    Ok(Flown {
+    let outcome = fly_model(&*model, &plan, &mut ProgressLine::new());
+    Ok(FinishedRun {
         scene: file.scene,
         plan,
         outcome,
@@ -141,7 +141,7 @@ fn fly(args: &RunArgs, file: SceneFile) -> Result<Flown, Failure> {
 }
 
 /// Runs a scene, and what its events let go on, and writes everything.
-pub fn run(args: &RunArgs) -> Result<String, Failure> {
+pub fn run(args: &RunArgs) -> Result<String, CommandFailure> {
     let phases = Phases::of(SceneFile::find(&args.scene)?, &args.scene)?;
     match phases.is_one() {
         true => phases
@@ -154,12 +154,12 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
 }
 
 /// Runs several scenes one after the other.
-fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
+fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
     let Some(first) = phases.files.first() else {
         return Ok(String::new());
     };
     if args.campaign.is_some() || args.gltf {
-        return Err(Failure::Usage(
+        return Err(CommandFailure::Usage(
             "--campaign and --gltf take a scene that flies alone: an event of this one lets another scene go on".into(),
         ));
     }
@@ -169,7 +169,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
     };
     let settings = with_flags(first.settings.clone(), args)?;
     let set = args.set.iter().filter_map(|set| set.split_once('='));
-    let typed = Typed {
+    let typed = TypedSettings {
         method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
         every: args.every.is_some(),
         max_steps: args.max_steps.is_some(),
@@ -183,8 +183,8 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
             || !known(name)
             || !typed.params.iter().any(|set| set == name)
     });
-    let plan = Plan::new(&first.scene, &own)
-        .map_err(|error| Failure::Invalid(format!("{}: {error}", args.scene.display())))?;
+    let plan = RunPlan::new(&first.scene, &own)
+        .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", args.scene.display())))?;
     let plans = phases.planned(&plan, &settings, &typed)?;
     let makers: Vec<_> = phases
         .files
@@ -201,7 +201,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
             next: next.clone(),
         })
         .collect();
-    let segments = fly_phases(&all, &mut Progress::new());
+    let segments = fly_phases(&all, &mut ProgressLine::new());
     let folder = args.folder();
     let table = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
     let (mut warnings, mut doubtful) = (Vec::new(), false);
@@ -232,9 +232,9 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
         .last()
         .and_then(|segment: &Segment| segment.outcome.error.as_ref());
     match error {
-        None if doubtful => Err(Failure::Inaccurate(told)),
+        None if doubtful => Err(CommandFailure::Inaccurate(told)),
         None => Ok(told),
-        Some(error) => Err(Failure::Aborted(format!(
+        Some(error) => Err(CommandFailure::Aborted(format!(
             "{told}\n{}: {error}",
             first.scene.name
         ))),
@@ -242,8 +242,8 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
 }
 
 /// Runs a scene that flies alone.
-fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, Failure> {
-    let Flown {
+fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
+    let FinishedRun {
         scene,
         plan,
         outcome,
@@ -267,14 +267,17 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, Failure> {
     } else {
         let remarks = remarks.iter().chain(&warning);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
-        let tables: Vec<String> = tables.iter().map(Table::text).collect();
+        let tables: Vec<String> = tables.iter().map(ReportTable::text).collect();
         let tables = tables.join("\n");
         format!("{remarks}{tables}\n{}", written(&outcome, &folder))
     };
     match &outcome.error {
-        None if doubt.is_some() => Err(Failure::Inaccurate(told)),
+        None if doubt.is_some() => Err(CommandFailure::Inaccurate(told)),
         None => Ok(told),
-        Some(error) => Err(Failure::Aborted(format!("{told}\n{}: {error}", scene.name))),
+        Some(error) => Err(CommandFailure::Aborted(format!(
+            "{told}\n{}: {error}",
+            scene.name
+        ))),
     }
 }
 
@@ -284,13 +287,13 @@ fn case_of(
     settings: Settings,
     campaign: &Path,
     case: u64,
-) -> Result<Plan, Failure> {
+) -> Result<RunPlan, CommandFailure> {
     let model = super::campaign::nominal(file)?;
     let plan = Campaign::read(campaign, model, settings)?.plan(case);
-    plan.map_err(|error| Failure::Invalid(format!("{}: {error}", campaign.display())))
+    plan.map_err(|error| CommandFailure::Invalid(format!("{}: {error}", campaign.display())))
 }
 
-fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failure> {
+fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, CommandFailure> {
     if args.dt.is_some() || args.tol.is_some() {
         (settings.step, settings.tolerance) = (value(&args.dt), value(&args.tol));
         // The method of the file stays where it has what is given.
@@ -316,7 +319,7 @@ fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failur
     }
     for set in &args.set {
         let Some((name, given)) = set.split_once('=') else {
-            return Err(Failure::Usage(format!(
+            return Err(CommandFailure::Usage(format!(
                 "--set `{set}`: write it as NAME=VALUE, such as riser_k=50kN/m"
             )));
         };
@@ -365,11 +368,11 @@ pub(super) fn folder_name(given: &Path) -> PathBuf {
     short
 }
 
-pub(super) fn unwritten(error: &std::io::Error) -> Failure {
-    Failure::Usage(format!("cannot write {error}"))
+pub(super) fn unwritten(error: &std::io::Error) -> CommandFailure {
+    CommandFailure::Usage(format!("cannot write {error}"))
 }
 
-fn written(outcome: &Outcome, folder: &Path) -> String {
+fn written(outcome: &RunOutcome, folder: &Path) -> String {
     let speed = if outcome.wall_s > 0.0 {
         format!(
             "{:.0} simulated seconds a second; ",

@@ -13,8 +13,8 @@ use models::in_lanes::in_lanes;
 use models::run::{Settings, split};
 use models::scenes::{self, Make};
 
-use super::failure::Failure;
-use super::list::{self, Ready};
+use super::failure::CommandFailure;
+use super::list::{self, ReadyEntry};
 use super::mistakes::Mistakes;
 
 /// A scene that was read without errors.
@@ -42,7 +42,7 @@ pub struct SceneFile {
 
 /// How a scene is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+enum SceneFormat {
     /// The text of a declaration.
     Text,
     /// A declaration in TOML.
@@ -51,26 +51,26 @@ enum Form {
     Urdf,
 }
 
-impl Form {
+impl SceneFormat {
     /// By the end of the file's name.
-    fn of(path: &Path) -> Form {
+    fn of(path: &Path) -> SceneFormat {
         let is = |word: &str| {
             path.extension()
                 .is_some_and(|end| end.eq_ignore_ascii_case(word))
         };
         match (is("toml"), is("urdf")) {
-            (true, _) => Form::Toml,
-            (_, true) => Form::Urdf,
-            _ => Form::Text,
+            (true, _) => SceneFormat::Toml,
+            (_, true) => SceneFormat::Urdf,
+            _ => SceneFormat::Text,
         }
     }
 
     /// What is read of a scene without the settings of its run; files that it names lie relative to `folder`.
     fn reading(self, scene: &str, folder: &Path) -> Reading {
         match self {
-            Form::Toml => read_toml_in(scene, folder),
-            Form::Text => read_text_in(scene, folder),
-            Form::Urdf => read_urdf(scene),
+            SceneFormat::Toml => read_toml_in(scene, folder),
+            SceneFormat::Text => read_text_in(scene, folder),
+            SceneFormat::Urdf => read_urdf(scene),
         }
     }
 }
@@ -80,19 +80,21 @@ const LARGEST: u64 = 10_000_000;
 
 impl SceneFile {
     /// A ready scene by name, else a file.
-    pub fn find(scene: &Path) -> Result<SceneFile, Failure> {
+    pub fn find(scene: &Path) -> Result<SceneFile, CommandFailure> {
         match scene.to_str().and_then(list::ready) {
-            Some(Ready::Compiled(ready)) if !scene.is_file() => SceneFile::of_compiled(ready),
-            Some(Ready::Written(ready)) if !scene.is_file() => {
+            Some(ReadyEntry::Compiled(ready)) if !scene.is_file() => SceneFile::of_compiled(ready),
+            Some(ReadyEntry::Written(ready)) if !scene.is_file() => {
                 let form = if ready.is_toml {
-                    Form::Toml
+                    SceneFormat::Toml
                 } else {
-                    Form::Text
+                    SceneFormat::Text
                 };
                 SceneFile::of_text(ready.text, Path::new(ready.name), form)
             }
             _ if scene.exists() || scene.extension().is_some() => SceneFile::read(scene),
-            _ => Err(Failure::Usage(list::unknown(&scene.display().to_string()))),
+            _ => Err(CommandFailure::Usage(list::unknown(
+                &scene.display().to_string(),
+            ))),
         }
     }
 
@@ -100,14 +102,14 @@ impl SceneFile {
     ///
     /// # Errors
     /// A scene that lets another one go on.
-    pub fn find_alone(scene: &Path, command: &str) -> Result<SceneFile, Failure> {
+    pub fn find_alone(scene: &Path, command: &str) -> Result<SceneFile, CommandFailure> {
         let file = SceneFile::find(scene)?;
         let mut events = file.scene.events.iter();
         let going = events.find(|event| event.actions.next.is_some());
         let Some(event) = going else {
             return Ok(file);
         };
-        Err(Failure::Invalid(format!(
+        Err(CommandFailure::Invalid(format!(
             "{}: event `{}` lets another scene go on, and `mbd {command}` takes one scene: fly all of it with `mbd run`, or write `then: stop` there and give each scene by itself",
             file.name, event.name
         )))
@@ -136,9 +138,9 @@ impl SceneFile {
     }
 
     /// The declaration of a compiled scene, read back from its data.
-    fn of_compiled(ready: &scenes::Ready) -> Result<SceneFile, Failure> {
+    fn of_compiled(ready: &scenes::Ready) -> Result<SceneFile, CommandFailure> {
         let text = format!("{}\n{}", write_toml(&(ready.scene)()), (ready.run)());
-        let mut file = SceneFile::of_text(&text, Path::new(ready.name), Form::Toml)?;
+        let mut file = SceneFile::of_text(&text, Path::new(ready.name), SceneFormat::Toml)?;
         file.compiled = Some(ready.model);
         // Its names were checked when it was compiled; in its data consts are folded and would seem unused.
         file.remarks.clear();
@@ -152,8 +154,8 @@ impl SceneFile {
     }
 
     /// Reads `.toml`, `.urdf`, or the text of a `model!` declaration from a file of any other name.
-    fn read(path: &Path) -> Result<SceneFile, Failure> {
-        SceneFile::of_text(&read_file(path)?, path, Form::of(path))
+    fn read(path: &Path) -> Result<SceneFile, CommandFailure> {
+        SceneFile::of_text(&read_file(path)?, path, SceneFormat::of(path))
     }
 
     /// What a scene file is made of besides itself: a URDF that it takes in, the scenes that its events let go on; as far as it can be read. Whether all of it can.
@@ -161,8 +163,8 @@ impl SceneFile {
         let Ok(text) = read_file(path) else {
             return (Vec::new(), false);
         };
-        let form = Form::of(path);
-        if form == Form::Urdf {
+        let form = SceneFormat::of(path);
+        if form == SceneFormat::Urdf {
             return (Vec::new(), true);
         }
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -175,15 +177,15 @@ impl SceneFile {
     }
 
     /// Reads a text; `path` is the file's name in messages, and what it names lies beside it.
-    fn of_text(text: &str, path: &Path, form: Form) -> Result<SceneFile, Failure> {
+    fn of_text(text: &str, path: &Path, form: SceneFormat) -> Result<SceneFile, CommandFailure> {
         let name = &path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
         let (scene, run) = match form {
-            Form::Urdf => (text.to_owned(), String::new()),
-            Form::Toml | Form::Text => split(text),
+            SceneFormat::Urdf => (text.to_owned(), String::new()),
+            SceneFormat::Toml | SceneFormat::Text => split(text),
         };
         let reading = form.reading(&scene, folder);
-        let document = (form == Form::Toml).then(|| scene.clone());
+        let document = (form == SceneFormat::Toml).then(|| scene.clone());
         let settings = Settings::read(&run);
         let mut errors = reading.errors.clone();
         let scene = reading.scene.as_ref();
@@ -208,7 +210,7 @@ impl SceneFile {
                     compiled: None,
                 })
             }
-            (_, settings) => Err(Failure::Mistakes(Mistakes {
+            (_, settings) => Err(CommandFailure::Mistakes(Mistakes {
                 file: name.to_owned(),
                 source: text.to_owned(),
                 errors,
@@ -219,8 +221,9 @@ impl SceneFile {
 }
 
 /// Reads an ordinary file of a sensible size.
-pub fn read_file(path: &Path) -> Result<String, Failure> {
-    let cannot = |why: String| Failure::Usage(format!("cannot read {}: {why}", path.display()));
+pub fn read_file(path: &Path) -> Result<String, CommandFailure> {
+    let cannot =
+        |why: String| CommandFailure::Usage(format!("cannot read {}: {why}", path.display()));
     let found = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?;
     // A pipe would keep us waiting for its other end, a device may never end.
     if !found.is_file() {

@@ -24,7 +24,7 @@ mod starts;
 mod stops;
 mod trade;
 
-fn run(arguments: &[&str]) -> Result<String, Failure> {
+fn run(arguments: &[&str]) -> Result<String, CommandFailure> {
     answer(["mbd"].iter().chain(arguments).map(OsString::from))
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use models::trade::{advice, publish, race, table, usual};
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::run::{folder_name, unwritten};
 use super::scene_file::SceneFile;
 
@@ -29,7 +29,7 @@ pub struct TradeArgs {
 }
 
 /// Races methods, tolerances, models of nodes and coordinates over one question: the whole table, or the advice alone.
-pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, Failure> {
+pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFailure> {
     let SceneFile {
         scene, settings, ..
     } = SceneFile::find_alone(&args.scene, "trade")?;
@@ -38,12 +38,12 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, Failure> {
         .within
         .filter(|wanted| !(*wanted > 0.0 && wanted.is_finite()))
     {
-        return Err(Failure::Usage(format!(
+        return Err(CommandFailure::Usage(format!(
             "--within {wanted}: give an error above zero"
         )));
     }
     let race = race(&scene, &settings, &args.output, window)
-        .map_err(|error| Failure::Invalid(format!("{}: {error}", args.scene.display())))?;
+        .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", args.scene.display())))?;
     let told = advice(&race, args.within.unwrap_or_else(|| usual(&race)));
     if advice_alone {
         return Ok(told + "\n");
@@ -61,14 +61,14 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, Failure> {
 }
 
 /// `0..10`, with or without units.
-fn window(text: &str) -> Result<[f64; 2], Failure> {
+fn window(text: &str) -> Result<[f64; 2], CommandFailure> {
     let wrong = || {
-        Failure::Usage(format!(
+        CommandFailure::Usage(format!(
             "--window `{text}`: write two times in seconds, the first one earlier, such as 0..10"
         ))
     };
     let (from, to) = text.split_once("..").ok_or_else(wrong)?;
-    let seconds = |text: &str| -> Result<f64, Failure> {
+    let seconds = |text: &str| -> Result<f64, CommandFailure> {
         let text = text.trim();
         let text = text.strip_suffix('s').unwrap_or(text).trim();
         text.parse().map_err(|_| wrong())

@@ -9,7 +9,7 @@ use std::time::{Duration, SystemTime};
 use clap::Args;
 use serde_json::json;
 
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::run::{self, RunArgs};
 
 /// The page around the report: it asks for news, and shows mistakes where the report was.
@@ -32,7 +32,7 @@ pub struct WatchArgs {
 
 /// What is shown.
 #[derive(Debug, Default)]
-struct Shown {
+struct ShownPage {
     /// Counts the runs.
     version: u64,
     /// The page of the last run that came to an end.
@@ -42,7 +42,7 @@ struct Shown {
 }
 
 /// Serves the page until it is interrupted.
-pub fn watch(args: &WatchArgs) -> Result<String, Failure> {
+pub fn watch(args: &WatchArgs) -> Result<String, CommandFailure> {
     let server = Server::open(args)?;
     eprintln!(
         "mbd: http://{}/ shows {}; saving it, or a file that it names, runs it again, Ctrl-C ends",
@@ -56,25 +56,25 @@ pub fn watch(args: &WatchArgs) -> Result<String, Failure> {
 /// A page that is served.
 struct Server {
     address: SocketAddr,
-    shown: Arc<Mutex<Shown>>,
+    shown: Arc<Mutex<ShownPage>>,
 }
 
 impl Server {
     /// Begins to serve, in threads of its own.
-    fn open(args: &WatchArgs) -> Result<Server, Failure> {
+    fn open(args: &WatchArgs) -> Result<Server, CommandFailure> {
         if !args.run.scene().is_file() {
             let text = format!(
                 "`{}` is no file: `mbd watch` looks at a scene file and runs it anew when it is saved",
                 args.run.scene().display()
             );
-            return Err(Failure::Usage(text));
+            return Err(CommandFailure::Usage(text));
         }
         let listener = TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, args.port)));
         let address = listener.and_then(|listener| Ok((listener.local_addr()?, listener)));
         let (address, listener) = address.map_err(|error| {
-            Failure::Usage(format!("cannot serve on port {}: {error}", args.port))
+            CommandFailure::Usage(format!("cannot serve on port {}: {error}", args.port))
         })?;
-        let shown = Arc::new(Mutex::new(Shown::default()));
+        let shown = Arc::new(Mutex::new(ShownPage::default()));
         let served = Arc::clone(&shown);
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
@@ -87,7 +87,7 @@ impl Server {
 
     /// Runs the scene now, and again whenever a file changes that it is made of.
     fn follow(&self, args: &RunArgs, ended: impl Fn() -> bool) {
-        let mut watched = Watched::default();
+        let mut watched = WatchedFiles::default();
         while !ended() {
             if watched.has_changed() {
                 // What is saved while it runs is seen behind it.
@@ -109,9 +109,9 @@ fn stamp(file: &Path) -> Stamp {
 
 /// Files as they were when the scene was run.
 #[derive(Debug, Default)]
-struct Watched(Vec<(PathBuf, Stamp)>);
+struct WatchedFiles(Vec<(PathBuf, Stamp)>);
 
-impl Watched {
+impl WatchedFiles {
     /// Whether one of them changed, or nothing has been run yet.
     fn has_changed(&self) -> bool {
         self.0.is_empty() || self.0.iter().any(|(file, before)| stamp(file) != *before)
@@ -135,11 +135,11 @@ impl Watched {
 }
 
 /// Runs the scene and shows what came of it. After a mistake the last page stays, behind what is wrong.
-fn refresh(args: &RunArgs, shown: &Mutex<Shown>) {
+fn refresh(args: &RunArgs, shown: &Mutex<ShownPage>) {
     let result = run::run(args);
     let has_page = matches!(
         &result,
-        Ok(_) | Err(Failure::Inaccurate(_) | Failure::Aborted(_))
+        Ok(_) | Err(CommandFailure::Inaccurate(_) | CommandFailure::Aborted(_))
     );
     let page: PathBuf = args.folder().join("report.html");
     let read = has_page.then(|| std::fs::read_to_string(&page));
@@ -154,7 +154,7 @@ fn refresh(args: &RunArgs, shown: &Mutex<Shown>) {
 }
 
 /// Answers one request.
-fn serve(mut stream: TcpStream, address: SocketAddr, shown: &Mutex<Shown>) {
+fn serve(mut stream: TcpStream, address: SocketAddr, shown: &Mutex<ShownPage>) {
     let _ = stream.set_read_timeout(Some(PATIENCE));
     let (mut head, mut part) = (Vec::new(), [0; 1024]);
     while !head.windows(4).any(|four| four == b"\r\n\r\n") && head.len() < LONGEST {
@@ -171,7 +171,7 @@ fn serve(mut stream: TcpStream, address: SocketAddr, shown: &Mutex<Shown>) {
 }
 
 /// The answer to a request. Only requests to this very address are answered: a page from elsewhere whose name was made to lead here gets nothing.
-fn answer(request: &str, address: SocketAddr, shown: &Shown) -> String {
+fn answer(request: &str, address: SocketAddr, shown: &ShownPage) -> String {
     let mut lines = request.lines();
     let mut words = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (
@@ -225,7 +225,7 @@ mod tests {
 
     const ADDRESS: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 4000);
 
-    fn asked(path: &str, host: &str, shown: &Shown) -> String {
+    fn asked(path: &str, host: &str, shown: &ShownPage) -> String {
         let request = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n");
         answer(&request, ADDRESS, shown)
     }
@@ -244,7 +244,7 @@ mod tests {
         let typed =
             [&"mbd".into(), &file, &"--out".into(), &out].map(|part: &PathBuf| part.clone());
         let args = Typed::parse_from(typed).run;
-        let shown = Mutex::new(Shown::default());
+        let shown = Mutex::new(ShownPage::default());
         std::fs::write(&file, scene("1")).expect("room");
         refresh(&args, &shown);
         let first = shown.lock().expect("nobody else").page.clone();
@@ -413,7 +413,7 @@ mod tests {
 
     #[test]
     fn only_this_machine_is_answered() {
-        let shown = Shown::default();
+        let shown = ShownPage::default();
         assert!(asked("/", "127.0.0.1:4000", &shown).starts_with("HTTP/1.1 200"));
         for (path, host) in [
             ("/", "evil.example"),

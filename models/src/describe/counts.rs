@@ -2,11 +2,11 @@
 
 use mbd_runtime::scene::{Formula, Gravity, Layout, Scene};
 
-use crate::report::Table;
+use crate::report::ReportTable;
 
 /// How many of each thing the scene has.
 #[must_use]
-pub fn counts(scene: &Scene) -> Table {
+pub fn counts(scene: &Scene) -> ReportTable {
     let layout = Layout::new(scene);
     let lines = |one_way: bool| {
         let kinds = scene.lines.iter().map(|line| line.kind);
@@ -41,7 +41,7 @@ pub fn counts(scene: &Scene) -> Table {
         ("consts (folded)", scene.consts.len()),
         ("columns of outputs", layout.columns),
     ];
-    let mut table = Table::new(format!("Scene {}", scene.name))
+    let mut table = ReportTable::new(format!("Scene {}", scene.name))
         .column("what", "")
         .column("number", "");
     for (what, number) in rows {
@@ -55,7 +55,7 @@ pub fn counts(scene: &Scene) -> Table {
         .chain(tree)
         .chain(told);
     let gravity = format!("gravity: {}", gravity(&scene.gravity));
-    notes.chain([gravity]).fold(table, Table::note)
+    notes.chain([gravity]).fold(table, ReportTable::note)
 }
 
 /// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, in a plane 3 and 2, in relative coordinates the

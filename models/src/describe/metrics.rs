@@ -4,12 +4,12 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::Metric;
 use serde_json::{Value, json};
 
-use crate::report::Table;
+use crate::report::ReportTable;
 
 /// The metrics of a scene: what is taken of what over a run.
 #[must_use]
-pub fn metrics(scene: &Scene) -> Table {
-    let mut table = Table::new("Metrics")
+pub fn metrics(scene: &Scene) -> ReportTable {
+    let mut table = ReportTable::new("Metrics")
         .column("name", "")
         .column("taken", "")
         .column("unit", "")

@@ -1,14 +1,14 @@
 //! What the equations of a scene cost.
 
-use mbd_compiler::Equations;
+use mbd_compiler::SceneEquations;
 use mbd_runtime::scene::{Cost, Differentiated, Quantity, Variable};
 
-use crate::report::{Cell, Table};
+use crate::report::{Cell, ReportTable};
 
 /// Operations of every quantity of the scene.
 #[must_use]
-pub fn operations(equations: &Equations) -> Table {
-    let mut table = Table::new("Operations of one evaluation")
+pub fn operations(equations: &SceneEquations) -> ReportTable {
+    let mut table = ReportTable::new("Operations of one evaluation")
         .column("quantity", "")
         .column("all", "")
         .column("+ −", "")

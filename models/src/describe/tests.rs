@@ -1,12 +1,12 @@
 //! What is told of scenes.
 
-use mbd_compiler::Equations;
+use mbd_compiler::SceneEquations;
 use mbd_runtime::scene::{
     Formula, Line, LineKind, Parameter, Place, Point, PointKind, Scene, Unit,
 };
 
 use super::*;
-use crate::report::Table;
+use crate::report::ReportTable;
 
 /// A point of 2 kg between two lines.
 fn swing() -> Scene {
@@ -50,7 +50,7 @@ fn swing() -> Scene {
 
 #[test]
 fn a_scene_without_bodies_lists_none_and_shows_params_in_their_own_unit() {
-    let text: Vec<String> = things(&swing()).iter().map(Table::text).collect();
+    let text: Vec<String> = things(&swing()).iter().map(ReportTable::text).collect();
     let text = text.join("\n");
     assert!(!text.contains("Bodies"));
     assert!(
@@ -90,7 +90,7 @@ fn joints_are_listed_with_their_rows_and_freedoms_are_counted() {
             .text()
             .contains("freedoms (Grübler): 6·2 + 3·0 − 9 = 3")
     );
-    let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
+    let tables: Vec<String> = things(&scene).iter().map(ReportTable::text).collect();
     let text = tables.join("\n");
     assert!(text.contains("knee") && text.contains("universal") && text.contains("a.tip"));
     assert!(text.contains("knee.angle2") && text.contains("0.25"));
@@ -124,7 +124,7 @@ fn a_loop_of_parallel_hinges_counts_by_its_rank_and_names_what_repeats() {
     ] {
         assert!(text.contains(part), "{text}");
     }
-    let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
+    let tables: Vec<String> = things(&scene).iter().map(ReportTable::text).collect();
     assert_eq!(tables.join("\n").matches("not unique").count(), 4);
 }
 
@@ -133,7 +133,7 @@ fn rows_of_motors_are_counted_beside_those_of_their_joints() {
     let text = "model S { gravity: none; body a { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
          joint hip: hinge from world to a.com { axis: y, motor: 1 rad/s * time } }";
     let scene = mbd_compiler::read_text(text).scene.unwrap_or_default();
-    let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
+    let tables: Vec<String> = things(&scene).iter().map(ReportTable::text).collect();
     let text = tables.join("\n");
     let row = text
         .lines()
@@ -149,7 +149,7 @@ fn rows_of_motors_are_counted_beside_those_of_their_joints() {
 
 #[test]
 fn every_quantity_of_a_scene_has_its_operations() {
-    let text = operations(&Equations::trace(&swing())).text();
+    let text = operations(&SceneEquations::trace(&swing())).text();
     assert!(text.contains("derivative of the state") && text.contains("∂derivative/∂params"));
 }
 

@@ -4,11 +4,11 @@ use mbd_runtime::scene::laws::{Numbers, starts};
 use mbd_runtime::scene::{Clamp, Difference, Layout, NodeModel, Place, PointKind, Scene};
 
 use super::metrics::metrics;
-use crate::report::{Cell, Table};
+use crate::report::{Cell, ReportTable};
 
 /// The things of the scene, one table a kind; kinds the scene has none of are left out. Numbers are those of the default params.
 #[must_use]
-pub fn things(scene: &Scene) -> Vec<Table> {
+pub fn things(scene: &Scene) -> Vec<ReportTable> {
     let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
     let numbers = Numbers::new(scene, &defaults);
     let mut tables = vec![
@@ -25,8 +25,8 @@ pub fn things(scene: &Scene) -> Vec<Table> {
     tables
 }
 
-fn states(scene: &Scene, numbers: &Numbers<f64>) -> Table {
-    let mut table = Table::new("States")
+fn states(scene: &Scene, numbers: &Numbers<f64>) -> ReportTable {
+    let mut table = ReportTable::new("States")
         .column("name", "")
         .column("start", "")
         .column("unit", "")
@@ -42,8 +42,8 @@ fn states(scene: &Scene, numbers: &Numbers<f64>) -> Table {
     table
 }
 
-fn bodies(scene: &Scene, numbers: &Numbers<f64>) -> Table {
-    let mut table = Table::new("Bodies")
+fn bodies(scene: &Scene, numbers: &Numbers<f64>) -> ReportTable {
+    let mut table = ReportTable::new("Bodies")
         .column("name", "")
         .column("mass", "kg")
         .column("frames", "");
@@ -59,8 +59,8 @@ fn bodies(scene: &Scene, numbers: &Numbers<f64>) -> Table {
     table
 }
 
-fn points(scene: &Scene, numbers: &Numbers<f64>) -> Table {
-    let mut table = Table::new("Points")
+fn points(scene: &Scene, numbers: &Numbers<f64>) -> ReportTable {
+    let mut table = ReportTable::new("Points")
         .column("name", "")
         .column("model", "")
         .column("mass", "kg")
@@ -98,8 +98,8 @@ pub fn node_model(model: NodeModel) -> &'static str {
     }
 }
 
-fn joints(scene: &Scene) -> Table {
-    let mut table = Table::new("Joints")
+fn joints(scene: &Scene) -> ReportTable {
+    let mut table = ReportTable::new("Joints")
         .column("name", "")
         .column("kind", "")
         .column("from", "")
@@ -138,8 +138,8 @@ fn joints(scene: &Scene) -> Table {
 }
 
 /// What acts along joint coordinates.
-fn along(scene: &Scene, numbers: &Numbers<f64>) -> Table {
-    let mut table = Table::new("Forces along joint coordinates")
+fn along(scene: &Scene, numbers: &Numbers<f64>) -> ReportTable {
+    let mut table = ReportTable::new("Forces along joint coordinates")
         .column("coordinate", "")
         .column("unit", "")
         .column("stiffness", "")
@@ -177,8 +177,8 @@ fn along(scene: &Scene, numbers: &Numbers<f64>) -> Table {
     table
 }
 
-fn lines(scene: &Scene, numbers: &Numbers<f64>) -> Table {
-    let mut table = Table::new("Lines")
+fn lines(scene: &Scene, numbers: &Numbers<f64>) -> ReportTable {
+    let mut table = ReportTable::new("Lines")
         .column("name", "")
         .column("from", "")
         .column("to", "")
@@ -220,8 +220,8 @@ fn place(scene: &Scene, place: Place) -> String {
 
 /// The live numbers in the units of their declaration.
 #[must_use]
-pub fn params(scene: &Scene) -> Table {
-    let mut table = Table::new("Params")
+pub fn params(scene: &Scene) -> ReportTable {
+    let mut table = ReportTable::new("Params")
         .column("name", "")
         .column("default", "")
         .column("from", "")

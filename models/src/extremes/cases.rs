@@ -2,7 +2,7 @@
 
 use mbd_runtime::{Method, Options};
 
-use super::{Case, Measure, Promise};
+use super::{ExtremeCase, ExtremeMeasure, Promise};
 
 fn case(
     group: &'static str,
@@ -10,14 +10,14 @@ fn case(
     text: impl Into<String>,
     (method, until): (Method, f64),
     promise: Promise,
-) -> Case {
+) -> ExtremeCase {
     let options = Options::of(method);
     // Adaptive runs tell their energy where they integrate what gives and takes it.
     let options = Options {
         work: method.fixed_step().is_none(),
         ..options
     };
-    Case {
+    ExtremeCase {
         group,
         amount: amount.into(),
         text: text.into(),
@@ -25,7 +25,7 @@ fn case(
         options,
         until,
         single: false,
-        measure: Measure::Energy,
+        measure: ExtremeMeasure::Energy,
         promise,
     }
 }
@@ -89,7 +89,7 @@ const FLAT: &str = "model Flat { gravity: none;
 
 /// All cases; `reduced` leaves out those that run for long.
 #[must_use]
-pub fn cases(reduced: bool) -> Vec<Case> {
+pub fn cases(reduced: bool) -> Vec<ExtremeCase> {
     let mut all = Vec::new();
     for ratio in [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9] {
         for (place, masses) in [
@@ -146,7 +146,7 @@ pub fn cases(reduced: bool) -> Vec<Case> {
             turn if turn < 0.1 => Promise::Keeps(1e-6),
             _ => Promise::Stops("unstable_step"),
         };
-        all.push(Case {
+        all.push(ExtremeCase {
             start: vec![(7 + 3, 1e-3 * spin), (7 + 4, spin)],
             ..case(
                 "spin",
@@ -224,7 +224,7 @@ pub fn cases(reduced: bool) -> Vec<Case> {
         (1e3, Promise::KeepsOrStops(0.05)),
         (1e6, Promise::Stops("lost_digits")),
     ] {
-        all.push(Case {
+        all.push(ExtremeCase {
             single: true,
             ..case(
                 "single precision",
@@ -235,7 +235,7 @@ pub fn cases(reduced: bool) -> Vec<Case> {
             )
         });
     }
-    all.push(Case {
+    all.push(ExtremeCase {
         single: true,
         ..case(
             "single precision",
@@ -278,20 +278,20 @@ pub fn cases(reduced: bool) -> Vec<Case> {
 }
 
 /// What Rattle keeps over many steps, and back again.
-fn long_runs(steps: f64) -> Vec<Case> {
+fn long_runs(steps: f64) -> Vec<ExtremeCase> {
     let mut all = Vec::new();
     // Energy is off by (h |ω|)⁴ and stays there; momentum only by rounding.
     for (spin, step, measure, bound) in [
-        (1.0, 0.01, Measure::Energy, 1e-10),
-        (1.0, 0.1, Measure::Energy, 1e-7),
-        (1.0, 0.1, Measure::Momentum, 1e-11),
-        (1.0, 0.1, Measure::Quaternion, 1e-14),
-        (1e4, 1e-4, Measure::Energy, 1e-3),
-        (1e4, 1e-4, Measure::Momentum, 1e-11),
+        (1.0, 0.01, ExtremeMeasure::Energy, 1e-10),
+        (1.0, 0.1, ExtremeMeasure::Energy, 1e-7),
+        (1.0, 0.1, ExtremeMeasure::Momentum, 1e-11),
+        (1.0, 0.1, ExtremeMeasure::Quaternion, 1e-14),
+        (1e4, 1e-4, ExtremeMeasure::Energy, 1e-3),
+        (1e4, 1e-4, ExtremeMeasure::Momentum, 1e-11),
     ] {
         let amount = format!("spin of {spin:.0e} rad/s, h = {step:.0e} s, {steps:.0e} steps");
         let run = (RATTLE(step), step * steps);
-        all.push(Case {
+        all.push(ExtremeCase {
             start: vec![(7 + 3, 1e-3 * spin), (7 + 4, spin), (7 + 5, 1e-3 * spin)],
             measure,
             ..case("long run", amount, FREE, run, Promise::Keeps(bound))
@@ -299,10 +299,13 @@ fn long_runs(steps: f64) -> Vec<Case> {
     }
     // The faster a rod whips round, the more is off for that moment, as (h ω)⁴; nothing of it stays.
     let steps = 0.3 * steps;
-    for (step, measure) in [(1e-3, Measure::LostForGood), (5e-4, Measure::Energy)] {
+    for (step, measure) in [
+        (1e-3, ExtremeMeasure::LostForGood),
+        (5e-4, ExtremeMeasure::Energy),
+    ] {
         let amount = format!("a chain, h = {step:.0e} s, {steps:.0e} steps of Rattle");
         let run = (RATTLE(step), step * steps);
-        all.push(Case {
+        all.push(ExtremeCase {
             measure,
             ..case(
                 "long run",
@@ -317,12 +320,12 @@ fn long_runs(steps: f64) -> Vec<Case> {
         ("a chain", chain([1.0; 4])),
         ("a tumbling body", FREE.to_owned()),
     ] {
-        all.push(Case {
+        all.push(ExtremeCase {
             start: match what {
                 "a chain" => Vec::new(),
                 _ => vec![(7 + 3, 0.5), (7 + 4, 1.0), (7 + 5, -0.3)],
             },
-            measure: Measure::Return,
+            measure: ExtremeMeasure::Return,
             ..case(
                 "time reversal",
                 format!("{what}, 2000 steps of Rattle and back"),

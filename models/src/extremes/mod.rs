@@ -14,11 +14,11 @@ use mbd_runtime::{Generic, Options, Quantity, RunError, Scalar, Simulation};
 pub use cases::cases;
 
 use crate::files::{make_folder, write_text};
-use crate::report::{Cell, Report, Table};
+use crate::report::{Cell, Report, ReportTable};
 
 /// What is looked at in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
+pub enum ExtremeMeasure {
     /// Energy made or lost, over the energy that moved: the most at any step.
     Energy,
     /// What of it never comes back: the least of the last tenth of the run.
@@ -31,14 +31,14 @@ pub enum Measure {
     Return,
 }
 
-impl fmt::Display for Measure {
+impl fmt::Display for ExtremeMeasure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Measure::Energy => "energy",
-            Measure::LostForGood => "energy in the end",
-            Measure::Momentum => "angular momentum",
-            Measure::Quaternion => "unit quaternions",
-            Measure::Return => "way back to the start",
+            ExtremeMeasure::Energy => "energy",
+            ExtremeMeasure::LostForGood => "energy in the end",
+            ExtremeMeasure::Momentum => "angular momentum",
+            ExtremeMeasure::Quaternion => "unit quaternions",
+            ExtremeMeasure::Return => "way back to the start",
         })
     }
 }
@@ -56,7 +56,7 @@ pub enum Promise {
 
 /// One case.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct ExtremeCase {
     /// What is extreme: `stiffness`, `spin`, ….
     pub group: &'static str,
     /// How much.
@@ -72,21 +72,21 @@ pub struct Case {
     /// Whether in single precision.
     pub single: bool,
     /// What is looked at.
-    pub measure: Measure,
+    pub measure: ExtremeMeasure,
     /// What it must do.
     pub promise: Promise,
 }
 
 /// What came of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
+pub enum CaseOutcome {
     /// It reached its end; the measure.
     Ran(f64),
     /// It was stopped by the typed error of this status, with its sentence.
     Stopped(&'static str, String),
 }
 
-impl Case {
+impl ExtremeCase {
     /// What it must do, in words.
     #[must_use]
     pub fn promised(&self) -> String {
@@ -101,14 +101,14 @@ impl Case {
     ///
     /// # Errors
     /// A declaration that cannot be read: the case itself is wrong.
-    pub fn run(&self) -> Result<Outcome, String> {
+    pub fn run(&self) -> Result<CaseOutcome, String> {
         let outcome = match self.single {
             true => self.fly::<f32>()?,
             false => self.fly::<f64>()?,
         };
         Ok(match outcome {
-            Ok(lost) => Outcome::Ran(lost),
-            Err(error) => Outcome::Stopped(error.cause.status(), error.cause.to_string()),
+            Ok(lost) => CaseOutcome::Ran(lost),
+            Err(error) => CaseOutcome::Stopped(error.cause.status(), error.cause.to_string()),
         })
     }
 
@@ -139,12 +139,12 @@ impl Case {
     fn look<T: Scalar>(&self, run: &mut Simulation<T>) -> Result<f64, RunError> {
         let mut worst: f64 = 0.0;
         match self.measure {
-            Measure::Energy => {
+            ExtremeMeasure::Energy => {
                 run.run(self.until)?;
                 // Without energy that moved there is nothing to lose.
                 worst = run.imbalance().map_or(0.0, |it| it.relative());
             }
-            Measure::LostForGood => {
+            ExtremeMeasure::LostForGood => {
                 run.start()?;
                 let start = energy(run)?;
                 let mut least = f64::INFINITY;
@@ -156,7 +156,7 @@ impl Case {
                 }
                 worst = run.imbalance().map_or(0.0, |it| least / it.moved);
             }
-            Measure::Momentum => {
+            ExtremeMeasure::Momentum => {
                 let start = angular_momentum(run)?;
                 let size = start.iter().map(|x| x * x).sum::<f64>().sqrt();
                 for look in 1..=LOOKS {
@@ -166,13 +166,13 @@ impl Case {
                     worst = changes.fold(worst, |worst, change| worst.max(change.abs() / size));
                 }
             }
-            Measure::Quaternion => {
+            ExtremeMeasure::Quaternion => {
                 for look in 1..=LOOKS {
                     run.run(self.until * f64::from(look) / f64::from(LOOKS))?;
                     worst = worst.max(off_unit_length(run));
                 }
             }
-            Measure::Return => {
+            ExtremeMeasure::Return => {
                 run.start()?;
                 let start = run.state().to_vec();
                 let speeds = run.model().layout().nq..;
@@ -194,13 +194,13 @@ impl Case {
 
     /// Whether an outcome is what was promised.
     #[must_use]
-    pub fn holds(&self, outcome: &Outcome) -> bool {
+    pub fn holds(&self, outcome: &CaseOutcome) -> bool {
         match (self.promise, outcome) {
-            (Promise::Keeps(bound) | Promise::KeepsOrStops(bound), Outcome::Ran(lost)) => {
+            (Promise::Keeps(bound) | Promise::KeepsOrStops(bound), CaseOutcome::Ran(lost)) => {
                 *lost <= bound
             }
-            (Promise::KeepsOrStops(_), Outcome::Stopped(..)) => true,
-            (Promise::Stops(status), Outcome::Stopped(found, _)) => status == *found,
+            (Promise::KeepsOrStops(_), CaseOutcome::Stopped(..)) => true,
+            (Promise::Stops(status), CaseOutcome::Stopped(found, _)) => status == *found,
             _ => false,
         }
     }
@@ -237,8 +237,8 @@ const LOOKS: u32 = 100;
 
 /// Runs cases: one table of bounds, what was measured and whether it holds, and how many do not.
 #[must_use]
-pub fn run(cases: &[Case]) -> (Table, usize) {
-    let mut table = Table::new("Extremes")
+pub fn run(cases: &[ExtremeCase]) -> (ReportTable, usize) {
+    let mut table = ReportTable::new("Extremes")
         .column("what", "")
         .column("how much", "")
         .column("promised", "")
@@ -251,8 +251,8 @@ pub fn run(cases: &[Case]) -> (Table, usize) {
         let holds = outcome.as_ref().is_ok_and(|outcome| case.holds(outcome));
         broken += usize::from(!holds);
         let (lost, stopped): (Cell, Cell) = match &outcome {
-            Ok(Outcome::Ran(lost)) => ((*lost).into(), Cell::Missing),
-            Ok(Outcome::Stopped(status, _)) => (Cell::Missing, (*status).into()),
+            Ok(CaseOutcome::Ran(lost)) => ((*lost).into(), Cell::Missing),
+            Ok(CaseOutcome::Stopped(status, _)) => (Cell::Missing, (*status).into()),
             Err(text) => (Cell::Missing, text.as_str().into()),
         };
         table.push([
@@ -271,7 +271,7 @@ pub fn run(cases: &[Case]) -> (Table, usize) {
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub fn publish(table: &Table, folder: &Path) -> io::Result<()> {
+pub fn publish(table: &ReportTable, folder: &Path) -> io::Result<()> {
     make_folder(folder)?;
     write_text(&folder.join("extremes.csv"), &table.csv())?;
     let report = Report::new("Extremes")

@@ -1,12 +1,12 @@
 //! The pictures that answer the paper's figures 3, 4 and 5: riser force over time, point with mass and equilibrium point in one plot.
 
 use super::scene::TestCase;
-use super::study::{MIDWAY, Run, Study};
+use super::study::{MIDWAY, Study, StudyRun};
 use super::variant::{Confluence, Damping};
 use crate::report::{Figure, Series};
 
 /// A figure and the name of its file.
-pub struct Named<'a> {
+pub struct NamedFigure<'a> {
     /// `figure_3a`, ….
     pub name: &'static str,
     /// The picture.
@@ -15,7 +15,7 @@ pub struct Named<'a> {
 
 /// All figures of the study.
 #[must_use]
-pub fn figures(study: &Study) -> Vec<Named<'_>> {
+pub fn figures(study: &Study) -> Vec<NamedFigure<'_>> {
     use TestCase::{Three, Two};
     let early = [0.0, 2.0];
     let whole = [0.0, 70.0];
@@ -72,7 +72,7 @@ pub fn figures(study: &Study) -> Vec<Named<'_>> {
     ];
     plots
         .into_iter()
-        .map(|(name, case, damping, window, what)| Named {
+        .map(|(name, case, damping, window, what)| NamedFigure {
             name,
             figure: riser_force(study, case, damping, window, what),
         })
@@ -118,7 +118,7 @@ fn riser_force<'a>(
     figure.caption(caption)
 }
 
-fn find(study: &Study, case: TestCase, confluence: Confluence) -> Option<&Run> {
+fn find(study: &Study, case: TestCase, confluence: Confluence) -> Option<&StudyRun> {
     study
         .runs
         .iter()

@@ -13,20 +13,20 @@ use std::io;
 use std::path::Path;
 
 use crate::files;
-use crate::report::{Cell, Report, Table};
+use crate::report::{Cell, Report, ReportTable};
 use study::Study;
-use summary::Summary;
+use summary::ParachuteSummary;
 
 /// Writes report, figures, histories and summary of a study into a folder.
 ///
 /// # Errors
 /// Those of the file system, with the name of the file. Every file is whole, and the summary is only there if all others are.
-pub fn write(study: &Study, folder: &Path) -> io::Result<Summary> {
+pub fn write(study: &Study, folder: &Path) -> io::Result<ParachuteSummary> {
     files::make_folder(folder)?;
     // The summary is written last: where it is, everything is.
     let place = folder.join("summary.json");
     files::remove(&place)?;
-    let summary = Summary::of(study);
+    let summary = ParachuteSummary::of(study);
     for run in &study.runs {
         let name = format!("case{}_{}.csv", run.case.number(), run.confluence.slug());
         files::write_whole(&folder.join(name), |to| run.flight.history.to_csv(to))?;
@@ -66,8 +66,8 @@ pub fn write(study: &Study, folder: &Path) -> io::Result<Summary> {
     Ok(summary)
 }
 
-fn provenance() -> Table {
-    let mut table = Table::new("Numbers of the scene")
+fn provenance() -> ReportTable {
+    let mut table = ReportTable::new("Numbers of the scene")
         .column("quantity", "")
         .column("value", "")
         .column("source", "");

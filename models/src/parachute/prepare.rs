@@ -7,8 +7,8 @@ use std::thread;
 
 use super::comparison::{END, EQUAL_ERROR, TIGHT, errors, grid, options, tight};
 use super::scene::TestCase;
-use super::stability::{Limit, largest_stable_step, largest_taut_step};
-use super::variant::{Confluence, Flight, FlightError, Plan, fly};
+use super::stability::{StabilityLimit, largest_stable_step, largest_taut_step};
+use super::variant::{Confluence, Flight, FlightError, FlightPlan, fly};
 
 /// Something to be found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,11 +23,11 @@ pub enum Task {
 
 /// What was found.
 #[derive(Clone, Debug)]
-pub enum Found {
+pub enum Prepared {
     /// A tight run, sampled on the grid.
     Reference(Box<Flight>),
     /// Largest stable steps.
-    Limit(Limit),
+    Limit(StabilityLimit),
     /// A step [s] and its riser-force error from 2 s on [N].
     Accurate(f64, f64),
 }
@@ -40,11 +40,11 @@ pub fn prepare(
     tasks: &[Task],
     weight: f64,
     mut tell: impl FnMut(&str, f64),
-) -> Result<Vec<(Task, Found)>, FlightError> {
+) -> Result<Vec<(Task, Prepared)>, FlightError> {
     let next = AtomicUsize::new(0);
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let (send, receive) = mpsc::channel();
-    let mut found: Vec<(usize, Result<Found, FlightError>)> = thread::scope(|scope| {
+    let mut found: Vec<(usize, Result<Prepared, FlightError>)> = thread::scope(|scope| {
         for _ in 0..workers.min(tasks.len()) {
             let (send, next) = (send.clone(), &next);
             scope.spawn(move || {
@@ -77,15 +77,15 @@ fn take(next: &AtomicUsize, tasks: &[Task]) -> Option<(usize, Task)> {
     tasks.get(index).map(|task| (index, *task))
 }
 
-fn find(task: Task, weight: f64) -> Result<Found, FlightError> {
+fn find(task: Task, weight: f64) -> Result<Prepared, FlightError> {
     match task {
         Task::Reference(case, confluence) => {
-            let plan = Plan::new(case, confluence, tight(TIGHT), END);
-            fly(&plan.sampled(&grid())).map(|flight| Found::Reference(Box::new(flight)))
+            let plan = FlightPlan::new(case, confluence, tight(TIGHT), END);
+            fly(&plan.sampled(&grid())).map(|flight| Prepared::Reference(Box::new(flight)))
         }
-        Task::Limit(confluence) => largest_stable_step(confluence).map(Found::Limit),
+        Task::Limit(confluence) => largest_stable_step(confluence).map(Prepared::Limit),
         Task::Accurate(confluence) => {
-            accurate_step(confluence, weight).map(|(step, error)| Found::Accurate(step, error))
+            accurate_step(confluence, weight).map(|(step, error)| Prepared::Accurate(step, error))
         }
     }
 }
@@ -93,8 +93,9 @@ fn find(task: Task, weight: f64) -> Result<Found, FlightError> {
 /// The largest of a sequence of steps (ratio 0.9) at which the riser force of case 2 is accurate from 2 s on, and its error.
 fn accurate_step(confluence: Confluence, weight: f64) -> Result<(f64, f64), FlightError> {
     let times: Vec<f64> = (0..=136).map(|i| 2.0 + 0.5 * f64::from(i)).collect();
-    let plan =
-        |confluence, options| Plan::new(TestCase::Two, confluence, options, END).sampled(&times);
+    let plan = |confluence, options| {
+        FlightPlan::new(TestCase::Two, confluence, options, END).sampled(&times)
+    };
     let exact = fly(&plan(confluence.exact(), tight(TIGHT)))?;
     let mut step = largest_taut_step(confluence)?;
     loop {

@@ -229,7 +229,7 @@ pub const PROVENANCE: &[[&str; 3]] = &[
 /// How the scene is run by itself: test case 2.
 #[must_use]
 pub fn run() -> String {
-    let Instant { q, point, .. } = Instant::start(TestCase::Two);
+    let SceneInstant { q, point, .. } = SceneInstant::start(TestCase::Two);
     format!(
         r#"[run]
 until = "10 s"
@@ -286,7 +286,7 @@ pub fn confluence_start() -> [f64; 3] {
 
 /// The scene at an instant, whatever the model of the confluence.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Instant {
+pub struct SceneInstant {
     /// Time [s].
     pub time: f64,
     /// Coordinates of chute and capsule.
@@ -299,14 +299,14 @@ pub struct Instant {
     pub velocity: [f64; 3],
 }
 
-impl Instant {
+impl SceneInstant {
     /// The start of a test case: attitudes along the world axes, the capsule's centre of mass at the origin, 1 cm of slack in the riser.
     #[must_use]
     pub fn start(case: TestCase) -> Self {
         let chute = straight_bridle() + 4.0 - 0.01 + 22.0;
         let mut v = [0.0; 12];
         v[6] = case.speed();
-        Instant {
+        SceneInstant {
             time: 0.0,
             q: [
                 0.0, 0.0, chute, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,

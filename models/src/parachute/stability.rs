@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use mbd_runtime::Options;
 
 use super::comparison::{END, tight};
-use super::scene::{Instant, TestCase};
-use super::variant::{Confluence, Flight, FlightError, Plan, fly};
+use super::scene::{SceneInstant, TestCase};
+use super::variant::{Confluence, Flight, FlightError, FlightPlan, fly};
 
 /// How far the riser force may be off [1].
 const WITHIN: f64 = 0.01;
@@ -16,7 +16,7 @@ const TAUT_SPAN: f64 = 4.0;
 
 /// Largest stable steps of RK4 [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limit {
+pub struct StabilityLimit {
     /// From a taut start, 4 s.
     pub taut: f64,
     /// Over the whole of case 2, force compared from 2 s on; only for damped lines (undamped bouncing is chaotic).
@@ -27,19 +27,19 @@ pub struct Limit {
 ///
 /// # Errors
 /// What stopped a tight run.
-pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError> {
+pub fn largest_stable_step(confluence: Confluence) -> Result<StabilityLimit, FlightError> {
     let taut = largest_taut_step(confluence)?;
     if !confluence.is_damped() {
-        return Ok(Limit { taut, whole: None });
+        return Ok(StabilityLimit { taut, whole: None });
     }
     let end = END;
-    let plan = Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), end);
+    let plan = FlightPlan::new(TestCase::Two, confluence.exact(), tight(1e-9), end);
     let exact = fly(&plan.sampled(&every(0.0, end, 0.01)))?;
     let passes = |step: f64| {
-        let plan = Plan::new(TestCase::Two, confluence, fixed(step), end).every_step();
+        let plan = FlightPlan::new(TestCase::Two, confluence, fixed(step), end).every_step();
         fly(&plan).is_ok_and(|flight| follows(&flight, &exact, 2.0))
     };
-    Ok(Limit {
+    Ok(StabilityLimit {
         taut,
         whole: Some(down_from(taut, passes)),
     })
@@ -52,9 +52,9 @@ pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError>
 pub fn largest_taut_step(confluence: Confluence) -> Result<f64, FlightError> {
     let from = taut_start()?;
     let until = TAUT_START + TAUT_SPAN;
-    let plan = |confluence: Confluence, options: Options| Plan {
+    let plan = |confluence: Confluence, options: Options| FlightPlan {
         from: from.clone(),
-        ..Plan::new(TestCase::Two, confluence, options, until)
+        ..FlightPlan::new(TestCase::Two, confluence, options, until)
     };
     let tightly = plan(confluence.exact(), tight(1e-9));
     let exact = fly(&tightly.sampled(&every(TAUT_START, until, 0.001)))?;
@@ -65,12 +65,12 @@ pub fn largest_taut_step(confluence: Confluence) -> Result<f64, FlightError> {
 }
 
 /// The state of case 2 at 10 s, all lines taut, computed once.
-fn taut_start() -> Result<Instant, FlightError> {
-    static START: OnceLock<Instant> = OnceLock::new();
+fn taut_start() -> Result<SceneInstant, FlightError> {
+    static START: OnceLock<SceneInstant> = OnceLock::new();
     if let Some(known) = START.get() {
         return Ok(known.clone());
     }
-    let flight = fly(&Plan::new(
+    let flight = fly(&FlightPlan::new(
         TestCase::Two,
         Confluence::Rate,
         tight(1e-10),

@@ -1,10 +1,10 @@
 //! The study: every model of the confluence flown on both test cases, measured against tight references.
 
 use super::comparison::{END, TONE, TONE_STEP, errors, grid, options};
-use super::prepare::{Found, Task, prepare};
-use super::scene::{Instant, TestCase};
-use super::stability::Limit;
-use super::variant::{Confluence, Damping, Flight, FlightError, Plan, fly};
+use super::prepare::{Prepared, Task, prepare};
+use super::scene::{SceneInstant, TestCase};
+use super::stability::StabilityLimit;
+use super::variant::{Confluence, Damping, Flight, FlightError, FlightPlan, fly};
 use crate::report::Spectrum;
 
 /// The window of the paper's figures 4c and 5b [s].
@@ -14,7 +14,7 @@ const TONE_LEAST: f64 = 1e-3;
 
 /// One run of the table.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct StudyRun {
     /// The test case.
     pub case: TestCase,
     /// The model of the confluence.
@@ -32,10 +32,10 @@ pub struct Run {
     /// The highest frequency in the riser force midway and its amplitude [Hz, N].
     pub tone: Option<[f64; 2]>,
     /// Largest stable step.
-    pub limit: Limit,
+    pub limit: StabilityLimit,
 }
 
-impl Run {
+impl StudyRun {
     /// Right-hand sides per simulated second.
     #[must_use]
     pub fn rhs_per_s(&self) -> f64 {
@@ -51,14 +51,14 @@ impl Run {
 
 /// Two runs that reach the same accuracy, timed in turn.
 #[derive(Clone, Debug)]
-pub struct Race {
+pub struct TimedPair {
     /// The point with mass.
     pub mass: Contender,
     /// The equilibrium point.
     pub node: Contender,
 }
 
-impl Race {
+impl TimedPair {
     /// How many times faster the equilibrium point is.
     #[must_use]
     pub fn speedup(&self) -> f64 {
@@ -66,7 +66,7 @@ impl Race {
     }
 }
 
-/// One side of a [`Race`].
+/// One side of a [`TimedPair`].
 #[derive(Clone, Copy, Debug)]
 pub struct Contender {
     /// The model.
@@ -83,9 +83,9 @@ pub struct Contender {
 #[derive(Clone, Debug)]
 pub struct Study {
     /// The runs, in the order of the table.
-    pub runs: Vec<Run>,
+    pub runs: Vec<StudyRun>,
     /// Equal-error races, one for each replaced mass.
-    pub races: Vec<Race>,
+    pub races: Vec<TimedPair>,
     /// Weight of the capsule where it ends [N].
     pub weight: f64,
 }
@@ -109,7 +109,7 @@ const RACED: [f64; 2] = [0.1, 1.0];
 /// # Errors
 /// What stopped a flight that must not stop.
 pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
-    let end = fly(&Plan::new(
+    let end = fly(&FlightPlan::new(
         TestCase::Two,
         Confluence::Stepwise,
         options(0.01, false),
@@ -118,7 +118,7 @@ pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
     .end;
     let weight = capsule_weight(&end);
     let found = prepare(&tasks(), weight, |what, share| tell(what, 0.5 * share))?;
-    let mut runs: Vec<Run> = Vec::new();
+    let mut runs: Vec<StudyRun> = Vec::new();
     for case in CASES {
         for &(confluence, step, located) in TABLE {
             let share = runs.len() as f64 / (2 * TABLE.len()) as f64;
@@ -133,7 +133,7 @@ pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
     let races = RACED
         .iter()
         .map(|&kg| race(Confluence::Mass(kg, Damping::On), RACER, &found));
-    let races = races.collect::<Result<Vec<Race>, FlightError>>()?;
+    let races = races.collect::<Result<Vec<TimedPair>, FlightError>>()?;
     tell("drawing", 1.0);
     Ok(Study {
         runs,
@@ -174,9 +174,10 @@ fn run(
     confluence: Confluence,
     step: f64,
     located: bool,
-    found: &[(Task, Found)],
-) -> Result<Run, FlightError> {
-    let flight = fly(&Plan::new(case, confluence, options(step, located), END).sampled(&grid()))?;
+    found: &[(Task, Prepared)],
+) -> Result<StudyRun, FlightError> {
+    let flight =
+        fly(&FlightPlan::new(case, confluence, options(step, located), END).sampled(&grid()))?;
     let known = |task: Task| {
         found
             .iter()
@@ -184,17 +185,17 @@ fn run(
             .map(|(_, found)| found)
     };
     let error = match known(Task::Reference(case, confluence.exact())) {
-        Some(Found::Reference(reference)) => errors(&flight, reference),
+        Some(Prepared::Reference(reference)) => errors(&flight, reference),
         _ => [f64::NAN; 2],
     };
     let limit = match known(Task::Limit(confluence)) {
-        Some(Found::Limit(limit)) => *limit,
-        _ => Limit {
+        Some(Prepared::Limit(limit)) => *limit,
+        _ => StabilityLimit {
             taut: f64::NAN,
             whole: None,
         },
     };
-    Ok(Run {
+    Ok(StudyRun {
         case,
         confluence,
         step,
@@ -219,26 +220,30 @@ fn tone(flight: &Flight) -> Option<[f64; 2]> {
 }
 
 /// m g at the end of a flight, from the declared planet [N].
-fn capsule_weight(end: &Instant) -> f64 {
+fn capsule_weight(end: &SceneInstant) -> f64 {
     let height = 3_404_590.0 + end.q[9];
     761.0 * 4.2828e13 / (height * height)
 }
 
 /// Times two models in turn, each at its largest accurate step.
-fn race(mass: Confluence, node: Confluence, found: &[(Task, Found)]) -> Result<Race, FlightError> {
+fn race(
+    mass: Confluence,
+    node: Confluence,
+    found: &[(Task, Prepared)],
+) -> Result<TimedPair, FlightError> {
     let accurate = |confluence| {
         let known = found
             .iter()
             .find(|(task, _)| *task == Task::Accurate(confluence));
         match known {
-            Some((_, Found::Accurate(step, error))) => (*step, *error),
+            Some((_, Prepared::Accurate(step, error))) => (*step, *error),
             _ => (f64::NAN, f64::NAN),
         }
     };
     let mut sides = [mass, node].map(|confluence| (confluence, accurate(confluence), Vec::new()));
     for _ in 0..5 {
         for (confluence, (step, _), walls) in &mut sides {
-            let plan = Plan::new(TestCase::Two, *confluence, options(*step, false), END);
+            let plan = FlightPlan::new(TestCase::Two, *confluence, options(*step, false), END);
             walls.push(fly(&plan)?.wall_s / END);
         }
     }
@@ -248,7 +253,7 @@ fn race(mass: Confluence, node: Confluence, found: &[(Task, Found)]) -> Result<R
         error,
         wall_s_per_s: median(walls),
     });
-    Ok(Race { mass, node })
+    Ok(TimedPair { mass, node })
 }
 
 fn median(mut list: Vec<f64>) -> f64 {

@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::comparison::EQUAL_ERROR;
-use super::study::{Race, Run, Study};
-use crate::report::{Cell, Table};
+use super::study::{Study, StudyRun, TimedPair};
+use crate::report::{Cell, ReportTable};
 
 /// `summary.json`.
 #[derive(Clone, Debug, Serialize)]
-pub struct Summary {
+pub struct ParachuteSummary {
     /// What was run.
     pub what: &'static str,
     /// Every run.
@@ -75,7 +75,7 @@ pub struct RunSummary {
     pub highest_frequency_amplitude_n: Option<f64>,
 }
 
-impl Summary {
+impl ParachuteSummary {
     /// Draws the study together.
     #[must_use]
     pub fn of(study: &Study) -> Self {
@@ -84,7 +84,7 @@ impl Summary {
             .iter()
             .find(|run| run.confluence.node() == "stepwise")
             .map_or(f64::NAN, |run| run.steady);
-        Summary {
+        ParachuteSummary {
             what: "AAS 03-163, test cases 2 and 3, with assumed numbers where the paper's are lost",
             runs: study.runs.iter().map(RunSummary::of).collect(),
             step_ratio: study
@@ -99,7 +99,7 @@ impl Summary {
 }
 
 impl RunSummary {
-    fn of(run: &Run) -> Self {
+    fn of(run: &StudyRun) -> Self {
         let counters = run.flight.statistics;
         RunSummary {
             case: run.case.number(),
@@ -124,8 +124,8 @@ impl RunSummary {
 }
 
 /// Largest stable step of the stepwise node over that of the mass of a race.
-fn step_ratio(study: &Study, race: &Race) -> Ratio {
-    let limit = |matches: &dyn Fn(&Run) -> bool| {
+fn step_ratio(study: &Study, race: &TimedPair) -> Ratio {
+    let limit = |matches: &dyn Fn(&StudyRun) -> bool| {
         study
             .runs
             .iter()
@@ -143,7 +143,7 @@ fn step_ratio(study: &Study, race: &Race) -> Ratio {
     }
 }
 
-fn speedup(race: &Race) -> Ratio {
+fn speedup(race: &TimedPair) -> Ratio {
     Ratio {
         value: race.speedup(),
         mass_kg: race.mass.confluence.mass_kg(),
@@ -155,8 +155,8 @@ fn speedup(race: &Race) -> Ratio {
 
 /// The table of the terminal and of the report.
 #[must_use]
-pub fn table(study: &Study) -> Table {
-    let mut table = Table::new("Every model of the confluence, both test cases")
+pub fn table(study: &Study) -> ReportTable {
+    let mut table = ReportTable::new("Every model of the confluence, both test cases")
         .column("case", "")
         .column("model", "")
         .column("mass", "kg")
@@ -214,8 +214,8 @@ pub fn table(study: &Study) -> Table {
 
 /// The two ratios the study is about.
 #[must_use]
-pub fn ratios(study: &Study) -> Table {
-    let mut table = Table::new("What the equilibrium point gains, by the mass it replaces")
+pub fn ratios(study: &Study) -> ReportTable {
+    let mut table = ReportTable::new("What the equilibrium point gains, by the mass it replaces")
         .column("replaced mass", "kg")
         .number("largest stable step, mass", "s", 3)
         .number("equilibrium point", "s", 3)

@@ -8,9 +8,9 @@ use mbd_runtime::{
 };
 
 use super::scene::{
-    Instant, ParachuteEuler, ParachuteEulerParams, ParachuteLiteral, ParachuteLiteralParams,
-    ParachuteMass, ParachuteMassParams, ParachuteRate, ParachuteRateParams, ParachuteStatic,
-    ParachuteStaticParams, ParachuteStepwise, ParachuteStepwiseParams, TestCase,
+    ParachuteEuler, ParachuteEulerParams, ParachuteLiteral, ParachuteLiteralParams, ParachuteMass,
+    ParachuteMassParams, ParachuteRate, ParachuteRateParams, ParachuteStatic,
+    ParachuteStaticParams, ParachuteStepwise, ParachuteStepwiseParams, SceneInstant, TestCase,
 };
 
 /// A model of the confluence.
@@ -119,11 +119,11 @@ impl fmt::Display for Confluence {
 
 /// A flight to be made.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct FlightPlan {
     /// The model of the confluence.
     pub confluence: Confluence,
     /// Where it starts.
-    pub from: Instant,
+    pub from: SceneInstant,
     /// When it ends [s].
     pub until: f64,
     /// The integrator.
@@ -132,13 +132,13 @@ pub struct Plan {
     pub sampling: Sampling,
 }
 
-impl Plan {
+impl FlightPlan {
     /// A test case from its start.
     #[must_use]
     pub fn new(case: TestCase, confluence: Confluence, options: Options, until: f64) -> Self {
-        Plan {
+        FlightPlan {
             confluence,
-            from: Instant::start(case),
+            from: SceneInstant::start(case),
             until,
             options,
             sampling: Sampling::At(vec![until]),
@@ -168,7 +168,7 @@ pub struct Flight {
     /// Its counters.
     pub statistics: Statistics,
     /// Where it ended.
-    pub end: Instant,
+    pub end: SceneInstant,
     /// Wall time [s].
     pub wall_s: f64,
 }
@@ -223,7 +223,7 @@ impl From<RunError> for FlightError {
 ///
 /// # Errors
 /// Parameters outside their declaration, or what stopped the run.
-pub fn fly(plan: &Plan) -> Result<Flight, FlightError> {
+pub fn fly(plan: &FlightPlan) -> Result<Flight, FlightError> {
     match plan.confluence {
         Confluence::Mass(kg, damping) => {
             let mut params = ParachuteMassParams {
@@ -259,10 +259,10 @@ pub fn fly(plan: &Plan) -> Result<Flight, FlightError> {
 ///
 /// # Errors
 /// What stopped the run.
-pub fn fly_model(plan: &Plan, model: &dyn Model<f64>) -> Result<Flight, FlightError> {
+pub fn fly_model(plan: &FlightPlan, model: &dyn Model<f64>) -> Result<Flight, FlightError> {
     let mut simulation = Simulation::new(model, plan.options)?;
     simulation.set_state(plan.from.time, &state(model, &plan.from))?;
-    if owner(model) == Owner::Solver {
+    if owner(model) == ConfluenceOwner::Solver {
         simulation.set_nodes(&plan.from.point)?;
     }
     let mut history = Trajectory::new(model, plan.sampling.clone(), Content::RESULTS);
@@ -285,7 +285,7 @@ pub fn fly_model(plan: &Plan, model: &dyn Model<f64>) -> Result<Flight, FlightEr
 
 /// Who owns the position of the confluence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Owner {
+enum ConfluenceOwner {
     /// It is a coordinate, and has a speed.
     Coordinate,
     /// It is a node state.
@@ -294,46 +294,53 @@ enum Owner {
     Solver,
 }
 
-fn owner(model: &dyn Model<f64>) -> Owner {
+fn owner(model: &dyn Model<f64>) -> ConfluenceOwner {
     let layout = model.layout();
     match (layout.nodes.is_empty(), layout.nz) {
-        (true, _) => Owner::Coordinate,
-        (false, 0) => Owner::Solver,
-        (false, _) => Owner::NodeState,
+        (true, _) => ConfluenceOwner::Coordinate,
+        (false, 0) => ConfluenceOwner::Solver,
+        (false, _) => ConfluenceOwner::NodeState,
     }
 }
 
 /// The state [q | v | z] of a model of the scene at an instant.
 #[must_use]
-pub fn state(model: &dyn Model<f64>, at: &Instant) -> Vec<f64> {
+pub fn state(model: &dyn Model<f64>, at: &SceneInstant) -> Vec<f64> {
     let owner = owner(model);
     let mut state = at.q.to_vec();
-    if owner == Owner::Coordinate {
+    if owner == ConfluenceOwner::Coordinate {
         state.extend(at.point);
     }
     state.extend(at.v);
     match owner {
-        Owner::Coordinate => state.extend(at.velocity),
-        Owner::NodeState => state.extend(at.point),
-        Owner::Solver => {}
+        ConfluenceOwner::Coordinate => state.extend(at.velocity),
+        ConfluenceOwner::NodeState => state.extend(at.point),
+        ConfluenceOwner::Solver => {}
     }
     state
 }
 
 /// The instant a state stands for. `nodes` are node positions, or velocities where the position is a state. A confluence found by the solver
 /// has no speed of its own; the capsule's stands for it.
-fn instant(owner: Owner, time: f64, state: &[f64], nodes: &[f64]) -> Instant {
+fn instant(owner: ConfluenceOwner, time: f64, state: &[f64], nodes: &[f64]) -> SceneInstant {
     fn list<const N: usize>(from: &[f64], at: usize) -> [f64; N] {
         std::array::from_fn(|i| from.get(at + i).copied().unwrap_or(f64::NAN))
     }
     let q = list(state, 0);
-    let v: [f64; 12] = list(state, if owner == Owner::Coordinate { 17 } else { 14 });
+    let v: [f64; 12] = list(
+        state,
+        if owner == ConfluenceOwner::Coordinate {
+            17
+        } else {
+            14
+        },
+    );
     let (point, velocity) = match owner {
-        Owner::Coordinate => (list(state, 14), list(state, 29)),
-        Owner::NodeState => (list(state, 26), list(nodes, 0)),
-        Owner::Solver => (list(nodes, 0), list(&v, 6)),
+        ConfluenceOwner::Coordinate => (list(state, 14), list(state, 29)),
+        ConfluenceOwner::NodeState => (list(state, 26), list(nodes, 0)),
+        ConfluenceOwner::Solver => (list(nodes, 0), list(&v, 6)),
     };
-    Instant {
+    SceneInstant {
         time,
         q,
         v,

@@ -3,8 +3,8 @@
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Model, Sampling, Simulation, Trajectory};
 
-use super::outcome::{CONTENT, Outcome};
-use mbd_campaign::run::Plan;
+use super::outcome::{CONTENT, RunOutcome};
+use mbd_campaign::run::RunPlan;
 
 /// At most so many rows are compared.
 const ROWS: usize = 400;
@@ -28,7 +28,7 @@ pub struct Estimate {
 }
 
 /// Flies the plan again with finer steps, and compares outputs and lines, or where there are none the motion of bodies and points.
-pub fn estimate(model: &dyn Model<f64>, plan: &Plan, first: &Trajectory) -> Option<Estimate> {
+pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> Option<Estimate> {
     let rows = rows(first);
     let times: Vec<f64> = rows
         .iter()
@@ -111,7 +111,7 @@ fn rows(history: &Trajectory) -> Vec<usize> {
 
 /// What makes a run less accurate than it should be, and what to change; `None` where nothing does.
 #[must_use]
-pub fn doubt(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
+pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
     let change = match plan.options.method.fixed_step() {
         Some(step) => format!("take a shorter step than {step} s"),
         None => "take a tighter tolerance".to_owned(),

@@ -1,4 +1,4 @@
-//! Running a scene: what is asked ([`Plan`]), the run itself ([`Outcome`]), how well it kept its laws ([`Quality`]), and what it leaves behind.
+//! Running a scene: what is asked ([`RunPlan`]), the run itself ([`RunOutcome`]), how well it kept its laws ([`Quality`]), and what it leaves behind.
 
 mod estimate;
 mod metrics;
@@ -11,9 +11,9 @@ mod start;
 mod summary;
 
 pub use estimate::{Estimate, doubt};
-pub use mbd_campaign::run::{Plan, PlanError, Settings, split};
+pub use mbd_campaign::run::{PlanError, RunPlan, Settings, split};
 pub use metrics::metrics;
-pub use outcome::{Outcome, fly, fly_model};
+pub use outcome::{RunOutcome, fly, fly_model};
 pub use phases::{Phase, Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{publish_phases, summary as phases_json};

@@ -10,15 +10,15 @@ use mbd_runtime::{
 };
 
 use super::estimate::{Estimate, estimate};
-use crate::progress::Progress;
-use mbd_campaign::run::Plan;
+use crate::progress::ProgressLine;
+use mbd_campaign::run::RunPlan;
 
 /// What a history holds.
 pub(super) const CONTENT: Content = Content::ALL;
 
 /// What a run gave, also when it stopped early.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct RunOutcome {
     /// The history up to the end or to the last accepted step.
     pub trajectory: Trajectory,
     /// Where the run stands [s].
@@ -42,15 +42,23 @@ pub struct Outcome {
 /// Runs a scene as planned.
 ///
 /// # Errors
-/// Params that the scene cannot be run with. A run that stops early is an [`Outcome`] with its reason.
-pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcome, ParamError> {
+/// Params that the scene cannot be run with. A run that stops early is an [`RunOutcome`] with its reason.
+pub fn fly(
+    scene: &Scene,
+    plan: &RunPlan,
+    progress: &mut ProgressLine,
+) -> Result<RunOutcome, ParamError> {
     let model = Interpreted::<f64>::shared(scene.clone(), &plan.params)?;
     Ok(fly_model(&*model, plan, progress))
 }
 
 /// Runs a model as planned. A run that stops early has its reason.
 #[must_use]
-pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -> Outcome {
+pub fn fly_model(
+    model: &dyn Model<f64>,
+    plan: &RunPlan,
+    progress: &mut ProgressLine,
+) -> RunOutcome {
     let mut outcome = fly_on(model, plan, progress, &mut |_| Ok(())).outcome;
     if outcome.error.is_none() && plan.estimate {
         outcome.estimate = estimate(model, plan, &outcome.trajectory);
@@ -59,9 +67,9 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
 }
 
 /// A run that may go on in another model.
-pub(super) struct Flown {
+pub(super) struct FlownPhase {
     /// What it gave; nothing is estimated.
-    pub outcome: Outcome,
+    pub outcome: RunOutcome,
     /// The run where it stands, and why it stands there; `None` after an error.
     pub run: Option<(Simulation<f64>, Stop)>,
 }
@@ -69,10 +77,10 @@ pub(super) struct Flown {
 /// Runs a model as planned, from where `begin` puts the run that the plan has begun.
 pub(super) fn fly_on(
     model: &dyn Model<f64>,
-    plan: &Plan,
-    progress: &mut Progress,
+    plan: &RunPlan,
+    progress: &mut ProgressLine,
     begin: &mut dyn FnMut(&mut Simulation<f64>) -> Result<(), RunError>,
-) -> Flown {
+) -> FlownPhase {
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
     let mut trajectory = Trajectory::new(model, sampling, CONTENT);
     let started = Instant::now();
@@ -102,7 +110,7 @@ pub(super) fn fly_on(
         Err(error) => (None, Some(error)),
     };
     progress.clear();
-    let outcome = Outcome {
+    let outcome = RunOutcome {
         imbalance: imbalance.filter(|it| it.moved > 0.0),
         momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,
@@ -113,5 +121,5 @@ pub(super) fn fly_on(
         wall_s: started.elapsed().as_secs_f64(),
         trajectory,
     };
-    Flown { outcome, run }
+    FlownPhase { outcome, run }
 }

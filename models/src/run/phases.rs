@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use mbd_campaign::run::Plan;
+use mbd_campaign::run::RunPlan;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Handover, Model, ParamError, RunError, Simulation, StepError, Stop};
 
-use super::outcome::{Outcome, fly_on};
-use crate::progress::Progress;
+use super::outcome::{RunOutcome, fly_on};
+use crate::progress::ProgressLine;
 
 /// Scenes that let each other go on more often than this never come to an end.
 const MOST: usize = 1000;
@@ -20,7 +20,7 @@ pub struct Phase<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// How it is flown; the end is that of the first phase.
-    pub plan: Plan,
+    pub plan: RunPlan,
     /// Its model with these params.
     pub make: &'a Maker<'a>,
     /// Per event of the scene the phase that goes on after it, by index.
@@ -33,7 +33,7 @@ pub struct Segment {
     /// Which phase, by index.
     pub phase: usize,
     /// How it was flown, with the params it had.
-    pub plan: Plan,
+    pub plan: RunPlan,
     /// When it began [s].
     pub from: f64,
     /// What it took over; `None` of the first.
@@ -41,12 +41,12 @@ pub struct Segment {
     /// The event that ended it, by index in its scene.
     pub ended_by: Option<usize>,
     /// What came out.
-    pub outcome: Outcome,
+    pub outcome: RunOutcome,
 }
 
 /// Flies the first phase, and what goes on from it, until the end that the first one plans.
 #[must_use]
-pub fn fly_phases(phases: &[Phase<'_>], progress: &mut Progress) -> Vec<Segment> {
+pub fn fly_phases(phases: &[Phase<'_>], progress: &mut ProgressLine) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();
     let mut last: Option<(Simulation<f64>, usize)> = None;
     let mut index = 0;

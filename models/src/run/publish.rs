@@ -7,11 +7,11 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
 use super::metrics::metrics;
-use super::outcome::Outcome;
+use super::outcome::RunOutcome;
 use super::summary::{summary_json, table};
-use crate::report::{Report, Run, Table, Views, gltf, metrics_table};
+use crate::report::{Report, ReportTable, Run, Views, gltf, metrics_table};
 use crate::{describe, files};
-use mbd_campaign::run::Plan;
+use mbd_campaign::run::RunPlan;
 
 /// Writes everything into a folder and gives the table of the run and that of its metrics, if it has any.
 ///
@@ -19,10 +19,10 @@ use mbd_campaign::run::Plan;
 /// The folder or a file cannot be written; the error names it. Every file is whole, and the summary is only there if all others are.
 pub fn publish(
     scene: &Scene,
-    plan: &Plan,
-    outcome: &Outcome,
+    plan: &RunPlan,
+    outcome: &RunOutcome,
     folder: &Path,
-) -> io::Result<Vec<Table>> {
+) -> io::Result<Vec<ReportTable>> {
     files::make_folder(folder)?;
     // The summary is written last: where it is, everything is.
     let summary = folder.join("summary.json");
@@ -64,7 +64,7 @@ pub fn publish(
 
 /// What is shown of a run.
 #[must_use]
-pub fn shown<'a>(scene: &'a Scene, plan: &'a Plan, outcome: &'a Outcome) -> Run<'a> {
+pub fn shown<'a>(scene: &'a Scene, plan: &'a RunPlan, outcome: &'a RunOutcome) -> Run<'a> {
     Run {
         inputs: Some(&plan.inputs),
         instants: &plan.instants,
@@ -79,8 +79,8 @@ pub fn shown<'a>(scene: &'a Scene, plan: &'a Plan, outcome: &'a Outcome) -> Run<
 /// The file cannot be written whole; the error names it.
 pub fn publish_gltf(
     scene: &Scene,
-    plan: &Plan,
-    outcome: &Outcome,
+    plan: &RunPlan,
+    outcome: &RunOutcome,
     folder: &Path,
 ) -> io::Result<bool> {
     let Some(bytes) = gltf(&shown(scene, plan, outcome)) else {
@@ -107,9 +107,9 @@ fn not_unique(scene: &Scene) -> Option<String> {
 }
 
 /// The first events of a run.
-fn events(trajectory: &Trajectory) -> Table {
+fn events(trajectory: &Trajectory) -> ReportTable {
     const SHOWN: usize = 40;
-    let mut table = Table::new("Events")
+    let mut table = ReportTable::new("Events")
         .number("time", "s", 9)
         .column("what", "");
     for (time, what) in trajectory.events.iter().take(SHOWN) {

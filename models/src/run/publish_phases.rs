@@ -13,11 +13,11 @@ use super::phases::{Phase, Segment};
 use super::publish::publish;
 use super::summary::summary_json;
 use crate::files;
-use crate::report::{Cell, Figure, Report, Series, Table};
+use crate::report::{Cell, Figure, Report, ReportTable, Series};
 
 /// A part of the run, for programs.
 #[derive(Serialize)]
-struct Part<'a> {
+struct PhaseSummary<'a> {
     from_s: f64,
     ended_by: Option<&'a str>,
     carried: &'a [String],
@@ -57,7 +57,7 @@ pub fn summary(phases: &[Phase<'_>], segments: &[Segment]) -> io::Result<String>
     for (_, phase, segment) in told(phases, segments) {
         let run = summary_json(phase.scene, &segment.plan, &segment.outcome)?;
         let handover = segment.handover.as_ref();
-        parts.push(Part {
+        parts.push(PhaseSummary {
             from_s: segment.from,
             ended_by: ended_by(phase, segment),
             carried: handover.map_or(&[][..], |it| it.carried.as_slice()),
@@ -87,7 +87,7 @@ pub fn publish_phases(
     phases: &[Phase<'_>],
     segments: &[Segment],
     folder: &Path,
-) -> io::Result<Table> {
+) -> io::Result<ReportTable> {
     files::make_folder(folder)?;
     let file = folder.join("summary.json");
     files::remove(&file)?;
@@ -108,8 +108,8 @@ pub fn publish_phases(
 }
 
 /// The parts of the run, what ended them and what went on.
-fn table(phases: &[Phase<'_>], segments: &[Segment]) -> Table {
-    let mut table = Table::new("Phases")
+fn table(phases: &[Phase<'_>], segments: &[Segment]) -> ReportTable {
+    let mut table = ReportTable::new("Phases")
         .column("scene", "")
         .number("from", "s", 9)
         .number("to", "s", 9)
@@ -139,7 +139,12 @@ fn table(phases: &[Phase<'_>], segments: &[Segment]) -> Table {
 }
 
 /// The page over all parts; each has one of its own, which it links to.
-fn page(phases: &[Phase<'_>], segments: &[Segment], joined: &Trajectory, table: &Table) -> Report {
+fn page(
+    phases: &[Phase<'_>],
+    segments: &[Segment],
+    joined: &Trajectory,
+    table: &ReportTable,
+) -> Report {
     let names: Vec<&str> = told(phases, segments)
         .map(|(_, phase, _)| phase.scene.name.as_str())
         .collect();

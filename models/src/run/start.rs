@@ -4,8 +4,8 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::{Layout, Moved};
 
-use super::outcome::Outcome;
-use mbd_campaign::run::Plan;
+use super::outcome::RunOutcome;
+use mbd_campaign::run::RunPlan;
 
 /// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
 const FAR: f64 = 1e-3;
@@ -14,14 +14,14 @@ const ROTATED: f64 = 1e-3;
 
 /// What the start moved most of what the declaration or the settings place, if that is more than rounding.
 #[must_use]
-pub fn moved<'a>(plan: &Plan, outcome: &'a Outcome) -> Option<&'a Moved> {
+pub fn moved<'a>(plan: &RunPlan, outcome: &'a RunOutcome) -> Option<&'a Moved> {
     let placed = |moved: &&Moved| plan.placed.contains(&moved.name);
     outcome.moved.iter().find(placed)
 }
 
 /// One sentence where a body that the declaration or the settings place starts somewhere else; `None` where all start where they were asked to.
 #[must_use]
-pub fn warning(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
+pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
     let far = |moved: &&Moved| {
         let distance = moved.distance > FAR * size(scene, plan);
         plan.placed.contains(&moved.name) && (distance || moved.angle > ROTATED)
@@ -43,7 +43,7 @@ pub fn warning(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> 
 }
 
 /// The size of a scene [m]: how far its bodies are apart, or a frame from the centre of mass, whichever is more.
-fn size(scene: &Scene, plan: &Plan) -> f64 {
+fn size(scene: &Scene, plan: &RunPlan) -> f64 {
     let layout = Layout::new(scene);
     let extent = |axis: usize| {
         let places = layout

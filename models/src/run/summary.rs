@@ -8,15 +8,15 @@ use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
 
 use super::metrics::metrics;
-use super::outcome::Outcome;
+use super::outcome::RunOutcome;
 use super::quality::Quality;
 use super::start::moved;
-use crate::report::{Cell, Table};
-use mbd_campaign::run::Plan;
+use crate::report::{Cell, ReportTable};
+use mbd_campaign::run::RunPlan;
 
 /// The numbers of a run, for programs.
 #[derive(Debug, Serialize)]
-struct Summary<'a> {
+struct RunNumbers<'a> {
     scene: &'a str,
     status: &'a str,
     message: Option<String>,
@@ -84,7 +84,7 @@ struct StartMoved<'a> {
 ///
 /// # Errors
 /// Numbers that JSON cannot hold.
-pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result<String> {
+pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::Result<String> {
     let trajectory = &outcome.trajectory;
     let quality = Quality::of(trajectory);
     let layout = Layout::new(scene);
@@ -102,7 +102,7 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         let value = trajectory.column(&name.name)?.last()?;
         value.is_finite().then(|| (name.name.clone(), *value))
     });
-    let summary = Summary {
+    let summary = RunNumbers {
         scene: &scene.name,
         status: outcome
             .error
@@ -172,7 +172,7 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
 }
 
 /// The run in one table. The clock is left out: the same run gives the same report.
-pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
+pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable {
     let statistics = outcome.trajectory.statistics;
     let quality = Quality::of(&outcome.trajectory);
     let layout = Layout::new(scene);
@@ -296,7 +296,9 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
             estimate.relative.into(),
         ));
     }
-    let mut table = Table::new("Run").column("what", "").column("value", "");
+    let mut table = ReportTable::new("Run")
+        .column("what", "")
+        .column("value", "");
     for (what, value) in rows {
         table.push([what.into(), value]);
     }

@@ -7,7 +7,7 @@ use mbd_runtime::scene::{
 use mbd_runtime::{Method, Options};
 
 use super::*;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 
 fn unit(text: &str, factor: f64, mass: i8, length: i8, time: i8) -> Unit {
     let dimension = Dimension {
@@ -96,7 +96,7 @@ const SETTINGS: &str = "[run]\nuntil = \"500 ms\"\nstep = \"2 ms\"\nevery = 0.01
 
 #[test]
 fn settings_become_si_numbers_in_the_places_of_the_state() {
-    let plan = Plan::new(&swing(), &settings(SETTINGS)).unwrap();
+    let plan = RunPlan::new(&swing(), &settings(SETTINGS)).unwrap();
     assert_eq!((plan.until, plan.every), (0.5, Some(0.01)));
     assert_eq!(plan.options.method, Method::Rk4 { step: 0.002 });
     assert_eq!(plan.params, [8e3]);
@@ -106,7 +106,7 @@ fn settings_become_si_numbers_in_the_places_of_the_state() {
 
 #[test]
 fn what_is_not_said_is_zero_and_adaptive() {
-    let plan = Plan::new(&swing(), &settings("[run]\nuntil = 1\n")).unwrap();
+    let plan = RunPlan::new(&swing(), &settings("[run]\nuntil = 1\n")).unwrap();
     assert_eq!(plan.options, Options::tsit5(1e-8));
     assert_eq!((plan.nodes, plan.every), (None, None));
     assert_eq!(plan.state, [0.0; 6]);
@@ -116,7 +116,7 @@ fn what_is_not_said_is_zero_and_adaptive() {
 fn the_method_is_chosen_by_its_word() {
     let plan = |text: &str| {
         let text = format!("[run]\nuntil = 1\n{text}");
-        Plan::new(&swing(), &settings(&text)).unwrap().options
+        RunPlan::new(&swing(), &settings(&text)).unwrap().options
     };
     for word in Method::ADAPTIVE {
         let options = plan(&format!("method = \"{word}\"\ntolerance = 1e-9\n"));
@@ -145,7 +145,7 @@ fn a_declared_state_starts_where_it_says_or_where_the_settings_do() {
     });
     let start = |text: &str| {
         let text = format!("[run]\nuntil = 1\n{text}");
-        let plan = Plan::new(&scene, &settings(&text)).unwrap();
+        let plan = RunPlan::new(&scene, &settings(&text)).unwrap();
         plan.state.last().copied()
     };
     assert_eq!(start(""), Some(scene.params[0].default));
@@ -170,7 +170,9 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     });
     let winded = "[run.inputs]\nwind = [1, 2.0, \"3 m/s\"]\nthruster = [0, 0, 0]\n";
     let fails = |text: &str, what: &str| {
-        let error = Plan::new(&scene, &settings(text)).unwrap_err().to_string();
+        let error = RunPlan::new(&scene, &settings(text))
+            .unwrap_err()
+            .to_string();
         assert!(error.contains(what), "{text}: {error}");
     };
     fails("", "`until`: say when the run ends");
@@ -238,19 +240,19 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
         &format!("[run]\nuntil = 1\ninstants = [\"1 m\"]\n{winded}"),
         "`instants`: `1 m` has the wrong unit: expected s",
     );
-    let plan = Plan::new(&scene, &settings(&format!("[run]\nuntil = 1\n{winded}"))).unwrap();
+    let plan = RunPlan::new(&scene, &settings(&format!("[run]\nuntil = 1\n{winded}"))).unwrap();
     assert_eq!(plan.inputs, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]);
     // An input that is left out keeps its default.
     let calm = "[run]\nuntil = 1\n[run.inputs]\nthruster = [0, 1, 0]\n";
-    let plan = Plan::new(&scene, &settings(calm)).unwrap();
+    let plan = RunPlan::new(&scene, &settings(calm)).unwrap();
     assert_eq!(plan.inputs, [0.0, 5.0, 0.0, 0.0, 1.0, 0.0]);
 }
 
 #[test]
 fn a_swing_is_flown_and_leaves_its_files() {
     let scene = swing();
-    let plan = Plan::new(&scene, &settings(SETTINGS)).unwrap();
-    let outcome = fly(&scene, &plan, &mut Progress::silent()).unwrap();
+    let plan = RunPlan::new(&scene, &settings(SETTINGS)).unwrap();
+    let outcome = fly(&scene, &plan, &mut ProgressLine::silent()).unwrap();
     assert_eq!(outcome.error, None);
     assert_eq!(outcome.trajectory.len(), 51);
     let folder = std::env::temp_dir().join(format!("mbd_swing_{}", std::process::id()));
@@ -300,12 +302,12 @@ fn the_energy_balance_counts_everything_that_acts_along_a_joint() {
             }}"
         );
         let scene = mbd_compiler::read_text(&text).scene.unwrap();
-        let plan = Plan::new(
+        let plan = RunPlan::new(
             &scene,
             &settings("[run]\nuntil = 2\nstep = \"1 ms\"\n[run.start]\narm.z = \"-0.5 m\""),
         )
         .unwrap();
-        let outcome = fly(&scene, &plan, &mut Progress::silent()).unwrap();
+        let outcome = fly(&scene, &plan, &mut ProgressLine::silent()).unwrap();
         assert_eq!(outcome.error, None, "{field}");
         let missed = outcome.imbalance.map(|it| it.relative());
         assert!(
@@ -318,9 +320,9 @@ fn the_energy_balance_counts_everything_that_acts_along_a_joint() {
 #[test]
 fn params_outside_their_range_are_refused_and_a_failed_run_keeps_its_history() {
     let scene = swing();
-    let mut plan = Plan::new(&scene, &settings(SETTINGS)).unwrap();
+    let mut plan = RunPlan::new(&scene, &settings(SETTINGS)).unwrap();
     plan.params = vec![1.0];
-    let refused = fly(&scene, &plan, &mut Progress::silent())
+    let refused = fly(&scene, &plan, &mut ProgressLine::silent())
         .unwrap_err()
         .to_string();
     assert!(
@@ -330,13 +332,13 @@ fn params_outside_their_range_are_refused_and_a_failed_run_keeps_its_history() {
     plan.params = vec![1e5];
     plan.options = Options::rk4(0.1);
     plan.until = 50.0;
-    let outcome = fly(&scene, &plan, &mut Progress::silent()).unwrap();
+    let outcome = fly(&scene, &plan, &mut ProgressLine::silent()).unwrap();
     let error = outcome.error.as_ref().unwrap();
     assert_eq!(error.cause.status(), "unstable_step");
     assert!(!outcome.trajectory.is_empty());
     assert!(summary_status(&scene, &plan, &outcome).contains("unstable_step"));
 }
 
-fn summary_status(scene: &Scene, plan: &Plan, outcome: &Outcome) -> String {
+fn summary_status(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> String {
     summary_json(scene, plan, outcome).unwrap()
 }

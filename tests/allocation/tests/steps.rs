@@ -7,7 +7,7 @@ use mbd_runtime::{
     Batch, Case, Content, Generic, InLanes, Model, Options, Sampling, Simulation, model,
 };
 use models::parachute::scene::{
-    Instant, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, TestCase,
+    ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, SceneInstant, TestCase,
 };
 use models::parachute::variant::state;
 
@@ -163,7 +163,7 @@ fn silent(name: &str, run: &mut Simulation<f64>, until: f64) {
 
 #[test]
 fn a_parachute_flies_without_asking_for_memory() {
-    let from = Instant::start(TestCase::Two);
+    let from = SceneInstant::start(TestCase::Two);
     let fly = |name: &str, model: &dyn Model<f64>, options: Options| {
         let mut run = Simulation::new(model, options).expect("options that fit");
         run.set_state(0.0, &state(model, &from)).expect("a state");
@@ -305,7 +305,7 @@ fn a_case_of_a_batch_asks_for_memory_as_often_however_long_it_is() {
 /// The same of cases in lanes: what is asked for from the first that ends to the last does not depend on how long they are.
 #[test]
 fn cases_beside_each_other_ask_for_memory_as_often_however_long_they_are() {
-    let from = Instant::start(TestCase::Three);
+    let from = SceneInstant::start(TestCase::Three);
     let parachute = ParachuteStepwise::new(Default::default()).expect("defaults");
     let start = state(&parachute, &from);
     let parachute = parachute.in_lanes();

@@ -1,23 +1,21 @@
-//! Seeded random numbers for property tests: the same on every machine (SplitMix64, Steele, Lea, Flood 2014).
+//! Seeded random numbers for property tests: the same on every machine.
+
+use mbd_runtime::scene::random::SplitMix64;
 
 /// A stream of random numbers.
 #[derive(Clone, Debug)]
-pub struct Random(u64);
+pub struct Random(SplitMix64);
 
 impl Random {
     /// A stream of its own for each seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Random(seed)
+        Random(SplitMix64(seed))
     }
 
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.bits()
     }
 
     /// Uniform in [low, high).

@@ -1,6 +1,6 @@
 //! What a system of joints costs: the order of elimination is found, growth is linear, nothing absent is paid for.
 
-use mbd_compiler::{Equations, Kernels};
+use mbd_compiler::{Kernels, SceneEquations};
 use mbd_scene::joints::{
     Axis, ConstantVelocity, Cylindrical, Distance, Hinge, JointForces, JointLaw, Planar, Prismatic,
     Screw, Spherical, Universal,
@@ -108,7 +108,7 @@ fn of_distances(n: usize) -> Scene {
 }
 
 fn cost(scene: &Scene, what: Quantity) -> usize {
-    let equations = Equations::trace_only(scene, &[what]);
+    let equations = SceneEquations::trace_only(scene, &[what]);
     equations.program(what).expect("traced").cost().total()
 }
 
@@ -298,7 +298,7 @@ fn a_joint_pays_for_nothing_it_does_not_need() {
 
 /// Operations of every function a model of this scene would have; those alike count once.
 fn functions(scene: &Scene) -> Vec<usize> {
-    let equations = Equations::trace(scene);
+    let equations = SceneEquations::trace(scene);
     Kernels::of(&equations).lengths(&equations)
 }
 
@@ -402,7 +402,7 @@ fn counts() {
     }
     for n in [2, 4, 8] {
         let start = std::time::Instant::now();
-        let equations = Equations::trace(&chain(n, false));
+        let equations = SceneEquations::trace(&chain(n, false));
         let by = Quantity::Partial(Differentiated::Derivative, Variable::State);
         let partial = equations.program(by).map(|program| program.cost().total());
         println!(

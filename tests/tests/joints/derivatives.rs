@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use mbd_compiler::{Equations, Interpreted};
+use mbd_compiler::{Interpreted, SceneEquations};
 use mbd_runtime::{Generic, Linearisation, Matrix};
 use mbd_scene::{Arguments, Differentiated, Layout, Model, Quantity, Scene, Variable};
 use tests::instant::{partial_by_oracle, value};
@@ -101,7 +101,7 @@ fn accelerations_by_state_and_inputs_are_those_of_dual_numbers_through_the_elimi
 fn what_derivatives_are_made_of_is_the_same_interpreted_and_by_the_laws() {
     for seed in 0..MECHANISMS / 2 {
         let (scene, state) = mechanism(seed);
-        let equations = Equations::trace_with_derivatives(&scene);
+        let equations = SceneEquations::trace_with_derivatives(&scene);
         let interpreted = Interpreted::from_equations(equations, &[]).expect("a mechanism");
         let generic = Generic::<f64>::with_defaults(scene.clone()).expect("a mechanism");
         let layout = generic.layout();
@@ -131,7 +131,7 @@ fn what_derivatives_are_made_of_is_the_same_interpreted_and_by_the_laws() {
 
 /// Operations of the whole Jacobian by the state, over those of as many state derivatives as it has columns; and of what is emitted for it.
 fn cost(scene: &Scene) -> (f64, usize) {
-    let equations = Equations::trace_with_derivatives(scene);
+    let equations = SceneEquations::trace_with_derivatives(scene);
     let count = |what: Quantity| {
         let program = equations.program(what);
         program.map_or(0, |program| program.cost().total())

@@ -250,7 +250,7 @@ fn interpreted_and_generic_agree_on_every_quantity_of_the_joints() {
                 .into_iter()
                 .filter(|what| !matches!(what, Quantity::Partial(..)))
                 .collect();
-            let equations = mbd_compiler::Equations::trace_only(&scene, &wanted);
+            let equations = mbd_compiler::SceneEquations::trace_only(&scene, &wanted);
             let generic = Generic::<f64>::with_defaults(scene.clone()).expect("defaults are valid");
             let interpreted =
                 Interpreted::from_equations(equations, generic.params()).expect("valid");
@@ -291,7 +291,7 @@ fn agree(states: usize) -> usize {
             .into_iter()
             .map(|scene| {
                 let wanted = [Quantity::Derivative];
-                let equations = mbd_compiler::Equations::trace_only(scene, &wanted);
+                let equations = mbd_compiler::SceneEquations::trace_only(scene, &wanted);
                 Interpreted::<f64>::from_equations(equations, &[]).expect("no parameters")
             })
             .collect();

@@ -1,6 +1,6 @@
 //! Derivatives of emitted code, of the interpreter and of the laws; joints and nodes together.
 
-use mbd_compiler::{Equations, Interpreted};
+use mbd_compiler::{Interpreted, SceneEquations};
 use mbd_runtime::{Generic, Linearisation};
 use mbd_scene::Model;
 use tests::assert_close;
@@ -48,7 +48,7 @@ fn derivatives_of_emitted_code_are_those_of_the_interpreter_to_the_bit_and_of_th
     let crank = Crank::new(CrankParams::default()).expect("defaults");
     let scene = Crank::scene();
     let params = [0.7];
-    let equations = Equations::trace_with_derivatives(&scene);
+    let equations = SceneEquations::trace_with_derivatives(&scene);
     let interpreted = Interpreted::from_equations(equations, &params).expect("defaults");
     let laws = Generic::new(scene, &params).expect("defaults");
     let place = [("main.angle", 0.4), ("main.angle_rate", 2.0)];

@@ -1,8 +1,8 @@
 //! The counterexamples of the equilibrium node: scenes on which simpler solvers cycle, jump or lose digits. Data exact as printed there.
 
 use mbd_runtime::node::{
-    Balance, BlockCholesky, Evaluation, History, Leg, NodeError, Outcome, RateNode, Solver, Spread,
-    Strategy, Tolerance, effective,
+    Balance, BalanceEvaluation, BlockCholesky, History, Leg, NodeError, Outcome, RateNode,
+    RateOutcome, Solver, Strategy, Tolerance, effective,
 };
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Clamp, Difference};
@@ -50,7 +50,7 @@ fn plain_newton(problem: &Confluence<f64>, start: [f64; 3], steps: usize) -> Vec
     let web = problem.web().unwrap();
     let mut balance = WebBalance::new(&web);
     let mut factor = BlockCholesky::<f64, 3>::new(1, &[(0, 0)]);
-    let mut at = Evaluation::new(1, 1);
+    let mut at = BalanceEvaluation::new(1, 1);
     let (k, l) = web.constants();
     let mut p = start;
     let mut residuals = Vec::new();
@@ -378,7 +378,7 @@ impl Prescribed {
             assert!(node.decide());
             place = node.projected().expect("three coplanar lines carry");
         }
-        assert_eq!(node.spread(), Spread::Algebraic);
+        assert_eq!(node.spread(), RateOutcome::Algebraic);
         (node.velocity(), place)
     }
 
@@ -430,7 +430,7 @@ fn one_ulp_on_either_side_of_the_slack_edge_everything_is_finite_and_tension_con
         let problem = confluence(&[[0.0; 3], [3.0, 0.0, 0.0]], &[1e4, 2e4], &[1.5, 1.5]);
         let web: Web<f64> = problem.web().unwrap();
         let mut balance = WebBalance::new(&web);
-        let mut at = Evaluation::new(1, 1);
+        let mut at = BalanceEvaluation::new(1, 1);
         let (k, l) = web.constants();
         balance.evaluate(&[place, 0.0, 0.0], &k, &l, &mut at);
         assert!(

@@ -7,7 +7,8 @@ use mbd_runtime::{Generic, Linearisation};
 use mbd_scene::laws::line;
 use mbd_scene::{LineEnd, Model, Quantity, Real};
 use models::parachute::scene::{
-    Instant as Start, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, TestCase,
+    ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, SceneInstant as Start,
+    TestCase,
 };
 use models::parachute::variant::state;
 use nalgebra::Vector3;

@@ -1,7 +1,7 @@
 //! Coupled nodes, and single nodes against an independent reference.
 
 use mbd_compiler::read_text;
-use mbd_runtime::node::{Balance, BlockCholesky, Evaluation, NodeError, Outcome, Tolerance};
+use mbd_runtime::node::{Balance, BalanceEvaluation, BlockCholesky, NodeError, Outcome, Tolerance};
 use mbd_runtime::{Generic, Options, Simulation, StepError};
 use nalgebra::DMatrix;
 use tests::assert_close;
@@ -96,7 +96,7 @@ fn forces_on_every_node_of_a_network_balance_its_load() {
             Err(other) => panic!("{other}"),
         };
         let mut balance = WebBalance::new(&web);
-        let mut at = Evaluation::new(web.loads.len(), web.blocks().len());
+        let mut at = BalanceEvaluation::new(web.loads.len(), web.blocks().len());
         let (k, l) = web.constants();
         balance.evaluate(found.nodes.as_flattened(), &k, &l, &mut at);
         let strongest = found.tensions.iter().fold(50.0f64, |m, t| m.max(*t));
@@ -117,7 +117,7 @@ fn stiffness_of_a_stretched_node_is_positive_definite_with_the_bound_of_its_line
         };
         let web = problem.web().unwrap();
         let mut balance = WebBalance::new(&web);
-        let mut at = Evaluation::new(1, 1);
+        let mut at = BalanceEvaluation::new(1, 1);
         let (k, l) = web.constants();
         let p = random.vector(3.0);
         balance.evaluate(&p, &k, &l, &mut at);
@@ -246,7 +246,7 @@ fn confluences_agree_with_forty_digit_references() {
             "tensions",
         );
         let mut balance = WebBalance::new(&web);
-        let mut at = Evaluation::new(1, 1);
+        let mut at = BalanceEvaluation::new(1, 1);
         let (k, l) = web.constants();
         let mut check = |p: &[f64], jacobian: &[f64]| {
             balance.evaluate(p, &k, &l, &mut at);

@@ -1,6 +1,6 @@
 //! Planar scenes against the same scenes in space: every number that both have, at instants and along runs.
 
-use mbd_compiler::{Equations, read_toml, write_toml};
+use mbd_compiler::{SceneEquations, read_toml, write_toml};
 use mbd_runtime::{Generic, Options, Simulation, StepError};
 use mbd_scene::{AngularVelocity, Layout, Plane, Quantity, Scene};
 use tests::assert_close;
@@ -297,7 +297,7 @@ fn a_planar_scene_is_the_same_from_toml() {
 /// Operations of the state derivative and of a projection step.
 fn costs(scene: &Scene) -> [usize; 2] {
     let wanted = [Quantity::Derivative, Quantity::ProjectionStep];
-    let equations = Equations::trace_only(scene, &wanted);
+    let equations = SceneEquations::trace_only(scene, &wanted);
     wanted.map(|what| equations.program(what).expect("traced").cost().total())
 }
 

@@ -1,6 +1,6 @@
 //! What relative coordinates cost: operations of a chain, in the order of the best generated code known, and linear in its length.
 
-use mbd_compiler::Equations;
+use mbd_compiler::SceneEquations;
 use mbd_scene::joints::{Axis, Hinge, JointLaw, Rigid};
 use mbd_scene::{AngularVelocity, Coordinates, Place, Quantity, Scene};
 use nalgebra::{Matrix3, Vector3};
@@ -31,7 +31,7 @@ fn general(n: usize) -> Scene {
 
 /// Operations of a quantity.
 pub fn operations(scene: &Scene, what: Quantity) -> usize {
-    let equations = Equations::trace_only(scene, &[what]);
+    let equations = SceneEquations::trace_only(scene, &[what]);
     equations.program(what).expect("a program").cost().total()
 }
 

@@ -16,7 +16,7 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
         return;
     }
     let bodies = resolver.scene.bodies.len();
-    let mut groups = Groups::new(bodies + resolver.scene.points.len());
+    let mut groups = AttachedGroups::new(bodies + resolver.scene.points.len());
     for joint in &resolver.scene.joints {
         groups.join(node(joint.parent, bodies), node(joint.child, bodies));
     }
@@ -52,7 +52,7 @@ pub fn check_marks(resolver: &mut Resolver<'_>) {
     }
     let scene = &resolver.scene;
     let bodies = scene.bodies.len();
-    let mut groups = Groups::new(bodies + scene.points.len());
+    let mut groups = AttachedGroups::new(bodies + scene.points.len());
     let ends = |joint: &Joint| [joint.parent, joint.child];
     for joint in scene.joints.iter().filter(|joint| !joint.cut) {
         let [parent, child] = ends(joint).map(|place| node(place, bodies));
@@ -119,13 +119,13 @@ fn node(place: Place, bodies: usize) -> usize {
 }
 
 /// What joints hold together: the world is 0, bodies and points follow.
-struct Groups {
+struct AttachedGroups {
     up: Vec<usize>,
 }
 
-impl Groups {
+impl AttachedGroups {
     fn new(members: usize) -> Self {
-        Groups {
+        AttachedGroups {
             up: (0..=members).collect(),
         }
     }

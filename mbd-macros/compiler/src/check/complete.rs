@@ -5,10 +5,10 @@ use std::ptr;
 
 use crate::messages::check as say;
 use crate::resolve::Resolver;
-use crate::syntax::{Item, Model, words};
+use crate::syntax::{Item, ModelSyntax, words};
 
 /// Refuses a model of which an item with a name, or a frame, is in no list of the scene and no message says why.
-pub fn check_complete(resolver: &mut Resolver<'_>, model: &Model<'_>) {
+pub fn check_complete(resolver: &mut Resolver<'_>, model: &ModelSyntax<'_>) {
     if !resolver.messages.is_empty() {
         return;
     }

@@ -1,7 +1,7 @@
 //! An index that stands alone: `point p[4]` declares one point, not four.
 
 use super::say;
-use crate::lexeme::Kind;
+use crate::lexeme::LexemeKind;
 use crate::resolve::Resolver;
 
 /// Warns about a body, a point, a joint or a line whose index is a number, where there is no other of its name and nothing names it: one was
@@ -16,7 +16,7 @@ pub fn check_lone_indices(resolver: &mut Resolver<'_>) {
                 continue;
             };
             let count = match &only.kind {
-                Kind::Number(text) => text.parse::<i64>().ok(),
+                LexemeKind::Number(text) => text.parse::<i64>().ok(),
                 _ => None,
             };
             let word = &name.word.text;

@@ -18,10 +18,10 @@ use mbd_scene::{Place, PointKind};
 
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
-use crate::syntax::Model;
+use crate::syntax::ModelSyntax;
 
 /// Runs all checks. Where items were lost in reading (not `whole`), what seems missing may be one of them.
-pub fn check(resolver: &mut Resolver<'_>, model: &Model<'_>, whole: bool) {
+pub fn check(resolver: &mut Resolver<'_>, model: &ModelSyntax<'_>, whole: bool) {
     resolver.whole &= whole;
     if whole {
         complete::check_complete(resolver, model);

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use crate::lexeme::Kind;
+use crate::lexeme::LexemeKind;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
-use crate::syntax::{Item, Model};
+use crate::syntax::{Item, ModelSyntax};
 
 /// Warns about consts, params, inputs, tables, lets and frames that nothing uses; of a repetition one use is enough, and what an empty one would
 /// use with more members counts. A name that begins with `_` is meant to be unused, what a file declares
 /// that is taken in is another's. After an error the use may be what was not understood.
-pub fn check_used(resolver: &mut Resolver<'_>, model: &Model<'_>) {
+pub fn check_used(resolver: &mut Resolver<'_>, model: &ModelSyntax<'_>) {
     if !resolver.whole || !resolver.messages.is_empty() {
         return;
     }
@@ -54,7 +54,7 @@ fn words<'a>(item: &Item<'a>, found: &mut BTreeSet<&'a str>) {
     let values = item.clauses.iter().map(|given| given.value);
     let index = item.name.as_ref().and_then(|name| name.index);
     for lexeme in values.chain(index).flat_map(|value| value.lexemes) {
-        if let Kind::Word(word) = &lexeme.kind {
+        if let LexemeKind::Word(word) = &lexeme.kind {
             found.insert(word);
         }
     }

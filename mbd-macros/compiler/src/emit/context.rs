@@ -5,7 +5,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::literal::{ident, readable, whole};
-use crate::equations::Equations;
+use crate::equations::SceneEquations;
 use crate::kernels::Kernels;
 
 /// Where the names of a declaration stand; a missing one stands at the call of the macro.
@@ -37,7 +37,7 @@ impl Default for NameSpans {
 
 /// How a declaration wants to be emitted.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct EmitSettings {
     /// Generic over the scalar (`pub model Name<T>`), or `f64` only.
     pub generic: bool,
     /// Emit a test module.
@@ -48,9 +48,9 @@ pub struct Settings {
     pub notes: Vec<String>,
 }
 
-impl Default for Settings {
+impl Default for EmitSettings {
     fn default() -> Self {
-        Settings {
+        EmitSettings {
             generic: true,
             verify: false,
             visibility: quote!(pub),
@@ -60,18 +60,18 @@ impl Default for Settings {
 }
 
 /// One model being emitted.
-pub struct Context<'a> {
+pub struct EmitContext<'a> {
     /// Its equations; without programs after an error in the declaration.
-    pub equations: &'a Equations,
+    pub equations: &'a SceneEquations,
     /// Where its names stand.
     pub spans: &'a NameSpans,
     /// How it wants to be emitted.
-    pub settings: &'a Settings,
+    pub settings: &'a EmitSettings,
     /// Its kernels and who calls them.
     pub kernels: &'a Kernels,
 }
 
-impl Context<'_> {
+impl EmitContext<'_> {
     /// The declaration.
     pub fn scene(&self) -> &Scene {
         &self.equations.scene
@@ -101,7 +101,7 @@ impl Context<'_> {
         }
     }
 
-    /// The call of the function of program `index` of [`Equations::every_program`]. One in blocks works on `work`, or on a list of its own.
+    /// The call of the function of program `index` of [`SceneEquations::every_program`]. One in blocks works on `work`, or on a list of its own.
     pub fn call(
         &self,
         index: usize,

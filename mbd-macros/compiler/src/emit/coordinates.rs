@@ -4,11 +4,11 @@ use mbd_scene::Quantity;
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::context::{Context, docs};
+use super::context::{EmitContext, docs};
 use super::literal::{ident, whole};
 
 /// One field: a coordinate or a rate of a joint, or of all joints of a repetition.
-struct Field {
+struct CoordinateField {
     name: Ident,
     /// What it was made of: the name of the joint without its index, and the word of the coordinate.
     of: (String, &'static str),
@@ -19,13 +19,13 @@ struct Field {
 }
 
 /// Whether the model has a struct of its joint coordinates: one with inputs, or one that was asked for them.
-pub fn has_coordinates(context: &Context) -> bool {
+pub fn has_coordinates(context: &EmitContext) -> bool {
     let (layout, what) = (&context.equations.layout, Quantity::Coordinates);
     layout.len(what) > 0 && (layout.ni > 0 || context.equations.program(what).is_some())
 }
 
 /// The struct with a field for every coordinate and every rate.
-pub fn coordinates(context: &Context) -> TokenStream {
+pub fn coordinates(context: &EmitContext) -> TokenStream {
     if !has_coordinates(context) {
         return TokenStream::new();
     }
@@ -77,8 +77,8 @@ fn place(index: usize) -> Ident {
     format_ident!("c{index}")
 }
 
-fn fields(context: &Context) -> Vec<Field> {
-    let mut fields: Vec<Field> = Vec::new();
+fn fields(context: &EmitContext) -> Vec<CoordinateField> {
+    let mut fields: Vec<CoordinateField> = Vec::new();
     let mut next = 0;
     for joint in &context.scene().joints {
         let (base, repeated) = match joint.name.split_once('[') {
@@ -104,7 +104,7 @@ fn fields(context: &Context) -> Vec<Field> {
                 while fields.iter().any(|field| field.name == name) {
                     name = format_ident!("{name}_");
                 }
-                fields.push(Field {
+                fields.push(CoordinateField {
                     name,
                     of,
                     doc: format!("`{}.{word}` \\[{unit}\\]", joint.name),

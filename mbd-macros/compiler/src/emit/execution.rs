@@ -4,14 +4,14 @@ use mbd_scene::Quantity;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::context::Context;
+use super::context::EmitContext;
 use super::literal::whole;
 use super::quantity;
 use crate::equations::of_origin;
-use crate::lists::{Arguments, Group};
+use crate::lists::{NumberList, ProgramArguments};
 
 /// `impl Model`.
-pub fn implementation(context: &Context) -> TokenStream {
+pub fn implementation(context: &EmitContext) -> TokenStream {
     let (name, used, float, t) = (
         context.named(""),
         context.used(),
@@ -22,12 +22,12 @@ pub fn implementation(context: &Context) -> TokenStream {
     let (params, work) = (context.named("Params"), whole(context.kernels.work()));
     let programs = equations.programs.iter().enumerate();
     let arms = programs.filter(|(_, (_, p))| !p.outputs.is_empty()).map(|(index, (what, program))| {
-        let reads = Arguments::of(program, &equations.layout);
+        let reads = ProgramArguments::of(program, &equations.layout);
         let pattern = quantity_path(*what);
         let function = format_ident!("{}", quantity::name(&equations.scene, &equations.layout, *what));
         let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
         let call = context.call(index, &function, &passed, Some(quote!(work)), &quote!(out));
-        let state = [Group::Q, Group::V, Group::Z, Group::States].iter().any(|&g| reads.reads(g));
+        let state = [NumberList::Q, NumberList::V, NumberList::Z, NumberList::States].iter().any(|&g| reads.reads(g));
         let own = equations.layout.ns > 0;
         let mut names = Vec::new();
         let mut values = Vec::new();
@@ -42,26 +42,26 @@ pub fn implementation(context: &Context) -> TokenStream {
         let moves = of_origin(&equations.scene) > 0;
         let holds = whole(equations.layout.holds());
         for group in [
-            Group::Nodes,
-            Group::Effective,
-            Group::Hold,
-            Group::Ends,
-            Group::Inputs,
-            Group::Rows,
-            Group::Motion,
-            Group::Factored,
+            NumberList::Nodes,
+            NumberList::Effective,
+            NumberList::Hold,
+            NumberList::Ends,
+            NumberList::Inputs,
+            NumberList::Rows,
+            NumberList::Motion,
+            NumberList::Factored,
         ] {
             if reads.reads(group) {
                 let list = format_ident!("{}", group.name());
                 let given = format_ident!("{}", group.argument());
                 names.push(quote!(#list));
                 values.push(match group {
-                    Group::Hold if moves => quote!(at.hold.first_chunk()),
+                    NumberList::Hold if moves => quote!(at.hold.first_chunk()),
                     _ => quote!(::mbd_runtime::__private::fixed(at.#given)),
                 });
             }
         }
-        if reads.reads(Group::Origin) {
+        if reads.reads(NumberList::Origin) {
             names.push(quote!(origin));
             values.push(quote! {
                 ::core::option::Option::Some(&::mbd_runtime::__private::leading(
@@ -185,7 +185,7 @@ pub fn implementation(context: &Context) -> TokenStream {
 }
 
 /// `impl Equations` and `impl InLanes` of a model over any scalar.
-fn over_any_scalar(context: &Context, evaluation: &TokenStream) -> TokenStream {
+fn over_any_scalar(context: &EmitContext, evaluation: &TokenStream) -> TokenStream {
     let (name, params) = (context.named(""), context.named("Params"));
     let work = whole(context.kernels.work());
     quote! {
@@ -214,12 +214,12 @@ fn over_any_scalar(context: &Context, evaluation: &TokenStream) -> TokenStream {
 }
 
 /// How the trait's method passes a list on.
-fn passed(group: Group) -> TokenStream {
+fn passed(group: NumberList) -> TokenStream {
     let list = format_ident!("{}", group.name());
     match group {
-        Group::Time => quote!(at.time),
-        Group::Params => quote!(&self.values),
-        Group::Derived => quote!(&self.derived),
+        NumberList::Time => quote!(at.time),
+        NumberList::Params => quote!(&self.values),
+        NumberList::Derived => quote!(&self.derived),
         _ => quote!(#list),
     }
 }

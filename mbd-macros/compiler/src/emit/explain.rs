@@ -7,13 +7,13 @@ use mbd_scene::{
     PointKind, Quantity, Scene, Triple,
 };
 
-use super::context::{Context, unit_text};
+use super::context::{EmitContext, unit_text};
 use super::quantity;
 use crate::describe::{forces, place, text, triple};
-use crate::equations::Equations;
+use crate::equations::SceneEquations;
 
 /// The documentation of the model's struct.
-pub fn summary(context: &Context) -> String {
+pub fn summary(context: &EmitContext) -> String {
     let (scene, layout) = (context.scene(), &context.equations.layout);
     let mut out = String::new();
     if !scene.doc.trim().is_empty() {
@@ -58,7 +58,7 @@ fn count(number: usize, one: &str, many: &str) -> String {
 }
 
 /// The text of `explain()`.
-pub fn explanation(context: &Context) -> String {
+pub fn explanation(context: &EmitContext) -> String {
     let scene = context.scene();
     let mut out = format!("{}\n\n", scene.name);
     equations(scene, context.equations, &mut out);
@@ -79,7 +79,7 @@ pub fn explanation(context: &Context) -> String {
     out
 }
 
-fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
+fn equations(scene: &Scene, equations: &SceneEquations, out: &mut String) {
     let layout = &equations.layout;
     let components = match (scene.planar, scene.angular_velocity) {
         (Some(plane), _) => format!(
@@ -376,7 +376,7 @@ fn left_out(scene: &Scene, layout: &Layout, out: &mut String) {
     }
 }
 
-fn cost(equations: &Equations, out: &mut String) {
+fn cost(equations: &SceneEquations, out: &mut String) {
     let (scene, layout) = (&equations.scene, &equations.layout);
     out.push_str("\nOperations\n");
     let _ = writeln!(
@@ -395,7 +395,7 @@ fn cost(equations: &Equations, out: &mut String) {
                 return declared;
             }
             let layout = Layout::keeping(&scene, layout.redundancy.clone());
-            Equations::trace_in(&scene, layout, &[Quantity::Derivative])
+            SceneEquations::trace_in(&scene, layout, &[Quantity::Derivative])
                 .program(Quantity::Derivative)
                 .map_or(0, |program| program.cost().total())
         };

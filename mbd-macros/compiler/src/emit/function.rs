@@ -8,19 +8,19 @@ use super::literal::{digits, document, number_text};
 use super::naming::flat_names;
 use super::quantity;
 use super::terms::{Terms, lets};
-use crate::equations::{Equations, is_matrix};
+use crate::equations::{SceneEquations, is_matrix};
 use crate::kernels::Kernels;
-use crate::lists::{Arguments, Group};
+use crate::lists::{NumberList, ProgramArguments};
 use crate::operation::Op;
 use crate::partition::Local;
 use crate::program::{Operand, Program, Register};
 use crate::solution::Solution;
 use crate::titles::headings;
 
-/// The function of a program, which is number `index` of [`Equations::every_program`]: `fn name<T: Real>(lists it reads, out)`, or, for one in
+/// The function of a program, which is number `index` of [`SceneEquations::every_program`]: `fn name<T: Real>(lists it reads, out)`, or, for one in
 /// blocks, `fn name<T: Real>(lists it reads, work, out) -> bool`.
 pub fn function(
-    equations: &Equations,
+    equations: &SceneEquations,
     kernels: &Kernels,
     (index, program): (usize, &Program),
     name: &str,
@@ -46,7 +46,7 @@ pub fn function(
 }
 
 /// The function of the quantities that are found together. rustc takes it into the function of each and leaves out what that does not need.
-pub fn solution(equations: &Equations, solution: &Solution) -> TokenStream {
+pub fn solution(equations: &SceneEquations, solution: &Solution) -> TokenStream {
     let mut out = String::new();
     let (scene, layout) = (&equations.scene, &equations.layout);
     let names: Vec<String> = solution
@@ -58,7 +58,7 @@ pub fn solution(equations: &Equations, solution: &Solution) -> TokenStream {
     document(&mut out, &what);
     document(&mut out, &format!(" {}.", solution.program.cost()));
     out.push_str("#[inline(always)] fn solution<T: ::mbd_runtime::Real>(");
-    let lists = Arguments::of(&solution.program, layout).0;
+    let lists = ProgramArguments::of(&solution.program, layout).0;
     taken(equations, &lists, &mut out);
     let members = solution.members.iter().zip(&names);
     let given: Vec<String> = members
@@ -86,18 +86,18 @@ pub fn solution(equations: &Equations, solution: &Solution) -> TokenStream {
 /// The function of a quantity that is found with others, from its arguments on. Lists it does not read are zero, as nothing of it depends on them;
 /// what the others find goes nowhere.
 fn member(
-    equations: &Equations,
+    equations: &SceneEquations,
     solution: &Solution,
     program: &Program,
     place: usize,
     out: &mut String,
 ) {
-    let own = Arguments::of(program, &equations.layout);
+    let own = ProgramArguments::of(program, &equations.layout);
     taken(equations, &own.0, out);
-    let all = Arguments::of(&solution.program, &equations.layout);
-    let passed = |&group: &Group| match group {
+    let all = ProgramArguments::of(&solution.program, &equations.layout);
+    let passed = |&group: &NumberList| match group {
         group if own.reads(group) => group.name().to_owned(),
-        Group::Time => "T::zero()".to_owned(),
+        NumberList::Time => "T::zero()".to_owned(),
         group => format!("&[T::zero(); {}]", group.len(equations)),
     };
     let passed = all.0.iter().map(passed);
@@ -120,10 +120,10 @@ pub fn tokens(text: &str) -> TokenStream {
 }
 
 /// The lists a function takes, as arguments.
-pub fn taken(equations: &Equations, lists: &[Group], out: &mut String) {
+pub fn taken(equations: &SceneEquations, lists: &[NumberList], out: &mut String) {
     for &group in lists {
         out.push_str(group.name());
-        if group == Group::Time {
+        if group == NumberList::Time {
             out.push_str(": T, ");
         } else {
             out.push_str(": &[T; ");
@@ -133,8 +133,8 @@ pub fn taken(equations: &Equations, lists: &[Group], out: &mut String) {
     }
 }
 
-fn flat(equations: &Equations, program: &Program, out: &mut String) {
-    let arguments = Arguments::of(program, &equations.layout);
+fn flat(equations: &SceneEquations, program: &Program, out: &mut String) {
+    let arguments = ProgramArguments::of(program, &equations.layout);
     taken(equations, &arguments.0, out);
     out.push_str("out: &mut [T; ");
     digits(out, program.len);
@@ -147,7 +147,7 @@ fn flat(equations: &Equations, program: &Program, out: &mut String) {
 
 /// What a function reads, knows and computes; the names of all that. `parts`: what the result holds from which place on.
 fn body(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
     parts: &[(usize, Quantity)],
     out: &mut String,
@@ -159,8 +159,8 @@ fn body(
         &results,
     );
     let names = flat_names(equations, program, parts, (&ops, &lets));
-    for group in Arguments::of(program, &equations.layout).0 {
-        if group != Group::Time {
+    for group in ProgramArguments::of(program, &equations.layout).0 {
+        if group != NumberList::Time {
             list(equations, program, group, &names.given, out);
         }
     }
@@ -194,15 +194,15 @@ fn inside(program: &Program) -> (Vec<Op<Local>>, Vec<usize>) {
 
 /// `let [canopy_x, _, canopy_z, …] = *q;`: what is read of a list.
 fn list(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
-    group: Group,
+    group: NumberList,
     names: &[String],
     out: &mut String,
 ) {
     let mut pattern = vec!["_"; group.len(equations)];
     for (&slot, name) in program.slots.iter().zip(names) {
-        let (of, place) = Group::of(slot, &equations.layout);
+        let (of, place) = NumberList::of(slot, &equations.layout);
         if of == group
             && let Some(item) = pattern.get_mut(place)
         {

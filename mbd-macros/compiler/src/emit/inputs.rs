@@ -4,42 +4,42 @@ use mbd_scene::{InputSlots, InputSource, Layout, Part, PointSlots, Quantity};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::context::{Context, docs, unit_text};
+use super::context::{EmitContext, docs, unit_text};
 use super::coordinates::has_coordinates;
 use super::literal::{ident, number, whole};
 
 /// One field: a thing, or those of a repetition.
-struct Field {
+struct InputField {
     name: Ident,
     doc: String,
     /// The numbers of each.
-    each: Shape,
+    each: InputShape,
     /// How many there are; `None` for one that is not repeated.
     count: Option<usize>,
 }
 
 /// What one thing is made of.
 #[derive(Clone, Copy, PartialEq)]
-enum Shape {
+enum InputShape {
     Scalar,
     Vector,
     Wrench,
 }
 
-impl Shape {
+impl InputShape {
     fn of(len: usize) -> Self {
         match len {
-            1 => Shape::Scalar,
-            6 => Shape::Wrench,
-            _ => Shape::Vector,
+            1 => InputShape::Scalar,
+            6 => InputShape::Wrench,
+            _ => InputShape::Vector,
         }
     }
 
     fn kind(self, t: &TokenStream) -> TokenStream {
         match self {
-            Shape::Scalar => quote!(#t),
-            Shape::Vector => quote!([#t; 3]),
-            Shape::Wrench => quote!(::mbd_runtime::Wrench<#t>),
+            InputShape::Scalar => quote!(#t),
+            InputShape::Vector => quote!([#t; 3]),
+            InputShape::Wrench => quote!(::mbd_runtime::Wrench<#t>),
         }
     }
 
@@ -50,12 +50,12 @@ impl Shape {
             quote!([#(#list),*])
         };
         match self {
-            Shape::Scalar => {
+            InputShape::Scalar => {
                 let one = numbers.next();
                 quote!(#one)
             }
-            Shape::Vector => three(),
-            Shape::Wrench => {
+            InputShape::Vector => three(),
+            InputShape::Wrench => {
                 let (force, couple) = (three(), three());
                 quote!(::mbd_runtime::Wrench { force: #force, couple: #couple })
             }
@@ -64,7 +64,7 @@ impl Shape {
 }
 
 /// The struct with a field for everything that the caller supplies; nothing of a model without inputs.
-pub fn inputs(context: &Context) -> TokenStream {
+pub fn inputs(context: &EmitContext) -> TokenStream {
     let layout = &context.equations.layout;
     let fields = fields(context);
     if fields.is_empty() {
@@ -217,21 +217,21 @@ pub fn inputs(context: &Context) -> TokenStream {
 }
 
 /// Everything that the caller supplies. External gravity at all bodies and points is one field.
-fn fields(context: &Context) -> Vec<Field> {
+fn fields(context: &EmitContext) -> Vec<InputField> {
     let layout = &context.equations.layout;
-    let mut fields: Vec<Field> = Vec::new();
-    let mut last: Option<(&str, Shape)> = None;
+    let mut fields: Vec<InputField> = Vec::new();
+    let mut last: Option<(&str, InputShape)> = None;
     for &slots in layout.inputs.iter().filter(|slots| !is_gravity(slots)) {
         let Some((label, doc, span)) = described(context, slots) else {
             continue;
         };
-        let each = Shape::of(slots.len);
+        let each = InputShape::of(slots.len);
         let base = label.split_once('[').map(|(base, _)| base);
         match (fields.last_mut(), base.map(|base| (base, each))) {
             (Some(field), Some(this)) if last == Some(this) => {
                 field.count = field.count.map(|count| count + 1);
             }
-            _ => fields.push(Field {
+            _ => fields.push(InputField {
                 name: free(&fields, base.unwrap_or(label), span),
                 doc,
                 each,
@@ -244,13 +244,13 @@ fn fields(context: &Context) -> Vec<Field> {
         .map(|(name, _)| format!("`{name}`"))
         .collect();
     if !places.is_empty() {
-        fields.push(Field {
+        fields.push(InputField {
             name: free(&fields, "gravity", Span::call_site()),
             doc: format!(
                 "Acceleration of gravity at {} \\[m/s²\\], world axes.",
                 places.join(", ")
             ),
-            each: Shape::Vector,
+            each: InputShape::Vector,
             count: Some(places.len()),
         });
     }
@@ -258,7 +258,7 @@ fn fields(context: &Context) -> Vec<Field> {
 }
 
 /// A name that no field has.
-fn free(fields: &[Field], name: &str, span: Span) -> Ident {
+fn free(fields: &[InputField], name: &str, span: Span) -> Ident {
     let mut free = ident(name, span);
     while fields.iter().any(|field| field.name == free) {
         free = format_ident!("{free}_", span = span);
@@ -274,7 +274,7 @@ fn is_gravity(slots: &InputSlots) -> bool {
 }
 
 /// Name, documentation and place of an input or an external load.
-fn described<'c>(context: &'c Context, slots: InputSlots) -> Option<(&'c str, String, Span)> {
+fn described<'c>(context: &'c EmitContext, slots: InputSlots) -> Option<(&'c str, String, Span)> {
     let scene = context.scene();
     let (name, doc, unit, span) = match slots.source {
         InputSource::Input(i) => {
@@ -304,7 +304,7 @@ fn described<'c>(context: &'c Context, slots: InputSlots) -> Option<(&'c str, St
 }
 
 /// Where external gravity acts: the name of a body or a point, and the first of its coordinates.
-fn places<'c>(context: &'c Context) -> impl Iterator<Item = (&'c str, usize)> {
+fn places<'c>(context: &'c EmitContext) -> impl Iterator<Item = (&'c str, usize)> {
     let (scene, layout): (_, &Layout) = (context.scene(), &context.equations.layout);
     layout.inputs.iter().filter_map(|slots| match slots.source {
         InputSource::BodyGravity(body) => {
@@ -320,7 +320,7 @@ fn places<'c>(context: &'c Context) -> impl Iterator<Item = (&'c str, usize)> {
 }
 
 /// The function that fills in external gravity.
-fn gravity(context: &Context, fields: &[Field]) -> TokenStream {
+fn gravity(context: &EmitContext, fields: &[InputField]) -> TokenStream {
     let places: Vec<usize> = places(context).map(|(_, q)| q).collect();
     let Some(field) = fields.last().filter(|_| !places.is_empty()) else {
         return TokenStream::new();

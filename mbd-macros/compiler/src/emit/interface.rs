@@ -5,21 +5,21 @@ use mbd_scene::laws::starts;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::context::{Context, docs, unit_text};
+use super::context::{EmitContext, docs, unit_text};
 use super::coordinates::coordinates;
 use super::inputs::inputs;
 use super::literal::{number, whole};
 use super::parts::parts;
 
 /// Every companion type of a model.
-pub fn companions(context: &Context) -> TokenStream {
+pub fn companions(context: &EmitContext) -> TokenStream {
     let (params, state, start) = (params(context), state(context), start(context));
     let (outputs, coordinates) = (outputs(context), coordinates(context));
     let inputs = inputs(context);
     quote!(#params #state #start #outputs #coordinates #inputs)
 }
 
-fn params(context: &Context) -> TokenStream {
+fn params(context: &EmitContext) -> TokenStream {
     let (name, vis) = (context.named("Params"), &context.settings.visibility);
     let (t, declared, used, real) = (
         context.scalar(),
@@ -100,7 +100,7 @@ fn params(context: &Context) -> TokenStream {
     }
 }
 
-fn state(context: &Context) -> TokenStream {
+fn state(context: &EmitContext) -> TokenStream {
     let (name, vis) = (context.named("State"), &context.settings.visibility);
     let (t, declared, used, real) = (
         context.scalar(),
@@ -238,7 +238,7 @@ fn state(context: &Context) -> TokenStream {
 }
 
 /// The joint coordinates at the start of a run; nothing where no joint has any.
-fn start(context: &Context) -> TokenStream {
+fn start(context: &EmitContext) -> TokenStream {
     let (scene, names) = (context.scene(), context.scene().joint_coordinates());
     if names.is_empty() {
         return TokenStream::new();
@@ -281,7 +281,7 @@ fn start(context: &Context) -> TokenStream {
 }
 
 /// Unit quaternions for all bodies.
-fn rest(context: &Context) -> TokenStream {
+fn rest(context: &EmitContext) -> TokenStream {
     let mut quaternions = context.equations.layout.quaternions().peekable();
     if quaternions.peek().is_none() {
         return quote!(let _ = &mut state;);
@@ -298,7 +298,7 @@ fn rest(context: &Context) -> TokenStream {
     }
 }
 
-fn outputs(context: &Context) -> TokenStream {
+fn outputs(context: &EmitContext) -> TokenStream {
     let declared_outputs = &context.scene().outputs;
     if declared_outputs.is_empty() {
         return TokenStream::new();

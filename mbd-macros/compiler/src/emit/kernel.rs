@@ -11,16 +11,16 @@ use super::function::{constants, taken, tokens};
 use super::literal::{digits, document, number_text};
 use super::naming::kernel_names;
 use super::terms::{Terms, lets};
-use crate::equations::Equations;
-use crate::kernels::{Driver, Kernel, Kernels, Results, Window};
-use crate::lists::Group;
-use crate::partition::Block;
+use crate::equations::SceneEquations;
+use crate::kernels::{Kernel, KernelDriver, Kernels, ResultPlaces, Window};
+use crate::lists::NumberList;
+use crate::partition::ProgramBlock;
 use crate::program::{Instruction, Operand, Program, Register};
-use crate::strided::{Item, StridedRun};
+use crate::strided::{RoundItem, StridedRun};
 use crate::titles::headings;
 
 /// Every kernel of a model.
-pub fn kernels(equations: &Equations, kernels: &Kernels) -> TokenStream {
+pub fn kernels(equations: &SceneEquations, kernels: &Kernels) -> TokenStream {
     let programs: Vec<&Program> = equations.every_program().collect();
     let mut out = String::new();
     for kernel in &kernels.kernels {
@@ -37,10 +37,10 @@ pub fn kernels(equations: &Equations, kernels: &Kernels) -> TokenStream {
 }
 
 fn write(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
     kernel: &Kernel,
-    block: &Block,
+    block: &ProgramBlock,
     out: &mut String,
 ) {
     let windows: Vec<String> = (0..kernel.windows.len())
@@ -110,7 +110,7 @@ fn taken_from(window: &Window, given: &[String], name: &str, out: &mut String) {
 }
 
 /// The kernel at places of a working list. Where these are known when the driver is compiled, nothing is left of it but the call.
-fn at_places(kernel: &Kernel, block: &Block, windows: &[String], out: &mut String) {
+fn at_places(kernel: &Kernel, block: &ProgramBlock, windows: &[String], out: &mut String) {
     let name = &kernel.name;
     document(out, &format!(" [`{name}`] at places of `work`."));
     let places: Vec<&str> = ["begin"]
@@ -142,7 +142,7 @@ fn at_places(kernel: &Kernel, block: &Block, windows: &[String], out: &mut Strin
     ));
 }
 
-fn documentation(program: &Program, kernel: &Kernel, block: &Block) -> String {
+fn documentation(program: &Program, kernel: &Kernel, block: &ProgramBlock) -> String {
     let mut things: Vec<&str> = Vec::new();
     for &index in &block.instructions {
         let section = program.instructions[index].section;
@@ -166,13 +166,13 @@ fn documentation(program: &Program, kernel: &Kernel, block: &Block) -> String {
 
 /// The function of a program in blocks, from its arguments on.
 pub fn driver(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
-    (kernels, driver): (&Kernels, &Driver),
+    (kernels, driver): (&Kernels, &KernelDriver),
     out: &mut String,
 ) {
     let program = driver.program(program);
-    let lists: Vec<Group> = driver.lists.iter().map(|&(group, _)| group).collect();
+    let lists: Vec<NumberList> = driver.lists.iter().map(|&(group, _)| group).collect();
     taken(equations, &lists, out);
     out.push_str("work: &mut [T], out: &mut [T; ");
     digits(out, program.len);
@@ -184,7 +184,7 @@ pub fn driver(
     let mut steps = Steps::default();
     for &(group, at) in &driver.lists {
         let list = match group {
-            Group::Time => format!("&[{}]", group.name()),
+            NumberList::Time => format!("&[{}]", group.name()),
             _ => group.name().to_owned(),
         };
         steps.call(format!(
@@ -212,9 +212,9 @@ pub fn driver(
 }
 
 /// Hands the results over.
-fn results(results: &Results, out: &mut String) {
+fn results(results: &ResultPlaces, out: &mut String) {
     let stretches = match results {
-        Results::All(places) => {
+        ResultPlaces::All(places) => {
             document(out, " Places of the results in `work`.");
             out.push_str("const RESULTS: &[usize; ");
             digits(out, places.len());
@@ -222,7 +222,7 @@ fn results(results: &Results, out: &mut String) {
             out.push_str("::mbd_runtime::__private::take(work, out, RESULTS)\n");
             return;
         }
-        Results::Some(stretches) => stretches,
+        ResultPlaces::Some(stretches) => stretches,
     };
     let doc = " Structural non-zeros: rounds of (count, (place in `out`, step), (place in `work`, step)).";
     document(out, doc);
@@ -283,15 +283,15 @@ impl Steps {
 fn calls(
     program: &Program,
     kernels: &Kernels,
-    driver: &Driver,
+    driver: &KernelDriver,
     run: &StridedRun,
     steps: &mut Steps,
 ) {
-    let name = |item: &Item| {
+    let name = |item: &RoundItem| {
         let kernel = kernels.kernels.get(item.key);
         kernel.map_or("", |kernel| &kernel.name)
     };
-    let tabled = |item: &Item| {
+    let tabled = |item: &RoundItem| {
         let kernel = kernels.kernels.get(item.key);
         kernel.is_some_and(|kernel| kernel.tabled)
     };

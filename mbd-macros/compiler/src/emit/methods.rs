@@ -4,15 +4,15 @@ use mbd_scene::Quantity;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::context::{Context, docs, escaped};
+use super::context::{EmitContext, docs, escaped};
 use super::execution::quantity_path;
 use super::literal::whole;
 use super::quantity;
-use crate::lists::{Arguments, Group};
+use crate::lists::{NumberList, ProgramArguments};
 use crate::program::Program;
 
 /// One method a quantity.
-pub fn methods(context: &Context) -> TokenStream {
+pub fn methods(context: &EmitContext) -> TokenStream {
     let (name, used, real) = (context.named(""), context.used(), context.real());
     let layout = &context.equations.layout;
     let mut quantities = layout.quantities();
@@ -74,40 +74,47 @@ struct Signature {
     passed: Vec<TokenStream>,
 }
 
-fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Signature {
+fn signature(context: &EmitContext, what: Quantity, program: Option<&Program>) -> Signature {
     let equations = context.equations;
     let (t, used, state) = (context.scalar(), context.used(), context.named("State"));
     let reads = match program {
-        Some(program) => Arguments::of(program, &equations.layout),
+        Some(program) => ProgramArguments::of(program, &equations.layout),
         // Solved on numbers, from where the nodes and their anchors are.
-        None if !equations.layout.spells_out(what) => {
-            Arguments(vec![Group::Nodes, Group::Effective, Group::Ends])
-        }
-        None => Arguments(
-            Group::ALL
+        None if !equations.layout.spells_out(what) => ProgramArguments(vec![
+            NumberList::Nodes,
+            NumberList::Effective,
+            NumberList::Ends,
+        ]),
+        None => ProgramArguments(
+            NumberList::ALL
                 .into_iter()
                 .filter(|g| g.len(equations) > 0)
                 .collect(),
         ),
     };
-    let state_read = [Group::Q, Group::V, Group::Z, Group::States]
-        .iter()
-        .any(|&g| reads.reads(g));
+    let state_read = [
+        NumberList::Q,
+        NumberList::V,
+        NumberList::Z,
+        NumberList::States,
+    ]
+    .iter()
+    .any(|&g| reads.reads(g));
     let mut taken = Vec::new();
     let mut prepared = TokenStream::new();
-    if reads.reads(Group::Time) {
+    if reads.reads(NumberList::Time) {
         taken.push(quote!(time: #t));
     }
     if state_read {
         taken.push(quote!(state: &#state #used));
     }
     for group in [
-        Group::Nodes,
-        Group::Effective,
-        Group::Hold,
-        Group::Ends,
-        Group::Rows,
-        Group::Motion,
+        NumberList::Nodes,
+        NumberList::Effective,
+        NumberList::Hold,
+        NumberList::Ends,
+        NumberList::Rows,
+        NumberList::Motion,
     ] {
         if reads.reads(group) {
             let (list, len) = (
@@ -118,24 +125,24 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
         }
     }
     for (group, field) in [
-        (Group::Q, "q"),
-        (Group::V, "v"),
-        (Group::Z, "z"),
-        (Group::States, "s"),
+        (NumberList::Q, "q"),
+        (NumberList::V, "v"),
+        (NumberList::Z, "z"),
+        (NumberList::States, "s"),
     ] {
         if reads.reads(group) {
             let (list, field) = (format_ident!("{}", group.name()), format_ident!("{field}"));
             prepared.extend(quote!(let [#list] = &state.#field.data.0;));
         }
     }
-    if reads.reads(Group::Inputs) {
+    if reads.reads(NumberList::Inputs) {
         let inputs = context.named("Inputs");
         taken.push(quote!(inputs: &#inputs #used));
         prepared.extend(quote!(let inputs = &inputs.to_array();));
     }
-    if reads.reads(Group::Origin) {
+    if reads.reads(NumberList::Origin) {
         // A state that is typed is one in the world.
-        let (zero, len) = (context.zero(), whole(Group::Origin.len(equations)));
+        let (zero, len) = (context.zero(), whole(NumberList::Origin.len(equations)));
         prepared.extend(quote!(let origin = &[#zero; #len];));
     }
     let passed = reads
@@ -144,8 +151,8 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
         .map(|&group| {
             let list = format_ident!("{}", group.name());
             match group {
-                Group::Params => quote!(&self.values),
-                Group::Derived => quote!(&self.derived),
+                NumberList::Params => quote!(&self.values),
+                NumberList::Derived => quote!(&self.derived),
                 _ => quote!(#list),
             }
         })
@@ -158,7 +165,7 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
 }
 
 fn method(
-    context: &Context,
+    context: &EmitContext,
     (index, what): (usize, Quantity),
     program: Option<&Program>,
 ) -> TokenStream {
@@ -249,7 +256,7 @@ fn method(
 }
 
 /// Type and expression of what a method returns, from its list `values`.
-fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
+fn value(context: &EmitContext, what: Quantity) -> (TokenStream, TokenStream) {
     let (t, used) = (context.scalar(), context.used());
     let layout = &context.equations.layout;
     match what {
@@ -318,7 +325,7 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
 }
 
 /// The list [q̇ | v̇ | ż | ṡ] as a state.
-fn split_state(context: &Context) -> TokenStream {
+fn split_state(context: &EmitContext) -> TokenStream {
     let state = context.named("State");
     let layout = &context.equations.layout;
     let all_z = (layout.nz > 0).then(|| quote!(z: z.into()));
@@ -341,7 +348,7 @@ fn split_state(context: &Context) -> TokenStream {
 }
 
 /// q̇ = N(q) v.
-fn kinematics(context: &Context) -> TokenStream {
+fn kinematics(context: &EmitContext) -> TokenStream {
     let layout = &context.equations.layout;
     if layout.nq == 0 {
         return TokenStream::new();

@@ -26,27 +26,31 @@ mod wording;
 use proc_macro2::{Span, TokenStream};
 use quote::quote;
 
-pub use context::{NameSpans, Settings};
+pub use context::{EmitSettings, NameSpans};
 
-use crate::equations::Equations;
+use crate::equations::SceneEquations;
 use crate::kernels::Kernels;
 use crate::resolve::Named;
-use context::Context;
+use context::EmitContext;
 
 /// The Rust of a model: its companions, itself, its equations, and its tests if it wants them.
 #[must_use]
-pub fn emit_model(equations: &Equations, spans: &NameSpans, settings: &Settings) -> TokenStream {
+pub fn emit_model(
+    equations: &SceneEquations,
+    spans: &NameSpans,
+    settings: &EmitSettings,
+) -> TokenStream {
     emit_with(equations, &Kernels::of(equations), spans, settings)
 }
 
 /// The same with kernels already found.
 pub fn emit_with(
-    equations: &Equations,
+    equations: &SceneEquations,
     kernels: &Kernels,
     spans: &NameSpans,
-    settings: &Settings,
+    settings: &EmitSettings,
 ) -> TokenStream {
-    let context = Context {
+    let context = EmitContext {
         equations,
         spans,
         settings,
@@ -62,12 +66,12 @@ pub fn emit_with(
 
 /// Uses of the parameters' fields where the declaration uses their names: an editor finds and renames them together.
 pub fn references(
-    equations: &Equations,
+    equations: &SceneEquations,
     spans: &NameSpans,
-    settings: &Settings,
+    settings: &EmitSettings,
     uses: &[(Named, Span)],
 ) -> TokenStream {
-    let context = Context {
+    let context = EmitContext {
         equations,
         spans,
         settings,
@@ -94,7 +98,7 @@ pub fn references(
 }
 
 /// `verify;`: a test module of the model.
-fn tests(context: &Context) -> TokenStream {
+fn tests(context: &EmitContext) -> TokenStream {
     if !context.settings.verify || context.equations.programs.is_empty() {
         return TokenStream::new();
     }

@@ -4,7 +4,7 @@ use mbd_scene::{Cost, Packed, Quantity, fingerprint};
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::context::{Context, docs};
+use super::context::{EmitContext, docs};
 use super::execution;
 use super::explain;
 use super::function::{function, solution};
@@ -13,11 +13,11 @@ use super::literal::{number, readable, whole};
 use super::methods::methods;
 use super::quantity;
 use crate::equations::is_matrix;
-use crate::lists::{Arguments, Group};
+use crate::lists::{NumberList, ProgramArguments};
 use crate::program::Program;
 
 /// The struct, its implementations and, hidden, its equations.
-pub fn model(context: &Context) -> TokenStream {
+pub fn model(context: &EmitContext) -> TokenStream {
     let (declaration, hidden) = (declaration(context), hidden(context));
     quote! {
         #declaration
@@ -31,7 +31,7 @@ pub fn model(context: &Context) -> TokenStream {
     }
 }
 
-fn declaration(context: &Context) -> TokenStream {
+fn declaration(context: &EmitContext) -> TokenStream {
     let (name, params, vis) = (
         context.named(""),
         context.named("Params"),
@@ -53,7 +53,7 @@ fn declaration(context: &Context) -> TokenStream {
     }
 }
 
-fn hidden(context: &Context) -> TokenStream {
+fn hidden(context: &EmitContext) -> TokenStream {
     let equations = context.equations;
     let kernels = &context.kernels;
     let parts = kernel::kernels(equations, kernels);
@@ -110,7 +110,7 @@ fn hidden(context: &Context) -> TokenStream {
 }
 
 /// Sizes, names, costs.
-fn constants(context: &Context) -> TokenStream {
+fn constants(context: &EmitContext) -> TokenStream {
     let (name, used, real) = (context.named(""), context.used(), context.real());
     let (equations, scene) = (context.equations, context.scene());
     let layout = &equations.layout;
@@ -190,7 +190,7 @@ fn constants(context: &Context) -> TokenStream {
 }
 
 /// Row and column of every structural non-zero of a matrix.
-fn sparsity(context: &Context, what: Quantity, program: Option<&Program>) -> TokenStream {
+fn sparsity(context: &EmitContext, what: Quantity, program: Option<&Program>) -> TokenStream {
     let (scene, layout) = (context.scene(), &context.equations.layout);
     let quantity = quantity::name(scene, layout, what);
     let name = format_ident!("{}_SPARSITY", quantity.to_uppercase());
@@ -227,7 +227,7 @@ fn cost(cost: Cost) -> TokenStream {
 }
 
 /// `new`, `unchecked`, `parameters`, `scene`, `explain`.
-fn construction(context: &Context) -> TokenStream {
+fn construction(context: &EmitContext) -> TokenStream {
     let (name, params) = (context.named(""), context.named("Params"));
     let (t, used, real, float) = (
         context.scalar(),
@@ -240,8 +240,8 @@ fn construction(context: &Context) -> TokenStream {
         whole(context.equations.layout.np),
     );
     let zero = context.zero();
-    let reads = Arguments::of(&context.equations.derived, &context.equations.layout);
-    let values = reads.reads(Group::Params).then(|| quote!(&values));
+    let reads = ProgramArguments::of(&context.equations.derived, &context.equations.layout);
+    let values = reads.reads(NumberList::Params).then(|| quote!(&values));
     let compute = context.call(
         context.equations.programs.len(),
         &format_ident!("derived"),

@@ -4,13 +4,13 @@ use mbd_scene::Quantity;
 
 use super::quantity;
 use super::wording::Wording;
-use crate::equations::Equations;
+use crate::equations::SceneEquations;
 use crate::expression::Slot;
-use crate::hash::Map;
-use crate::lists::Group;
+use crate::hash::FastMap;
+use crate::lists::NumberList;
 use crate::names::{self, identifier};
 use crate::operation::Op;
-use crate::partition::{Block, Local};
+use crate::partition::{Local, ProgramBlock};
 use crate::program::{Instruction, Operand, Program, Register};
 use crate::syntax::words;
 
@@ -18,7 +18,7 @@ use crate::syntax::words;
 #[derive(Default)]
 pub struct Unique {
     /// Every name given out, and how many were made of it.
-    used: Map<String, usize>,
+    used: FastMap<String, usize>,
 }
 
 impl Unique {
@@ -47,7 +47,7 @@ impl Unique {
 }
 
 /// The names in a function.
-pub struct Names {
+pub struct FunctionNames {
     /// Numbers from outside.
     pub given: Vec<String>,
     /// Numbers known at build time.
@@ -59,13 +59,16 @@ pub struct Names {
 /// The names of a program in one function: numbers by their value, slots by the declaration, terms by what the law called them. `parts`: what its
 /// result holds from which place on.
 pub fn flat_names(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
     parts: &[(usize, Quantity)],
     (ops, lets): (&[Op<Local>], &[bool]),
-) -> Names {
+) -> FunctionNames {
     let mut unique = Unique::default();
-    for group in Group::ALL.into_iter().filter(|&group| group != Group::Time) {
+    for group in NumberList::ALL
+        .into_iter()
+        .filter(|&group| group != NumberList::Time)
+    {
         unique.take(group.name());
     }
     // A function of several quantities writes each to an argument of its name.
@@ -82,19 +85,19 @@ pub fn flat_names(
         .map(|&value| unique.name(&number_name(value)))
         .collect();
     let indices: Vec<usize> = (0..program.instructions.len()).collect();
-    let (law, things) = (Laws::new(equations, program, parts), things(program));
+    let (law, things) = (ValueNames::new(equations, program, parts), things(program));
     let thing = |section: usize| things.get(section).map_or("", String::as_str);
     value_names(&law, (&indices, ops, lets), thing, given, constants, unique)
 }
 
 /// The names in a kernel that takes `windows`. One that many share names no one thing, and one whose known numbers are arguments none of them.
 pub fn kernel_names(
-    equations: &Equations,
+    equations: &SceneEquations,
     program: &Program,
-    (block, lets): (&Block, &[bool]),
+    (block, lets): (&ProgramBlock, &[bool]),
     windows: &[String],
     (shared, tabled): (bool, bool),
-) -> Names {
+) -> FunctionNames {
     let mut unique = Unique::default();
     for name in windows {
         unique.take(name);
@@ -103,7 +106,7 @@ pub fn kernel_names(
         unique.take(name);
     }
     let whole: Vec<(usize, Quantity)> = program.what.map(|what| (0, what)).into_iter().collect();
-    let law = Laws::new(equations, program, &whole);
+    let law = ValueNames::new(equations, program, &whole);
     let given = block.given.iter();
     let given = given
         .map(|&register| unique.name(&given_name(&law, register, shared)))
@@ -126,8 +129,8 @@ pub fn kernel_names(
 }
 
 /// What the law and the declaration call the values of a program.
-struct Laws<'a> {
-    equations: &'a Equations,
+struct ValueNames<'a> {
+    equations: &'a SceneEquations,
     program: &'a Program,
     /// What its result holds from which place on.
     parts: &'a [(usize, Quantity)],
@@ -135,15 +138,19 @@ struct Laws<'a> {
     places: Vec<Option<usize>>,
 }
 
-impl<'a> Laws<'a> {
-    fn new(equations: &'a Equations, program: &'a Program, parts: &'a [(usize, Quantity)]) -> Self {
+impl<'a> ValueNames<'a> {
+    fn new(
+        equations: &'a SceneEquations,
+        program: &'a Program,
+        parts: &'a [(usize, Quantity)],
+    ) -> Self {
         let mut places = vec![None; program.instructions.len()];
         for &(place, register) in program.outputs.iter().rev() {
             if let Operand::Value(value) = program.operand(register) {
                 places[value] = Some(place);
             }
         }
-        Laws {
+        ValueNames {
             equations,
             program,
             parts,
@@ -169,13 +176,13 @@ fn things(program: &Program) -> Vec<String> {
 /// Names the operations `ops`, which are instructions `indices` of a program: by the law, by the result they are, by their operands, else by a
 /// number. `thing` names sections.
 fn value_names<'t>(
-    law: &Laws<'_>,
+    law: &ValueNames<'_>,
     (indices, ops, lets): (&[usize], &[Op<Local>], &[bool]),
     thing: impl Fn(usize) -> &'t str,
     given: Vec<String>,
     constants: Vec<String>,
     mut unique: Unique,
-) -> Names {
+) -> FunctionNames {
     let mut wording = Wording::new(ops, &given, &constants);
     let mut values = Vec::with_capacity(ops.len());
     for (&index, &has) in indices.iter().zip(lets) {
@@ -198,7 +205,7 @@ fn value_names<'t>(
         wording.push(named.filter(|named| *named == name));
         values.push(Some(name));
     }
-    Names {
+    FunctionNames {
         given,
         constants,
         values,
@@ -206,7 +213,7 @@ fn value_names<'t>(
 }
 
 /// The name of a number that a kernel takes.
-fn given_name(law: &Laws<'_>, register: Register, shared: bool) -> String {
+fn given_name(law: &ValueNames<'_>, register: Register, shared: bool) -> String {
     let (equations, program) = (law.equations, law.program);
     match program.operand(register) {
         Operand::Slot(slot) => {
@@ -268,7 +275,7 @@ fn label_of(instruction: &Instruction) -> Option<String> {
 }
 
 /// A derived term carries the name the law gave it.
-fn slot_name(equations: &Equations, slot: Slot) -> String {
+fn slot_name(equations: &SceneEquations, slot: Slot) -> String {
     let derived = &equations.derived;
     if let Slot::Derived(index) = slot
         && let Some((_, register)) = derived.outputs.get(index)

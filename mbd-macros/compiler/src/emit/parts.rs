@@ -6,14 +6,14 @@ use mbd_scene::{PointSlots, Slots};
 use proc_macro2::{Span, TokenStream};
 use quote::quote;
 
-use super::context::{Context, docs, unit_text};
+use super::context::{EmitContext, docs, unit_text};
 use super::literal::{ident, whole};
 
 /// Functions that every state has.
 const TAKEN: [&str; 3] = ["at_origin", "from_slice", "to_vec"];
 
 /// Things of one kind that share a name: one, or those of a repetition.
-struct Family<'a> {
+struct RepeatedPart<'a> {
     name: &'a str,
     /// The first index and how many there are; `None` for one that is not repeated.
     members: Option<[usize; 2]>,
@@ -24,7 +24,7 @@ struct Family<'a> {
 
 /// For every body, every point with mass and every declared state, a function that reads it and one that puts it somewhere. One whose name is
 /// taken has none.
-pub fn parts(context: &Context) -> TokenStream {
+pub fn parts(context: &EmitContext) -> TokenStream {
     let mut taken: HashSet<String> = TAKEN.iter().map(ToString::to_string).collect();
     let mut functions = TokenStream::new();
     for family in families(context) {
@@ -48,7 +48,7 @@ enum Of {
     Joint([usize; 2]),
 }
 
-fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
+fn families<'a>(context: &'a EmitContext<'_>) -> Vec<RepeatedPart<'a>> {
     let (scene, layout) = (context.scene(), &context.equations.layout);
     let bodies = layout.own_bodies();
     let bodies = bodies.map(|(body, slots)| (scene.bodies[body].name.as_str(), (slots, Of::Body)));
@@ -70,10 +70,10 @@ fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
     });
     let states = scene.states.iter().enumerate();
     let states = states.map(|(q, state)| (state.name.as_str(), (Slots { q, v: 0 }, Of::State)));
-    let mut all: Vec<Family<'a>> = Vec::new();
+    let mut all: Vec<RepeatedPart<'a>> = Vec::new();
     for (name, (slots, of)) in bodies.chain(joints).chain(points).chain(states) {
         let Some((family, index)) = name.split_once('[') else {
-            all.push(Family {
+            all.push(RepeatedPart {
                 name,
                 members: None,
                 slots,
@@ -83,14 +83,14 @@ fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
         };
         match (all.last_mut(), index.trim_end_matches(']').parse()) {
             (
-                Some(Family {
+                Some(RepeatedPart {
                     name,
                     members: Some([_, count]),
                     ..
                 }),
                 _,
             ) if *name == family => *count += 1,
-            (_, Ok(first)) => all.push(Family {
+            (_, Ok(first)) => all.push(RepeatedPart {
                 name: family,
                 members: Some([first, 1]),
                 slots,
@@ -103,7 +103,7 @@ fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
     all
 }
 
-fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStream {
+fn accessors(context: &EmitContext, family: &RepeatedPart<'_>, setter: &str) -> TokenStream {
     if family.of == Of::State {
         return own_state(context, family, setter);
     }
@@ -176,7 +176,7 @@ fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStrea
 }
 
 /// Reads and sets a declared state.
-fn own_state(context: &Context, family: &Family<'_>, setter: &str) -> TokenStream {
+fn own_state(context: &EmitContext, family: &RepeatedPart<'_>, setter: &str) -> TokenStream {
     let t = context.scalar();
     let [getter, setter] = [family.name, setter].map(|name| ident(name, Span::call_site()));
     let (name, at) = (family.name, family.slots.q);

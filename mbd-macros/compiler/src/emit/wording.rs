@@ -1,6 +1,6 @@
 //! Words for terms that the law gave no name: a sum, product or quotient of two named numbers is called by them.
 
-use crate::hash::Map;
+use crate::hash::FastMap;
 use crate::operation::{Binary, Op, Unary};
 use crate::partition::Local;
 
@@ -18,7 +18,7 @@ pub struct Wording<'a> {
     /// Words for the values so far; `None` for a value that has no words of its own.
     values: Vec<Option<String>>,
     /// Differences with a name, by what is subtracted from what.
-    differences: Map<(Local, Local), usize>,
+    differences: FastMap<(Local, Local), usize>,
 }
 
 impl<'a> Wording<'a> {
@@ -29,7 +29,7 @@ impl<'a> Wording<'a> {
             given,
             constants,
             values: Vec::with_capacity(ops.len()),
-            differences: Map::default(),
+            differences: FastMap::default(),
         }
     }
 

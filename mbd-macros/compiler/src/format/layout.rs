@@ -4,8 +4,8 @@ use super::marks::marks;
 use super::spacing::{Sign, blanks, signs};
 use super::tokens::{Gap, Token, Tokens};
 use super::{LEVEL, WIDTH, is_sign};
-use crate::lexeme::{Bracket, Kind, Lexeme, Scanned};
-use crate::syntax::{Item, Model, words};
+use crate::lexeme::{Bracket, Lexeme, LexemeKind, Scanned};
+use crate::syntax::{Item, ModelSyntax, words};
 
 /// What stands around a declaration.
 #[derive(Clone, Debug)]
@@ -22,11 +22,11 @@ pub enum Margin {
 }
 
 /// A declaration as it is written line by line.
-pub struct Layout<'a> {
+pub struct DeclarationLayout<'a> {
     pub(super) tokens: &'a [Token],
     pub(super) lexemes: &'a [Lexeme],
     pub(super) signs: Vec<Sign>,
-    model: &'a Model<'a>,
+    model: &'a ModelSyntax<'a>,
     rest: &'a Gap,
     margin: Margin,
     blanks: Vec<bool>,
@@ -47,16 +47,16 @@ pub struct Layout<'a> {
     indent: Option<usize>,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> DeclarationLayout<'a> {
     /// The layout of a model; each token is one lexeme.
     pub fn new(
         tokens: &'a Tokens,
         lexemes: &'a [Lexeme],
-        model: &'a Model<'a>,
+        model: &'a ModelSyntax<'a>,
         margin: Margin,
     ) -> Self {
         let marks = marks(lexemes, model);
-        let mut layout = Layout {
+        let mut layout = DeclarationLayout {
             tokens: &tokens.list,
             lexemes,
             signs: signs(lexemes, &marks),
@@ -119,7 +119,7 @@ impl<'a> Layout<'a> {
     /// The last token of the group that opens there.
     pub(super) fn close(&self, open: usize) -> Option<usize> {
         match self.lexemes.get(open)?.kind {
-            Kind::Open(_, skip) => Some(open + skip),
+            LexemeKind::Open(_, skip) => Some(open + skip),
             _ => None,
         }
     }
@@ -141,7 +141,8 @@ impl<'a> Layout<'a> {
 
     /// Whether brackets are written with their content on lines of its own, and stay so.
     fn is_held_open(&self, open: usize) -> bool {
-        let Kind::Open(Bracket::Brace | Bracket::Square, skip) = self.lexemes[open].kind else {
+        let LexemeKind::Open(Bracket::Brace | Bracket::Square, skip) = self.lexemes[open].kind
+        else {
             return false;
         };
         let first = self.tokens.get(open + 1);
@@ -151,7 +152,10 @@ impl<'a> Layout<'a> {
 
     /// The token before an item with its documentation.
     fn before_docs(&self, mut first: usize) -> Option<usize> {
-        while matches!(self.lexemes.get(first.checked_sub(1)?)?.kind, Kind::Doc(_)) {
+        while matches!(
+            self.lexemes.get(first.checked_sub(1)?)?.kind,
+            LexemeKind::Doc(_)
+        ) {
             first -= 1;
         }
         first.checked_sub(1)
@@ -200,10 +204,10 @@ impl<'a> Layout<'a> {
         self.model(indent);
         let rest = self.rest;
         if matches!(self.margin, Margin::Call { .. }) {
-            self.lines(rest, end, Edge::Close);
+            self.lines(rest, end, GapEdge::Close);
             self.push("");
         } else {
-            self.lines(rest, end, Edge::End);
+            self.lines(rest, end, GapEdge::End);
         }
         self.out
     }
@@ -229,7 +233,7 @@ impl<'a> Layout<'a> {
         let head = self
             .lexemes
             .iter()
-            .position(|l| !matches!(l.kind, Kind::Doc(_)));
+            .position(|l| !matches!(l.kind, LexemeKind::Doc(_)));
         let open = (0..self.lexemes.len()).find(|&at| self.is_brace(at));
         let behind = head.and_then(|head| self.lexemes.get(head + 1));
         let is_robot = behind.is_some_and(|sign| is_sign(&sign.kind, '='));
@@ -240,14 +244,18 @@ impl<'a> Layout<'a> {
                 &model.items,
                 false,
                 indent,
-                Edge::Start,
+                GapEdge::Start,
             );
         };
-        self.docs(0, head, indent, Edge::Start);
+        self.docs(0, head, indent, GapEdge::Start);
         self.next_line(
             head,
             indent,
-            if head == 0 { Edge::Start } else { Edge::None },
+            if head == 0 {
+                GapEdge::Start
+            } else {
+                GapEdge::None
+            },
         );
         self.on_line(head, open, indent);
         let close = self.close(open).unwrap_or(open);
@@ -255,7 +263,7 @@ impl<'a> Layout<'a> {
     }
 
     fn is_brace(&self, at: usize) -> bool {
-        matches!(self.lexemes[at].kind, Kind::Open(Bracket::Brace, _))
+        matches!(self.lexemes[at].kind, LexemeKind::Open(Bracket::Brace, _))
     }
 
     /// What stands between braces, each item on a line, and the closing brace.
@@ -271,10 +279,10 @@ impl<'a> Layout<'a> {
             items,
             inside,
             indent + LEVEL,
-            Edge::Start,
+            GapEdge::Start,
         );
         if close > open + 1 || !self.tokens[close].gap.comments.is_empty() {
-            self.next_line(close, indent, Edge::Close);
+            self.next_line(close, indent, GapEdge::Close);
         }
         self.text(close);
     }
@@ -286,11 +294,11 @@ impl<'a> Layout<'a> {
         items: &[Item<'_>],
         inside: bool,
         indent: usize,
-        edge: Edge,
+        edge: GapEdge,
     ) {
         let mut next = from;
         for item in items {
-            let edge = if next == from { edge } else { Edge::None };
+            let edge = if next == from { edge } else { GapEdge::None };
             let last = self.last_of(item);
             self.item((next, last), item, inside, indent, edge);
             next = last + 1;
@@ -300,7 +308,7 @@ impl<'a> Layout<'a> {
             next,
             to,
             indent,
-            if next == from { edge } else { Edge::None },
+            if next == from { edge } else { GapEdge::None },
         );
     }
 
@@ -311,15 +319,15 @@ impl<'a> Layout<'a> {
             Some(given) if item.word.text == "urdf" => {
                 let path = given.value.at.last.index();
                 let behind = self.lexemes.get(path + 1).map(|next| &next.kind);
-                path + usize::from(matches!(behind, Some(Kind::Sign(',' | ';'))))
+                path + usize::from(matches!(behind, Some(LexemeKind::Sign(',' | ';'))))
             }
             _ => last,
         }
     }
 
-    fn docs(&mut self, from: usize, to: usize, indent: usize, edge: Edge) {
+    fn docs(&mut self, from: usize, to: usize, indent: usize, edge: GapEdge) {
         for at in from..to {
-            self.next_line(at, indent, if at == from { edge } else { Edge::None });
+            self.next_line(at, indent, if at == from { edge } else { GapEdge::None });
             self.text(at);
         }
     }
@@ -330,12 +338,12 @@ impl<'a> Layout<'a> {
         item: &Item<'_>,
         inside: bool,
         indent: usize,
-        edge: Edge,
+        edge: GapEdge,
     ) {
         let is_head = |at: &usize| self.tokens[*at].kind != Scanned::Doc;
         let first = (from..=last).find(is_head).unwrap_or(from);
         self.docs(from, first, indent, edge);
-        let edge = if first == from { edge } else { Edge::None };
+        let edge = if first == from { edge } else { GapEdge::None };
         self.next_line(first, indent, edge);
         let separated = is_sign(&self.lexemes[last].kind, ',') && last > first;
         let end = if separated { last - 1 } else { last };
@@ -382,19 +390,19 @@ impl<'a> Layout<'a> {
     }
 
     /// Writes what stands before a token, up to the beginning of its line.
-    pub(super) fn next_line(&mut self, at: usize, indent: usize, edge: Edge) {
+    pub(super) fn next_line(&mut self, at: usize, indent: usize, edge: GapEdge) {
         let tokens = self.tokens;
         self.lines(&tokens[at].gap, indent, edge);
     }
 
-    fn lines(&mut self, gap: &Gap, indent: usize, edge: Edge) {
-        let inner = if edge == Edge::Close {
+    fn lines(&mut self, gap: &Gap, indent: usize, edge: GapEdge) {
+        let inner = if edge == GapEdge::Close {
             indent + LEVEL
         } else {
             indent
         };
-        let ends = [Edge::Close, Edge::End].contains(&edge);
-        let mut first = edge == Edge::Start;
+        let ends = [GapEdge::Close, GapEdge::End].contains(&edge);
+        let mut first = edge == GapEdge::Start;
         for (k, comment) in gap.comments.iter().enumerate() {
             let alone = ends || gap.ends_line_behind(k);
             let follows = comment.lines_before == 0 && (k > 0 || alone);
@@ -449,7 +457,7 @@ impl<'a> Layout<'a> {
     pub(super) fn behind(&mut self, at: usize, indent: usize) {
         let tokens = self.tokens;
         if !tokens[at].joins() {
-            return self.next_line(at, indent + LEVEL, Edge::None);
+            return self.next_line(at, indent + LEVEL, GapEdge::None);
         }
         for comment in &tokens[at].gap.comments {
             self.blank(indent + LEVEL);
@@ -505,7 +513,7 @@ impl<'a> Layout<'a> {
 
 /// Where a gap is: no empty line stands behind an opening bracket or before a closing one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Edge {
+pub enum GapEdge {
     /// Behind an opening bracket, or at the start of the text.
     Start,
     /// Between two.

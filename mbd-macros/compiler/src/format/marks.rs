@@ -2,8 +2,8 @@
 
 use mbd_scene::solids::Solid;
 
-use crate::lexeme::{Bracket, Kind, Lexeme, Region};
-use crate::syntax::{Cursor, Item, Model, Value, unit, words};
+use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
+use crate::syntax::{Cursor, Item, ModelSyntax, ValueSyntax, unit, words};
 use crate::units;
 
 /// What a lexeme is to the lexemes beside it.
@@ -27,7 +27,7 @@ pub enum Mark {
 }
 
 /// The mark of every lexeme.
-pub fn marks(lexemes: &[Lexeme], model: &Model<'_>) -> Vec<Mark> {
+pub fn marks(lexemes: &[Lexeme], model: &ModelSyntax<'_>) -> Vec<Mark> {
     let mut marks = Marks {
         lexemes,
         of: vec![Mark::Plain; lexemes.len()],
@@ -50,18 +50,18 @@ impl Marks<'_> {
         }
     }
 
-    fn kind(&self, at: usize) -> Option<&Kind> {
+    fn kind(&self, at: usize) -> Option<&LexemeKind> {
         self.lexemes.get(at).map(|lexeme| &lexeme.kind)
     }
 
     fn word(&self, at: usize) -> Option<&str> {
         match self.kind(at) {
-            Some(Kind::Word(word)) => Some(word),
+            Some(LexemeKind::Word(word)) => Some(word),
             _ => None,
         }
     }
 
-    fn head(&mut self, model: &Model<'_>) {
+    fn head(&mut self, model: &ModelSyntax<'_>) {
         if let (Some(name), true) = (&model.name, model.generic) {
             let at = name.at.index();
             (at + 1..=at + 3).for_each(|at| self.set(at, Mark::Scalar));
@@ -72,7 +72,7 @@ impl Marks<'_> {
         for item in items {
             if let Some(index) = item.name.as_ref().and_then(|name| name.index) {
                 self.each(index.at, |marks, at| {
-                    let sign = matches!(marks.kind(at), Some(Kind::Sign('.' | '=')));
+                    let sign = matches!(marks.kind(at), Some(LexemeKind::Sign('.' | '=')));
                     sign.then_some(Mark::Range)
                 });
                 self.set(index.at.first.index(), Mark::Index);
@@ -85,7 +85,7 @@ impl Marks<'_> {
                 if let (true, Some(first)) = (is_kind, given.value.lexemes.first()) {
                     // `m/s`, or `[m/s; 3]`.
                     let first = first.at.index();
-                    let bracket = matches!(self.kind(first), Some(Kind::Open(..)));
+                    let bracket = matches!(self.kind(first), Some(LexemeKind::Open(..)));
                     self.unit(first + usize::from(bracket));
                 }
                 let is_shape = item.word.text == "shape";
@@ -106,7 +106,7 @@ impl Marks<'_> {
     /// Words inside a value that are no names.
     fn in_value(&self, at: usize, is_shape: bool) -> Option<Mark> {
         let word = self.word(at)?;
-        let member = at > 0 && self.kind(at - 1) == Some(&Kind::Sign('.'));
+        let member = at > 0 && self.kind(at - 1) == Some(&LexemeKind::Sign('.'));
         let solid = is_shape && Solid::ALL.iter().any(|solid| solid.keyword() == word);
         let before = solid || ["at", "rotated", "else"].contains(&word);
         (before && !member).then_some(Mark::Before)
@@ -116,8 +116,8 @@ impl Marks<'_> {
     fn units(&mut self) {
         for at in 0..self.lexemes.len() {
             let before = match self.kind(at) {
-                Some(Kind::Number(_) | Kind::Close(_)) => true,
-                Some(Kind::Word(word)) => word == "in" || word == "else",
+                Some(LexemeKind::Number(_) | LexemeKind::Close(_)) => true,
+                Some(LexemeKind::Word(word)) => word == "in" || word == "else",
                 _ => false,
             };
             match (before, self.word(at)) {
@@ -135,8 +135,8 @@ impl Marks<'_> {
     /// Marks the unit that begins there, if one does.
     fn unit(&mut self, first: usize) {
         let begins = match (self.kind(first), self.kind(first + 1)) {
-            (Some(Kind::Word(word)), _) => units::find(word).is_some(),
-            (Some(Kind::Number(one)), Some(Kind::Sign('/'))) => one == "1",
+            (Some(LexemeKind::Word(word)), _) => units::find(word).is_some(),
+            (Some(LexemeKind::Number(one)), Some(LexemeKind::Sign('/'))) => one == "1",
             _ => false,
         };
         let Some(lexemes) = self.lexemes.get(first..).filter(|_| begins) else {
@@ -145,12 +145,12 @@ impl Marks<'_> {
         // A closing bracket of what is around ends the unit.
         let mut depth = 0usize;
         let end = lexemes.iter().position(|lexeme| match lexeme.kind {
-            Kind::Open(..) => {
+            LexemeKind::Open(..) => {
                 depth += 1;
                 false
             }
-            Kind::Close(_) if depth == 0 => true,
-            Kind::Close(_) => {
+            LexemeKind::Close(_) if depth == 0 => true,
+            LexemeKind::Close(_) => {
                 depth -= 1;
                 false
             }
@@ -160,7 +160,7 @@ impl Marks<'_> {
         let at = lexemes
             .first()
             .map_or(Region::START, |first| first.at.into());
-        let start = Cursor::new(Value { lexemes, at });
+        let start = Cursor::new(ValueSyntax { lexemes, at });
         let mut cursor = start;
         if let Ok(Some(_)) = unit::suffix(&mut cursor) {
             let length = cursor.since(start).lexemes.len();
@@ -171,6 +171,6 @@ impl Marks<'_> {
 }
 
 /// Whether a lexeme opens this bracket.
-pub fn opens(kind: &Kind, bracket: Bracket) -> bool {
-    matches!(kind, Kind::Open(found, _) if *found == bracket)
+pub fn opens(kind: &LexemeKind, bracket: Bracket) -> bool {
+    matches!(kind, LexemeKind::Open(found, _) if *found == bracket)
 }

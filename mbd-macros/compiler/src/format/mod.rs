@@ -11,10 +11,10 @@ mod spacing;
 mod tokens;
 mod values;
 
-use crate::lexeme::{Kind, Lexer, Lines, Region, piece, without_mark};
+use crate::lexeme::{LexemeKind, Lexer, LineStarts, Region, piece, without_mark};
 use crate::messages::{Message, Messages, syntax as say};
 use crate::syntax::model;
-use layout::{Layout, Margin};
+use layout::{DeclarationLayout, Margin};
 use tokens::Tokens;
 
 pub use rust::{FormattedRust, format_rust};
@@ -31,7 +31,7 @@ const LEVEL: usize = 4;
 /// What is wrong with the text, if it cannot be read; names and units are not looked at.
 pub fn format_text(text: &str) -> Result<String, Vec<Message>> {
     let text = without_mark(text);
-    let whole = Part {
+    let whole = EmbeddedDeclaration {
         text,
         start: 0,
         end: text.len(),
@@ -41,7 +41,7 @@ pub fn format_text(text: &str) -> Result<String, Vec<Message>> {
 }
 
 /// A declaration in a text.
-struct Part<'a> {
+struct EmbeddedDeclaration<'a> {
     /// The whole text.
     text: &'a str,
     /// Where the declaration begins [byte].
@@ -55,13 +55,13 @@ struct Part<'a> {
 /// Comments inside values may move more than once until they stay where they are.
 const PASSES: usize = 8;
 
-impl Part<'_> {
+impl EmbeddedDeclaration<'_> {
     /// The declaration with other blanks.
     fn formatted(&self) -> Result<String, Vec<Message>> {
         let source = self.text.get(self.start..self.end).unwrap_or("");
-        let mut written = self.pass(source, &Lines::new(self.text), self.start)?;
+        let mut written = self.pass(source, &LineStarts::new(self.text), self.start)?;
         for _ in 0..PASSES {
-            let again = self.pass(&written, &Lines::new(&written), 0)?;
+            let again = self.pass(&written, &LineStarts::new(&written), 0)?;
             if again == written {
                 break;
             }
@@ -71,7 +71,12 @@ impl Part<'_> {
     }
 
     /// The text of the declaration, which begins at a byte of these lines, formatted once.
-    fn pass(&self, source: &str, lines: &Lines<'_>, start: usize) -> Result<String, Vec<Message>> {
+    fn pass(
+        &self,
+        source: &str,
+        lines: &LineStarts<'_>,
+        start: usize,
+    ) -> Result<String, Vec<Message>> {
         let mut lexer = Lexer::of_text();
         let mut messages = Messages::default();
         piece(&mut lexer, lines, source, Some(start), &mut messages);
@@ -88,8 +93,8 @@ impl Part<'_> {
         };
         let tokens = Tokens::divided(source);
         let layout = (tokens.list.len() == lexemes.len())
-            .then(|| Layout::new(&tokens, &lexemes, &model, self.margin.clone()));
-        match layout.map(Layout::written) {
+            .then(|| DeclarationLayout::new(&tokens, &lexemes, &model, self.margin.clone()));
+        match layout.map(DeclarationLayout::written) {
             Some(written) if Tokens::divided(&written).says_the_same(&tokens) => Ok(written),
             _ => {
                 let head = lexemes
@@ -103,8 +108,8 @@ impl Part<'_> {
 }
 
 /// Whether a lexeme is this sign.
-fn is_sign(kind: &Kind, sign: char) -> bool {
-    *kind == Kind::Sign(sign)
+fn is_sign(kind: &LexemeKind, sign: char) -> bool {
+    *kind == LexemeKind::Sign(sign)
 }
 
 /// The end of lines of a text, from its first one.

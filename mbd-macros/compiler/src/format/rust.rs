@@ -5,9 +5,9 @@ use std::ops::Range;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 
 use super::layout::Margin;
-use super::{Part, line_end};
-use crate::lexeme::{Bracket, Kind, Lines, Region, from_tokens};
-use crate::messages::{Location, Message, Report, syntax as say};
+use super::{EmbeddedDeclaration, line_end};
+use crate::lexeme::{Bracket, LexemeKind, LineStarts, Region, from_tokens};
+use crate::messages::{LexemeMessage, Location, Message, syntax as say};
 
 /// A file of Rust whose declarations are formatted.
 #[derive(Clone, Debug)]
@@ -73,7 +73,7 @@ impl Call {
     fn formatted(&self, code: &str) -> Result<String, Vec<Message>> {
         let line = code[..self.inside.start].rsplit('\n').next().unwrap_or("");
         let blanks = line.len() - line.trim_start().len();
-        let part = Part {
+        let part = EmbeddedDeclaration {
             text: code,
             start: self.inside.start,
             end: self.inside.end,
@@ -91,25 +91,28 @@ impl Call {
     }
 
     /// What is said of it, at its first bracket.
-    fn told(&self, code: &str, what: fn(Region) -> Report) -> Message {
+    fn told(&self, code: &str, what: fn(Region) -> LexemeMessage) -> Message {
         let start = self.inside.start.saturating_sub(1);
-        let (line, column) = Lines::new(code).position(start);
+        let (line, column) = LineStarts::new(code).position(start);
         Message::new(what(Region::START).text, Location::Text { line, column })
     }
 }
 
 /// The lexemes that Rust finds, but for commas before `]` and `}`.
-fn said(tokens: TokenStream) -> Vec<Kind> {
+fn said(tokens: TokenStream) -> Vec<LexemeKind> {
     let (lexemes, _, _) = from_tokens(tokens);
-    let mut kinds: Vec<Kind> = Vec::with_capacity(lexemes.len());
+    let mut kinds: Vec<LexemeKind> = Vec::with_capacity(lexemes.len());
     for lexeme in lexemes {
-        let closes = matches!(lexeme.kind, Kind::Close(Bracket::Square | Bracket::Brace));
-        if closes && kinds.last() == Some(&Kind::Sign(',')) {
+        let closes = matches!(
+            lexeme.kind,
+            LexemeKind::Close(Bracket::Square | Bracket::Brace)
+        );
+        if closes && kinds.last() == Some(&LexemeKind::Sign(',')) {
             kinds.pop();
         }
         kinds.push(match lexeme.kind {
             // How far a bracket reaches depends on those commas.
-            Kind::Open(bracket, _) => Kind::Open(bracket, 0),
+            LexemeKind::Open(bracket, _) => LexemeKind::Open(bracket, 0),
             kind => kind,
         });
     }

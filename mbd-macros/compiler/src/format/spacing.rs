@@ -3,7 +3,7 @@
 use super::is_sign;
 use super::marks::{Mark, opens};
 use super::tokens::Tokens;
-use crate::lexeme::{Bracket, Kind, Lexeme, scan};
+use crate::lexeme::{Bracket, Lexeme, LexemeKind, scan};
 
 /// Whether a blank stands before each token, on a line with the one before it.
 pub fn blanks(tokens: &Tokens, lexemes: &[Lexeme], marks: &[Mark]) -> Vec<bool> {
@@ -44,11 +44,11 @@ impl Sign {
 pub fn signs(lexemes: &[Lexeme], marks: &[Mark]) -> Vec<Sign> {
     let roles = roles(lexemes, marks);
     let sign = |(lexeme, role): (&Lexeme, &Role)| match (&lexeme.kind, role) {
-        (Kind::Sign(','), _) => Sign::Comma,
-        (Kind::Sign('<' | '>'), Role::Between) => Sign::Comparison,
-        (Kind::Sign('+' | '-'), Role::Between) => Sign::Sum,
-        (Kind::Sign('*' | '/'), Role::Between) => Sign::Product,
-        (Kind::Sign('='), Role::Between) => Sign::Equal,
+        (LexemeKind::Sign(','), _) => Sign::Comma,
+        (LexemeKind::Sign('<' | '>'), Role::Between) => Sign::Comparison,
+        (LexemeKind::Sign('+' | '-'), Role::Between) => Sign::Sum,
+        (LexemeKind::Sign('*' | '/'), Role::Between) => Sign::Product,
+        (LexemeKind::Sign('='), Role::Between) => Sign::Equal,
         _ => Sign::Other,
     };
     lexemes.iter().zip(&roles).map(sign).collect()
@@ -73,7 +73,7 @@ fn roles(lexemes: &[Lexeme], marks: &[Mark]) -> Vec<Role> {
     let sign = |at: usize, sign: char| lexemes.get(at).is_some_and(|l| is_sign(&l.kind, sign));
     let mut roles: Vec<Role> = Vec::with_capacity(lexemes.len());
     for (at, lexeme) in lexemes.iter().enumerate() {
-        let Kind::Sign(found) = lexeme.kind else {
+        let LexemeKind::Sign(found) = lexeme.kind else {
             roles.push(Role::Other);
             continue;
         };
@@ -108,9 +108,9 @@ fn begins_operand(lexemes: &[Lexeme], marks: &[Mark], at: usize) -> bool {
         return true;
     };
     match &lexemes[before].kind {
-        Kind::Word(word) => marks[before] == Mark::Before || word == "if",
-        Kind::Number(_) | Kind::Close(_) | Kind::Text(_) => false,
-        Kind::Sign(_) | Kind::Open(..) | Kind::Doc(_) => true,
+        LexemeKind::Word(word) => marks[before] == Mark::Before || word == "if",
+        LexemeKind::Number(_) | LexemeKind::Close(_) | LexemeKind::Text(_) => false,
+        LexemeKind::Sign(_) | LexemeKind::Open(..) | LexemeKind::Doc(_) => true,
     }
 }
 
@@ -140,13 +140,15 @@ impl Spacing<'_> {
         }
         match (last, next) {
             _ if [Mark::InUnit, Mark::Index, Mark::Scalar].contains(&self.marks[at]) => false,
-            (_, Kind::Sign(',' | ';' | ':')) => false,
-            (Kind::Open(Bracket::Brace, _), Kind::Close(_)) => false,
-            (_, Kind::Close(bracket)) => *bracket == Bracket::Brace,
-            (Kind::Open(bracket, _), _) => *bracket == Bracket::Brace,
-            (_, Kind::Open(bracket, _)) if *bracket != Bracket::Brace => self.apart(before, at),
-            (Kind::Word(_), Kind::Text(_)) => self.tokens.list[at].gap.any,
-            (Kind::Sign('#'), _) => false,
+            (_, LexemeKind::Sign(',' | ';' | ':')) => false,
+            (LexemeKind::Open(Bracket::Brace, _), LexemeKind::Close(_)) => false,
+            (_, LexemeKind::Close(bracket)) => *bracket == Bracket::Brace,
+            (LexemeKind::Open(bracket, _), _) => *bracket == Bracket::Brace,
+            (_, LexemeKind::Open(bracket, _)) if *bracket != Bracket::Brace => {
+                self.apart(before, at)
+            }
+            (LexemeKind::Word(_), LexemeKind::Text(_)) => self.tokens.list[at].gap.any,
+            (LexemeKind::Sign('#'), _) => false,
             _ => true,
         }
     }
@@ -155,16 +157,16 @@ impl Spacing<'_> {
     fn apart(&self, before: usize, at: usize) -> bool {
         let last = &self.lexemes[before].kind;
         match last {
-            Kind::Word(_) if self.marks[before] != Mark::Plain => true,
-            Kind::Word(word) if word == "if" => self.is_condition(at),
-            Kind::Word(_) => false,
+            LexemeKind::Word(_) if self.marks[before] != Mark::Plain => true,
+            LexemeKind::Word(word) if word == "if" => self.is_condition(at),
+            LexemeKind::Word(_) => false,
             _ => true,
         }
     }
 
     /// Whether the bracket behind an `if` holds its condition: a brace follows.
     fn is_condition(&self, at: usize) -> bool {
-        let Kind::Open(_, skip) = self.lexemes[at].kind else {
+        let LexemeKind::Open(_, skip) = self.lexemes[at].kind else {
             return false;
         };
         let next = self.lexemes.get(at + skip + 1);

@@ -1,9 +1,9 @@
 //! Values that are too long for a line: lists with their elements on lines of their own, sums and products broken before their signs.
 
-use super::layout::{Edge, Layout};
+use super::layout::{DeclarationLayout, GapEdge};
 use super::spacing::Sign;
 use super::{LEVEL, is_sign};
-use crate::lexeme::{Bracket, Kind};
+use crate::lexeme::{Bracket, LexemeKind};
 
 /// Brackets in brackets are broken this deep.
 const DEEPEST: usize = 32;
@@ -11,7 +11,7 @@ const DEEPEST: usize = 32;
 /// The elements of a list, first and last token, and the comma behind each.
 type Elements = Vec<((usize, usize), Option<usize>)>;
 
-impl Layout<'_> {
+impl DeclarationLayout<'_> {
     /// Writes a part, on several lines where it does not fit on this one with `tail` characters behind it.
     pub(super) fn broken_up(&mut self, first: usize, last: usize, indent: usize, tail: usize) {
         self.part((first, last), indent, tail, DEEPEST);
@@ -35,7 +35,7 @@ impl Layout<'_> {
             && self.fits_from(indent + LEVEL, value, last, tail)
         {
             self.on_line(first, value - 1, indent);
-            self.next_line(value, indent + LEVEL, Edge::Start);
+            self.next_line(value, indent + LEVEL, GapEdge::Start);
             return self.on_line(value, last, indent + LEVEL);
         }
         let clauses = self.clauses(first, last);
@@ -66,7 +66,7 @@ impl Layout<'_> {
     /// The braces of `if a < b { this } else { that }`.
     fn branches(&self, first: usize, last: usize) -> Vec<usize> {
         let groups = self.groups(first, last);
-        let is_if = |at: usize| self.lexemes[at].kind == Kind::Word("if".into());
+        let is_if = |at: usize| self.lexemes[at].kind == LexemeKind::Word("if".into());
         let (mut at, mut found) = (first, false);
         while at <= last && !found {
             found = is_if(at);
@@ -77,7 +77,7 @@ impl Layout<'_> {
     }
 
     fn is_braces(&self, open: usize) -> bool {
-        matches!(self.lexemes[open].kind, Kind::Open(Bracket::Brace, _))
+        matches!(self.lexemes[open].kind, LexemeKind::Open(Bracket::Brace, _))
     }
 
     /// The brackets of a part that are in no others.
@@ -97,7 +97,7 @@ impl Layout<'_> {
         let is = |open: &usize| {
             let square = matches!(
                 self.lexemes[*open].kind,
-                Kind::Open(Bracket::Square | Bracket::Brace, _)
+                LexemeKind::Open(Bracket::Square | Bracket::Brace, _)
             );
             square && (self.is_list(*open) || self.begins_field(*open + 1))
         };
@@ -107,7 +107,7 @@ impl Layout<'_> {
     /// Whether a field begins there: a word and a colon.
     fn begins_field(&self, at: usize) -> bool {
         let kind = |at: usize| self.lexemes.get(at).map(|lexeme| &lexeme.kind);
-        matches!(kind(at), Some(Kind::Word(_)))
+        matches!(kind(at), Some(LexemeKind::Word(_)))
             && kind(at + 1).is_some_and(|next| is_sign(next, ':'))
     }
 
@@ -161,7 +161,7 @@ impl Layout<'_> {
                 self.behind(start, indent);
                 self.on_line(start, end, indent);
             } else {
-                self.next_line(start, indent + LEVEL, Edge::Start);
+                self.next_line(start, indent + LEVEL, GapEdge::Start);
                 let ended = self.ended;
                 self.part((start, end), indent + LEVEL, tail, deep - 1);
                 whole = self.ended == ended;
@@ -201,7 +201,7 @@ impl Layout<'_> {
 
     /// Writes brackets with what they hold on lines of its own.
     fn list(&mut self, (open, close): (usize, usize), indent: usize, deep: usize) {
-        let round = matches!(self.lexemes[open].kind, Kind::Open(Bracket::Round, _));
+        let round = matches!(self.lexemes[open].kind, LexemeKind::Open(Bracket::Round, _));
         let elements = self.elements(open, close);
         let alone = self.stand_alone(&elements);
         let separated = !round && self.is_list(open);
@@ -218,7 +218,11 @@ impl Layout<'_> {
             if fits && self.tokens[first].joins() {
                 self.behind(first, indent);
             } else {
-                let edge = if k == 0 { Edge::Start } else { Edge::None };
+                let edge = if k == 0 {
+                    GapEdge::Start
+                } else {
+                    GapEdge::None
+                };
                 self.next_line(first, indent + LEVEL, edge);
             }
             self.part((first, last), indent + LEVEL, tail, deep);
@@ -229,7 +233,7 @@ impl Layout<'_> {
                 self.comments_behind(comma, indent + LEVEL);
             }
         }
-        self.next_line(close, indent, Edge::Close);
+        self.next_line(close, indent, GapEdge::Close);
         self.text(close);
     }
 

@@ -9,15 +9,15 @@ mod tokens;
 
 use proc_macro2::Span;
 
-use crate::messages::{Location, Messages, Report, syntax as say};
+use crate::messages::{LexemeMessage, Location, Messages, syntax as say};
 use crate::syntax::words;
 
 /// The place of a lexeme: index into a table of [`Places`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct At(u32);
+pub struct LexemeIndex(u32);
 
 #[cfg(feature = "format")]
-impl At {
+impl LexemeIndex {
     /// The place in the order of lexemes. In one text without a mistake it is the number of the lexeme.
     pub fn index(self) -> usize {
         self.0 as usize
@@ -28,16 +28,16 @@ impl At {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Region {
     /// The first lexeme.
-    pub first: At,
+    pub first: LexemeIndex,
     /// The last lexeme.
-    pub last: At,
+    pub last: LexemeIndex,
 }
 
 impl Region {
     /// The first lexeme of the source.
     pub const START: Region = Region {
-        first: At(0),
-        last: At(0),
+        first: LexemeIndex(0),
+        last: LexemeIndex(0),
     };
 
     /// From the start of `self` to the end of `other`.
@@ -49,8 +49,8 @@ impl Region {
     }
 }
 
-impl From<At> for Region {
-    fn from(at: At) -> Self {
+impl From<LexemeIndex> for Region {
+    fn from(at: LexemeIndex) -> Self {
         Region {
             first: at,
             last: at,
@@ -92,7 +92,7 @@ impl Bracket {
 
 /// What a lexeme is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum LexemeKind {
     /// An identifier or keyword.
     Word(String),
     /// A number as written, without its unit.
@@ -113,39 +113,39 @@ pub enum Kind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lexeme {
     /// What it is.
-    pub kind: Kind,
+    pub kind: LexemeKind,
     /// Where it is.
-    pub at: At,
+    pub at: LexemeIndex,
 }
 
 impl Lexeme {
     /// The lexeme as the user sees it.
     pub fn shown(&self) -> String {
         match &self.kind {
-            Kind::Word(text) | Kind::Number(text) => text.clone(),
-            Kind::Sign(sign) => sign.to_string(),
-            Kind::Open(bracket, _) => bracket.signs().0.to_string(),
-            Kind::Close(bracket) => bracket.signs().1.to_string(),
-            Kind::Doc(_) => "///".to_string(),
-            Kind::Text(text) => format!("\"{text}\""),
+            LexemeKind::Word(text) | LexemeKind::Number(text) => text.clone(),
+            LexemeKind::Sign(sign) => sign.to_string(),
+            LexemeKind::Open(bracket, _) => bracket.signs().0.to_string(),
+            LexemeKind::Close(bracket) => bracket.signs().1.to_string(),
+            LexemeKind::Doc(_) => "///".to_string(),
+            LexemeKind::Text(text) => format!("\"{text}\""),
         }
     }
 }
 
 /// Line and column in a text, both from 1; columns count characters. A text has as many of them as lexemes.
 #[derive(Clone, Copy, Debug)]
-pub struct Position {
+pub struct TextPosition {
     line: u32,
     column: u32,
 }
 
-impl Position {
+impl TextPosition {
     /// The first place of a text.
-    const START: Position = Position { line: 1, column: 1 };
+    const START: TextPosition = TextPosition { line: 1, column: 1 };
 
     fn new(line: usize, column: usize) -> Self {
         let [line, column] = [line, column].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-        Position { line, column }
+        TextPosition { line, column }
     }
 
     fn pair(self) -> (usize, usize) {
@@ -156,18 +156,18 @@ impl Position {
 /// Where every lexeme lies in its source.
 #[derive(Clone, Debug)]
 pub struct Places {
-    source: Source,
+    source: DeclarationSource,
     /// A file that the declaration takes in; its lexemes come after those of the declaration.
     taken: Option<Taken>,
 }
 
 /// The source of a declaration.
 #[derive(Clone, Debug)]
-enum Source {
+enum DeclarationSource {
     /// Tokens of a macro call.
     Tokens(Vec<Span>),
     /// Lines and columns of a text.
-    Text(Vec<Position>),
+    Text(Vec<TextPosition>),
 }
 
 /// A file that a declaration takes in.
@@ -180,28 +180,28 @@ struct Taken {
     /// The index of its first lexeme.
     first: usize,
     /// Lines and columns of the file.
-    positions: Vec<Position>,
+    positions: Vec<TextPosition>,
 }
 
 impl Places {
     fn of_tokens() -> Self {
         Places {
-            source: Source::Tokens(Vec::new()),
+            source: DeclarationSource::Tokens(Vec::new()),
             taken: None,
         }
     }
 
     fn of_text() -> Self {
         Places {
-            source: Source::Text(Vec::new()),
+            source: DeclarationSource::Text(Vec::new()),
             taken: None,
         }
     }
 
     fn len(&self) -> usize {
         let own = match &self.source {
-            Source::Tokens(spans) => spans.len(),
-            Source::Text(positions) => positions.len(),
+            DeclarationSource::Tokens(spans) => spans.len(),
+            DeclarationSource::Text(positions) => positions.len(),
         };
         own + self.taken.as_ref().map_or(0, |file| file.positions.len())
     }
@@ -217,38 +217,38 @@ impl Places {
     }
 
     /// Line and column of a lexeme of a text or of a file.
-    pub fn position(&self, at: At) -> (usize, usize) {
+    pub fn position(&self, at: LexemeIndex) -> (usize, usize) {
         match (self.in_file(at), &self.source) {
             (Some((_, line, column)), _) => (line, column),
-            (None, Source::Text(positions)) => {
+            (None, DeclarationSource::Text(positions)) => {
                 let known = positions.get(at.0 as usize).copied();
-                known.unwrap_or(Position::START).pair()
+                known.unwrap_or(TextPosition::START).pair()
             }
-            (None, Source::Tokens(_)) => (1, 1),
+            (None, DeclarationSource::Tokens(_)) => (1, 1),
         }
     }
 
     /// Whether a lexeme lies in a file that the declaration takes in.
-    pub fn is_taken(&self, at: At) -> bool {
+    pub fn is_taken(&self, at: LexemeIndex) -> bool {
         let first = self.taken.as_ref().map(|file| file.first);
         first.is_some_and(|first| at.0 as usize >= first)
     }
 
     /// The lines and columns that are being added to: those of a text, or of the file that is taken in.
-    fn positions(&mut self) -> Option<&mut Vec<Position>> {
+    fn positions(&mut self) -> Option<&mut Vec<TextPosition>> {
         match (&mut self.taken, &mut self.source) {
             (Some(file), _) => Some(&mut file.positions),
-            (None, Source::Text(positions)) => Some(positions),
-            (None, Source::Tokens(_)) => None,
+            (None, DeclarationSource::Text(positions)) => Some(positions),
+            (None, DeclarationSource::Tokens(_)) => None,
         }
     }
 
     /// File, line and column of a lexeme that is taken in.
-    pub fn in_file(&self, at: At) -> Option<(&str, usize, usize)> {
+    pub fn in_file(&self, at: LexemeIndex) -> Option<(&str, usize, usize)> {
         let file = self.taken.as_ref()?;
         let index = (at.0 as usize).checked_sub(file.first)?;
         let known = file.positions.get(index).copied();
-        let (line, column) = known.unwrap_or(Position::START).pair();
+        let (line, column) = known.unwrap_or(TextPosition::START).pair();
         Some((&file.file, line, column))
     }
 
@@ -265,24 +265,24 @@ impl Places {
         let region = self.declared(region);
         let (first, last) = (region.first.0 as usize, region.last.0 as usize);
         match &self.source {
-            Source::Tokens(spans) => {
+            DeclarationSource::Tokens(spans) => {
                 let get = |i: usize| spans.get(i).copied().unwrap_or_else(Span::call_site);
                 Location::Tokens(get(first), get(last))
             }
-            Source::Text(positions) => {
+            DeclarationSource::Text(positions) => {
                 let known = positions.get(first).copied();
-                let (line, column) = known.unwrap_or(Position::START).pair();
+                let (line, column) = known.unwrap_or(TextPosition::START).pair();
                 Location::Text { line, column }
             }
         }
     }
 
     /// A key that sorts lexemes by their place in the source.
-    pub fn order(&self, at: At) -> (usize, usize) {
+    pub fn order(&self, at: LexemeIndex) -> (usize, usize) {
         let at = self.declared(at.into()).first;
         match &self.source {
-            Source::Tokens(_) => (at.0 as usize, 0),
-            Source::Text(positions) => {
+            DeclarationSource::Tokens(_) => (at.0 as usize, 0),
+            DeclarationSource::Text(positions) => {
                 let known = positions.get(at.0 as usize);
                 known.map_or((0, 0), |position| position.pair())
             }
@@ -290,14 +290,14 @@ impl Places {
     }
 
     /// The span of a lexeme; of a text it is the call site.
-    pub fn span(&self, at: At) -> Span {
+    pub fn span(&self, at: LexemeIndex) -> Span {
         let at = self.declared(at.into()).first;
         match &self.source {
-            Source::Tokens(spans) => spans
+            DeclarationSource::Tokens(spans) => spans
                 .get(at.0 as usize)
                 .copied()
                 .unwrap_or_else(Span::call_site),
-            Source::Text(_) => Span::call_site(),
+            DeclarationSource::Text(_) => Span::call_site(),
         }
     }
 }
@@ -339,25 +339,25 @@ impl Lexer {
     fn awaits_path(&self) -> bool {
         let mut last = self.lexemes.iter().rev().map(|lexeme| &lexeme.kind);
         match last.next() {
-            Some(Kind::Sign(':' | '=')) => {
-                matches!(last.next(), Some(Kind::Word(word)) if word == "urdf")
+            Some(LexemeKind::Sign(':' | '=')) => {
+                matches!(last.next(), Some(LexemeKind::Word(word)) if word == "urdf")
             }
-            Some(Kind::Word(word)) => word == "scene",
+            Some(LexemeKind::Word(word)) => word == "scene",
             _ => false,
         }
     }
 
-    fn next_at(&self) -> At {
-        At(u32::try_from(self.places.len()).unwrap_or(u32::MAX))
+    fn next_at(&self) -> LexemeIndex {
+        LexemeIndex(u32::try_from(self.places.len()).unwrap_or(u32::MAX))
     }
 
-    fn push(&mut self, kind: Kind, at: At) {
+    fn push(&mut self, kind: LexemeKind, at: LexemeIndex) {
         match kind {
-            Kind::Open(..) => self.open.push(self.lexemes.len()),
-            Kind::Close(_) => {
+            LexemeKind::Open(..) => self.open.push(self.lexemes.len()),
+            LexemeKind::Close(_) => {
                 if let Some(open) = self.open.pop() {
                     let distance = self.lexemes.len() - open;
-                    if let Some(Kind::Open(_, skip)) =
+                    if let Some(LexemeKind::Open(_, skip)) =
                         self.lexemes.get_mut(open).map(|lexeme| &mut lexeme.kind)
                     {
                         *skip = distance;
@@ -370,25 +370,25 @@ impl Lexer {
     }
 
     /// What to say of a string behind the last word, if that word asks for another text: `include "common.mbd"`.
-    fn string_after(&self) -> Option<Report> {
+    fn string_after(&self) -> Option<LexemeMessage> {
         let last = self.lexemes.last()?;
         match &last.kind {
-            Kind::Word(word) => say::one_text(last.at.into(), word),
+            LexemeKind::Word(word) => say::one_text(last.at.into(), word),
             _ => None,
         }
     }
 
     /// The brace that was probably left open inside the outermost open one, and the item behind it that stands between no braces but the model's.
-    fn probably_open(&self, opened: usize) -> Option<(Bracket, At, (&str, At))> {
+    fn probably_open(&self, opened: usize) -> Option<(Bracket, LexemeIndex, (&str, LexemeIndex))> {
         let outer = *self.open.get(opened)?;
-        let mut around: Vec<(Bracket, At)> = Vec::new();
+        let mut around: Vec<(Bracket, LexemeIndex)> = Vec::new();
         for (index, lexeme) in self.lexemes.iter().enumerate().skip(outer + 1) {
             match &lexeme.kind {
-                Kind::Open(bracket, _) => around.push((*bracket, lexeme.at)),
-                Kind::Close(_) => {
+                LexemeKind::Open(bracket, _) => around.push((*bracket, lexeme.at)),
+                LexemeKind::Close(_) => {
                     around.pop();
                 }
-                Kind::Word(word) if words::is_outside(word) && self.is_word(index + 1) => {
+                LexemeKind::Word(word) if words::is_outside(word) && self.is_word(index + 1) => {
                     if let Some(&(Bracket::Brace, at)) = around.last() {
                         return Some((Bracket::Brace, at, (word, lexeme.at)));
                     }
@@ -400,14 +400,14 @@ impl Lexer {
     }
 
     fn is_word(&self, at: usize) -> bool {
-        matches!(self.lexemes.get(at), Some(lexeme) if matches!(lexeme.kind, Kind::Word(_)))
+        matches!(self.lexemes.get(at), Some(lexeme) if matches!(lexeme.kind, LexemeKind::Word(_)))
     }
 
     /// The bracket that waits to be closed.
-    fn waiting(&self) -> Option<(Bracket, At)> {
+    fn waiting(&self) -> Option<(Bracket, LexemeIndex)> {
         let lexeme = self.lexemes.get(*self.open.last()?)?;
         match lexeme.kind {
-            Kind::Open(bracket, _) => Some((bracket, lexeme.at)),
+            LexemeKind::Open(bracket, _) => Some((bracket, lexeme.at)),
             _ => None,
         }
     }
@@ -418,7 +418,7 @@ pub use scan::{Scanned, scan};
 pub use text::from_text;
 #[cfg(any(feature = "format", feature = "toml"))]
 pub use text::without_mark;
-pub use text::{Lines, piece};
+pub use text::{LineStarts, piece};
 pub use tokens::from_tokens;
 
 /// A source as lexemes: balanced brackets, numbers apart from their units.

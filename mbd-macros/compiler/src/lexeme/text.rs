@@ -3,24 +3,24 @@
 use std::cell::Cell;
 
 use super::scan::{Scanned, scan};
-use super::{At, Kind, Lexed, Lexer, Places, Position};
+use super::{Lexed, LexemeIndex, LexemeKind, Lexer, Places, TextPosition};
 use crate::messages::{Messages, syntax as say};
 
 /// Where the lines of a text start: byte offsets to line and column.
 #[derive(Clone, Debug)]
-pub struct Lines<'a> {
+pub struct LineStarts<'a> {
     text: &'a str,
     starts: Vec<usize>,
     /// The last answer, offset, line and column: questions come in order, and long lines are counted once.
     last: Cell<(usize, usize, usize)>,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> LineStarts<'a> {
     /// The lines of `text`.
     pub fn new(text: &'a str) -> Self {
         let mut starts = vec![0];
         starts.extend(text.match_indices('\n').map(|(at, _)| at + 1));
-        Lines {
+        LineStarts {
             text,
             starts,
             last: Cell::new((0, 1, 1)),
@@ -53,7 +53,13 @@ pub fn from_text(text: &str) -> Lexed {
     let mut lexer = Lexer::new(Places::of_text());
     let mut messages = Messages::default();
     lexer.reserve(count(text));
-    piece(&mut lexer, &Lines::new(text), text, Some(0), &mut messages);
+    piece(
+        &mut lexer,
+        &LineStarts::new(text),
+        text,
+        Some(0),
+        &mut messages,
+    );
     (lexer.lexemes, lexer.places, messages)
 }
 
@@ -64,16 +70,16 @@ impl Lexer {
     }
 
     /// A place that has no lexeme.
-    pub fn place(&mut self, (line, column): (usize, usize)) -> At {
+    pub fn place(&mut self, (line, column): (usize, usize)) -> LexemeIndex {
         let at = self.next_at();
         if let Some(positions) = self.places.positions() {
-            positions.push(Position::new(line, column));
+            positions.push(TextPosition::new(line, column));
         }
         at
     }
 
     /// Adds a lexeme at a line and column.
-    pub fn positioned(&mut self, kind: Kind, position: (usize, usize)) -> At {
+    pub fn positioned(&mut self, kind: LexemeKind, position: (usize, usize)) -> LexemeIndex {
         let at = self.place(position);
         self.push(kind, at);
         at
@@ -97,14 +103,14 @@ fn count(text: &str) -> usize {
 /// Reads `text` into the lexer. It starts at byte `base` of the file; without a base everything is placed at the last place so far.
 pub fn piece(
     lexer: &mut Lexer,
-    lines: &Lines<'_>,
+    lines: &LineStarts<'_>,
     text: &str,
     base: Option<usize>,
     messages: &mut Messages,
 ) {
     let opened = lexer.open.len();
     let last = lexer.places.positions().and_then(|all| all.last().copied());
-    let anchor = last.unwrap_or(Position::START).pair();
+    let anchor = last.unwrap_or(TextPosition::START).pair();
     let place = |offset: usize| base.map_or(anchor, |base| lines.position(base + offset));
     let mut at = 0;
     while let Some((scanned, length)) = scan(&text[at..]) {
@@ -113,46 +119,46 @@ pub fn piece(
         match scanned {
             Scanned::Blank | Scanned::Comment => {}
             Scanned::OpenComment => {
-                let begin = lexer.positioned(Kind::Sign('/'), place(start));
+                let begin = lexer.positioned(LexemeKind::Sign('/'), place(start));
                 messages.push(say::open_comment(begin.into()));
                 break;
             }
             Scanned::Doc => {
                 let doc = found[3..].trim_end_matches('\r').to_string();
-                lexer.positioned(Kind::Doc(doc), place(start));
+                lexer.positioned(LexemeKind::Doc(doc), place(start));
             }
             Scanned::Word => {
-                lexer.positioned(Kind::Word(found.to_string()), place(start));
+                lexer.positioned(LexemeKind::Word(found.to_string()), place(start));
             }
             Scanned::Number => {
-                lexer.positioned(Kind::Number(found.to_string()), place(start));
+                lexer.positioned(LexemeKind::Number(found.to_string()), place(start));
             }
             Scanned::Text => {
                 let shown = found.trim_matches('"').to_string();
                 let (path, report) = (lexer.awaits_path(), lexer.string_after());
-                let string = lexer.positioned(Kind::Text(shown), place(start));
+                let string = lexer.positioned(LexemeKind::Text(shown), place(start));
                 if !path {
                     messages.push(report.unwrap_or_else(|| say::string(string.into())));
                 }
             }
             Scanned::Open(bracket) => {
-                lexer.positioned(Kind::Open(bracket, 0), place(start));
+                lexer.positioned(LexemeKind::Open(bracket, 0), place(start));
             }
             Scanned::Close(bracket) => {
                 let waiting = (lexer.open.len() > opened)
                     .then(|| lexer.waiting())
                     .flatten();
                 if waiting.is_some_and(|(open, _)| open == bracket) {
-                    lexer.positioned(Kind::Close(bracket), place(start));
+                    lexer.positioned(LexemeKind::Close(bracket), place(start));
                 } else {
                     let sign = bracket.signs().1;
-                    let stray = lexer.positioned(Kind::Sign(sign), place(start));
+                    let stray = lexer.positioned(LexemeKind::Sign(sign), place(start));
                     messages.push(say::stray_bracket(sign, stray.into(), waiting));
                     break;
                 }
             }
             Scanned::Sign(sign) => {
-                let here = lexer.positioned(Kind::Sign(sign), place(start));
+                let here = lexer.positioned(LexemeKind::Sign(sign), place(start));
                 if sign == '#' && !text[at..].starts_with(['[', '!']) {
                     messages.push(say::hash_comment(here.into()));
                     at += text[at..].find('\n').unwrap_or(text.len() - at);
@@ -178,6 +184,6 @@ fn close_all(lexer: &mut Lexer, opened: usize, end: (usize, usize), messages: &m
             };
             messages.push(report);
         }
-        lexer.positioned(Kind::Close(bracket), end);
+        lexer.positioned(LexemeKind::Close(bracket), end);
     }
 }

@@ -2,7 +2,7 @@
 
 use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 
-use super::{At, Bracket, Kind, Lexed, Lexer, Places, Source};
+use super::{Bracket, DeclarationSource, Lexed, LexemeIndex, LexemeKind, Lexer, Places};
 use crate::messages::{Messages, syntax as say};
 
 /// Groups deeper than this are refused.
@@ -17,9 +17,9 @@ pub fn from_tokens(tokens: TokenStream) -> Lexed {
 }
 
 impl Lexer {
-    fn spanned(&mut self, kind: Kind, span: Span) -> At {
+    fn spanned(&mut self, kind: LexemeKind, span: Span) -> LexemeIndex {
         let at = self.next_at();
-        if let Source::Tokens(spans) = &mut self.places.source {
+        if let DeclarationSource::Tokens(spans) = &mut self.places.source {
             spans.push(span);
         }
         self.push(kind, at);
@@ -32,7 +32,7 @@ impl Lexer {
             match token {
                 TokenTree::Ident(word) => {
                     let span = word.span();
-                    self.spanned(Kind::Word(word.to_string()), span);
+                    self.spanned(LexemeKind::Word(word.to_string()), span);
                 }
                 TokenTree::Literal(literal) => {
                     self.literal(&literal.to_string(), literal.span(), messages)
@@ -45,14 +45,14 @@ impl Lexer {
                     let kind = match doc {
                         Some(text) => {
                             tokens.next();
-                            Kind::Doc(text)
+                            LexemeKind::Doc(text)
                         }
-                        None => Kind::Sign('#'),
+                        None => LexemeKind::Sign('#'),
                     };
                     self.spanned(kind, sign.span());
                 }
                 TokenTree::Punct(sign) => {
-                    self.spanned(Kind::Sign(sign.as_char()), sign.span());
+                    self.spanned(LexemeKind::Sign(sign.as_char()), sign.span());
                 }
                 TokenTree::Group(group) => self.group(&group, depth, messages),
             }
@@ -66,14 +66,14 @@ impl Lexer {
             Delimiter::Brace => Some(Bracket::Brace),
             Delimiter::None => None,
         };
-        let at = bracket.map(|b| self.spanned(Kind::Open(b, 0), group.span_open()));
+        let at = bracket.map(|b| self.spanned(LexemeKind::Open(b, 0), group.span_open()));
         if depth < DEEPEST {
             self.tokens(group.stream(), depth + 1, messages);
         } else if let Some(at) = at {
             messages.push(say::too_deep(at.into()));
         }
         if let Some(bracket) = bracket {
-            self.spanned(Kind::Close(bracket), group.span_close());
+            self.spanned(LexemeKind::Close(bracket), group.span_close());
         }
     }
 
@@ -90,18 +90,18 @@ impl Lexer {
                 _ => text.trim_matches('"').to_string(),
             };
             let report = self.string_after();
-            let at = self.spanned(Kind::Text(shown), span);
+            let at = self.spanned(LexemeKind::Text(shown), span);
             if !path {
                 messages.push(report.unwrap_or_else(|| say::string(at.into())));
             }
             return;
         }
         if sign {
-            self.spanned(Kind::Sign('-'), span);
+            self.spanned(LexemeKind::Sign('-'), span);
         }
-        self.spanned(Kind::Number(digits[..end].to_string()), span);
+        self.spanned(LexemeKind::Number(digits[..end].to_string()), span);
         if end < digits.len() {
-            self.spanned(Kind::Word(digits[end..].to_string()), span);
+            self.spanned(LexemeKind::Word(digits[end..].to_string()), span);
         }
     }
 }

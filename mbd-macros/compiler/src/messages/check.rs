@@ -2,12 +2,12 @@
 
 use mbd_scene::Plane;
 
-use super::Report;
+use super::LexemeMessage;
 use crate::lexeme::Region;
 use crate::syntax::words::ItemWord;
 
-pub fn lost(at: Region, item: &ItemWord) -> Report {
-    Report::new(
+pub fn lost(at: Region, item: &ItemWord) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "this `{}` was not understood and would be left out; the form is `{}`",
@@ -16,23 +16,23 @@ pub fn lost(at: Region, item: &ItemWord) -> Report {
     )
 }
 
-pub fn empty(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn empty(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("model `{name}` has nothing that moves: declare a `body` or a `point`"),
     )
 }
 
-pub fn floating(at: Region, body: &str) -> Report {
+pub fn floating(at: Region, body: &str) -> LexemeMessage {
     let free = free(body);
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("body `{body}` is attached to nothing: add `{free}`"),
     )
 }
 
-pub fn lone_index(at: Region, kind: &str, word: &str, count: i64) -> Report {
-    Report::new(
+pub fn lone_index(at: Region, kind: &str, word: &str, count: i64) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "this is one {kind}, called `{word}[{count}]`: {count} of them are `{kind} {word}[i in 0..{count}]`"
@@ -47,10 +47,10 @@ fn free(body: &str) -> String {
     format!("joint {word}_free{index}: free from world to {body}.com;")
 }
 
-pub fn floating_together(at: Region, bodies: &[&str]) -> Report {
+pub fn floating_together(at: Region, bodies: &[&str]) -> LexemeMessage {
     let list: Vec<String> = bodies.iter().map(|body| format!("`{body}`")).collect();
     let first = bodies.first().copied().unwrap_or_default();
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "bodies {} are joined to each other, but nothing joins them to the world: add `{}`",
@@ -60,21 +60,21 @@ pub fn floating_together(at: Region, bodies: &[&str]) -> Report {
     )
 }
 
-pub fn two_joints(at: Region, body: &str, first: Region) -> Report {
-    Report::new(
+pub fn two_joints(at: Region, body: &str, first: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("body `{body}` has two free joints: one is enough"),
     )
     .also(first, "the first is here")
 }
 
-pub fn lonely(at: Region, point: &str, lines: usize) -> Report {
+pub fn lonely(at: Region, point: &str, lines: usize) -> LexemeMessage {
     let lines = if lines == 1 {
         "1 line".to_string()
     } else {
         format!("{lines} lines")
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "massless point `{point}` is the end of {lines}: at least 2 are needed for its equilibrium"
@@ -82,19 +82,19 @@ pub fn lonely(at: Region, point: &str, lines: usize) -> Report {
     )
 }
 
-pub fn same_ends(at: Region, kind: &str, name: &str, place: &str) -> Report {
-    Report::new(at, format!("{kind} `{name}` goes from `{place}` to itself"))
+pub fn same_ends(at: Region, kind: &str, name: &str, place: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("{kind} `{name}` goes from `{place}` to itself"))
 }
 
-pub fn one_body(at: Region, kind: &str, name: &str, owner: &str) -> Report {
-    Report::new(
+pub fn one_body(at: Region, kind: &str, name: &str, owner: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("both ends of {kind} `{name}` are on {owner}: it can never move anything"),
     )
 }
 
-pub fn line_at_node(at: Region, kind: &str, name: &str, point: &str, why: &str) -> Report {
-    Report::new(
+pub fn line_at_node(at: Region, kind: &str, name: &str, point: &str, why: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "{kind} `{name}` ends at the massless point `{point}`, {why}, or give the point a mass: `point {point} {{ mass: 0.1 kg }}`"
@@ -102,8 +102,8 @@ pub fn line_at_node(at: Region, kind: &str, name: &str, point: &str, why: &str) 
     )
 }
 
-pub fn mixed_models(at: Region, point: &str, other: &str, first: Region) -> Report {
-    Report::new(
+pub fn mixed_models(at: Region, point: &str, other: &str, first: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "points `{other}` and `{point}` are joined by lines and solved together: give them the same `equilibrium`"
@@ -112,8 +112,8 @@ pub fn mixed_models(at: Region, point: &str, other: &str, first: Region) -> Repo
     .also(first, format!("`{other}` is declared here"))
 }
 
-pub fn rate_undamped(at: Region, point: &str, line: &str) -> Report {
-    Report::new(
+pub fn rate_undamped(at: Region, point: &str, line: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "point `{point}` is `rate`, but line `{line}` has no damping: `rate` needs damping on every line of the point. add `damping: …`, or use `equilibrium: stepwise`"
@@ -121,8 +121,8 @@ pub fn rate_undamped(at: Region, point: &str, line: &str) -> Report {
     )
 }
 
-pub fn rate_tied(at: Region, point: &str, other: &str) -> Report {
-    Report::new(
+pub fn rate_tied(at: Region, point: &str, other: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "point `{point}` is `rate`, but a line joins it to the massless point `{other}`: use `equilibrium: stepwise` for both"
@@ -130,8 +130,8 @@ pub fn rate_tied(at: Region, point: &str, other: &str) -> Report {
     )
 }
 
-pub fn dropped_damping(at: Region, point: &str, line: &str) -> Report {
-    Report::new(
+pub fn dropped_damping(at: Region, point: &str, line: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "point `{point}` is `static`: the damping of its line `{line}` is dropped; `stepwise` or `rate` keep it"
@@ -140,12 +140,13 @@ pub fn dropped_damping(at: Region, point: &str, line: &str) -> Report {
     .about(point, None)
 }
 
-pub fn unused(at: Region, kind: &'static str, name: &str) -> Report {
-    Report::new(at, format!("{kind} `{name}` is declared but never used")).about(name, Some(kind))
+pub fn unused(at: Region, kind: &'static str, name: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("{kind} `{name}` is declared but never used"))
+        .about(name, Some(kind))
 }
 
-pub fn no_loop(at: Region, name: &str, owner: Region) -> Report {
-    Report::new(
+pub fn no_loop(at: Region, name: &str, owner: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("joint `{name}` is marked `loop` but closes none: remove `loop`"),
     )
@@ -158,8 +159,8 @@ pub fn apart(
     (plane, normal): (&str, &str),
     [parent, child]: &[String; 2],
     gap: f64,
-) -> Report {
-    Report::new(
+) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "joint `{joint}` can never close in the plane `{plane}`: `{parent}` and `{child}` are {gap:.3} m apart along {normal}. give both frames the same {normal}"
@@ -172,8 +173,8 @@ pub fn leaning(
     joint: &str,
     (plane, normal): (&str, &str),
     [parent, child]: &[String; 2],
-) -> Report {
-    Report::new(
+) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "joint `{joint}` can never close in the plane `{plane}`: the axes that it holds together lean differently against {normal} at `{parent}` and at `{child}`. rotate both frames alike, but for turns about {normal}"
@@ -181,12 +182,12 @@ pub fn leaning(
     )
 }
 
-pub fn still(at: Region, coordinate: &str, plane: &str, driven: bool) -> Report {
+pub fn still(at: Region, coordinate: &str, plane: &str, driven: bool) -> LexemeMessage {
     let (acts, cause) = match driven {
         true => ("a motor drives", "the motor"),
         false => ("a joint couples", "that joint"),
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "{acts} `{coordinate}`, which nothing in the plane `{plane}` changes: remove {cause}, or choose another axis"

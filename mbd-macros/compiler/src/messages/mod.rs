@@ -34,7 +34,7 @@ pub enum Location {
 
 /// One place of a message.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct MessagePlace {
     /// Where.
     pub location: Location,
     /// What to say there; the first place says the message itself.
@@ -47,7 +47,7 @@ pub struct Message {
     /// What is wrong, what was expected, what to write.
     pub text: String,
     /// Where; further places carry a note of their own, such as "first used here".
-    pub places: Vec<Place>,
+    pub places: Vec<MessagePlace>,
     /// What a warning is about.
     pub about: Option<About>,
 }
@@ -67,7 +67,7 @@ impl Message {
     pub fn new(text: String, location: Location) -> Self {
         Message {
             text,
-            places: vec![Place {
+            places: vec![MessagePlace {
                 location,
                 note: None,
             }],
@@ -123,17 +123,17 @@ impl fmt::Display for Message {
 
 /// A message whose places are still regions of lexemes.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Report {
+pub(crate) struct LexemeMessage {
     pub text: String,
     pub at: Region,
     pub also: Option<(String, Region)>,
     pub about: Option<About>,
 }
 
-impl Report {
+impl LexemeMessage {
     /// A message with one place.
     pub fn new(at: Region, text: impl Into<String>) -> Self {
-        Report {
+        LexemeMessage {
             text: text.into(),
             at,
             also: None,
@@ -162,12 +162,12 @@ impl Report {
             Some((file, line, column)) => format!("{file}:{line}:{column}: {text}"),
             None => text,
         };
-        let mut all = vec![Place {
+        let mut all = vec![MessagePlace {
             location: places.location(self.at),
             note: None,
         }];
         if let Some((note, at)) = self.also {
-            all.push(Place {
+            all.push(MessagePlace {
                 location: places.location(at),
                 note: Some(placed(at, note)),
             });
@@ -183,7 +183,7 @@ impl Report {
 /// The messages of a stage: all of them, each once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Messages {
-    reports: Vec<Report>,
+    reports: Vec<LexemeMessage>,
 }
 
 /// Whether two texts are the same but for whole numbers: `bar[0]` and `bar[1]` of one repetition share their mistakes.
@@ -208,8 +208,9 @@ const MOST: usize = 100;
 
 impl Messages {
     /// Adds a message; the same text at the same place counts once, whichever instance of a repetition it is about.
-    pub fn push(&mut self, report: Report) {
-        let known = |other: &Report| other.at == report.at && same(&other.text, &report.text);
+    pub fn push(&mut self, report: LexemeMessage) {
+        let known =
+            |other: &LexemeMessage| other.at == report.at && same(&other.text, &report.text);
         if self.reports.len() < MOST && !self.reports.iter().any(known) {
             self.reports.push(report);
         }

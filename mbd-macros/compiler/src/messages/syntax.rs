@@ -1,84 +1,92 @@
 //! Messages of reading: what cannot be lexed or parsed.
 
-use super::{Report, article};
+use super::{LexemeMessage, article};
 use mbd_scene::{JointLaw, Unit};
 
 use super::similar::did_you_mean;
-use crate::lexeme::{At, Bracket, Region};
+use crate::lexeme::{Bracket, LexemeIndex, Region};
 use crate::syntax::foreign;
 use crate::syntax::words::{self, ItemWord};
 
-pub fn attribute(at: Region) -> Report {
-    Report::new(
+pub fn attribute(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "attributes have no meaning here; only doc comments (`/// …`) are taken over",
     )
 }
 
-pub fn hash_comment(at: Region) -> Report {
-    Report::new(at, "a comment begins with `//`")
+pub fn hash_comment(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a comment begins with `//`")
 }
 
-pub fn too_deep(at: Region) -> Report {
-    Report::new(
+pub fn too_deep(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "brackets nest too deeply here: give a part of it a name with `const`, or use fewer brackets",
     )
 }
 
-pub fn one_text(at: Region, word: &str) -> Option<Report> {
+pub fn one_text(at: Region, word: &str) -> Option<LexemeMessage> {
     let answer = foreign::translated(foreign::EXPECTED_ITEMS, word)?;
-    Some(Report::new(at, answer))
+    Some(LexemeMessage::new(at, answer))
 }
 
-pub fn string(at: Region) -> Report {
-    Report::new(
+pub fn string(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "strings have no meaning here: write names, numbers and units without quotes",
     )
 }
 
 #[cfg(feature = "format")]
-pub fn would_change(at: Region) -> Report {
-    Report::new(
+pub fn would_change(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this declaration cannot be formatted without changing what it says, which is a mistake of the formatter; it stays as it is",
     )
 }
 
 #[cfg(feature = "format")]
-pub fn template(at: Region) -> Report {
-    Report::new(
+pub fn template(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this declaration has a `$` in it, so that it is a template of `macro_rules!`; it stays as it is",
     )
 }
 
-pub fn open_comment(at: Region) -> Report {
-    Report::new(at, "this comment is never closed: add `*/`")
+pub fn open_comment(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "this comment is never closed: add `*/`")
 }
 
-pub fn open_bracket(bracket: Bracket, at: Region, before: Option<(&str, At)>) -> Report {
+pub fn open_bracket(
+    bracket: Bracket,
+    at: Region,
+    before: Option<(&str, LexemeIndex)>,
+) -> LexemeMessage {
     let (open, close) = bracket.signs();
-    let report = Report::new(at, format!("this `{open}` is never closed: add `{close}`"));
+    let report = LexemeMessage::new(at, format!("this `{open}` is never closed: add `{close}`"));
     match before {
         Some((next, here)) => report.also(here.into(), format!("probably before this `{next}`")),
         None => report,
     }
 }
 
-pub fn stray_bracket(sign: char, at: Region, waiting: Option<(Bracket, At)>) -> Report {
+pub fn stray_bracket(
+    sign: char,
+    at: Region,
+    waiting: Option<(Bracket, LexemeIndex)>,
+) -> LexemeMessage {
     match waiting {
         Some((bracket, open)) => {
             let (begin, end) = bracket.signs();
-            Report::new(at, format!("expected `{end}` before this `{sign}`"))
+            LexemeMessage::new(at, format!("expected `{end}` before this `{sign}`"))
                 .also(open.into(), format!("to close this `{begin}`"))
         }
-        None => Report::new(at, format!("this `{sign}` closes nothing: remove it")),
+        None => LexemeMessage::new(at, format!("this `{sign}` closes nothing: remove it")),
     }
 }
 
-pub fn foreign_sign(sign: char, at: Region) -> Report {
+pub fn foreign_sign(sign: char, at: Region) -> LexemeMessage {
     let hint = match sign {
         '²' => ": write `^2`",
         '³' => ": write `^3`",
@@ -87,40 +95,40 @@ pub fn foreign_sign(sign: char, at: Region) -> Report {
         '°' => ": write `deg`",
         _ => "",
     };
-    Report::new(at, format!("`{sign}` has no meaning here{hint}"))
+    LexemeMessage::new(at, format!("`{sign}` has no meaning here{hint}"))
 }
 
-pub fn expected(at: Region, what: &str, found: &str) -> Report {
-    Report::new(at, format!("expected {what}, found `{found}`"))
+pub fn expected(at: Region, what: &str, found: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("expected {what}, found `{found}`"))
 }
 
-pub fn expected_at_end(at: Region, what: &str) -> Report {
-    Report::new(at, format!("expected {what} after this"))
+pub fn expected_at_end(at: Region, what: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("expected {what} after this"))
 }
 
-pub fn no_model(at: Region) -> Report {
-    Report::new(
+pub fn no_model(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected a model: write `pub model Name { … }`, or `pub model Name<T> { … }` for more than f64",
     )
 }
 
-pub fn after_model(at: Region) -> Report {
-    Report::new(
+pub fn after_model(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "one call declares one model: nothing may follow its `}`",
     )
 }
 
-pub fn marks_another(at: Region, mark: &str, marked: &ItemWord) -> Report {
+pub fn marks_another(at: Region, mark: &str, marked: &ItemWord) -> LexemeMessage {
     let what = match marked.word {
         "joint" => "a joint that closes a loop: `loop joint NAME: …`",
         _ => "a table without kinks: `smooth table NAME = …`",
     };
-    Report::new(at, format!("`{mark}` marks {what}"))
+    LexemeMessage::new(at, format!("`{mark}` marks {what}"))
 }
 
-pub fn unknown_item(at: Region, word: &str) -> Report {
+pub fn unknown_item(at: Region, word: &str) -> LexemeMessage {
     let known: Vec<&str> = words::top_level().map(|item| item.word).collect();
     let why = if let Some(ours) = foreign::translated(foreign::FOREIGN_ITEMS, word) {
         format!("; here it is called `{ours}`")
@@ -133,7 +141,7 @@ pub fn unknown_item(at: Region, word: &str) -> Report {
         let near = did_you_mean(word, known.iter().copied());
         format!("{} items here: {}", ended(near), known.join(", "))
     };
-    Report::new(at, format!("unknown item `{word}`{why}"))
+    LexemeMessage::new(at, format!("unknown item `{word}`{why}"))
 }
 
 /// The joint that a word means, in the language or in that of another tool.
@@ -151,12 +159,12 @@ fn joint_form(kind: &str) -> String {
     }
 }
 
-pub fn led_over(at: Region) -> Report {
-    Report::new(at, foreign::LED_OVER)
+pub fn led_over(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, foreign::LED_OVER)
 }
 
-pub fn conditional_end(at: Region, item: &str) -> Report {
-    Report::new(
+pub fn conditional_end(at: Region, item: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "an end of a `{item}` is one place, under no condition: declare the one that differs by itself, and repeat the others, as in `{item} NAME[i in 1..4]`"
@@ -164,8 +172,8 @@ pub fn conditional_end(at: Region, item: &str) -> Report {
     )
 }
 
-pub fn closed_before(at: Region, next: &str) -> Report {
-    Report::new(
+pub fn closed_before(at: Region, next: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{next}` does not stand between braces: close the item before it by `}}`"),
     )
@@ -180,8 +188,8 @@ pub fn ended(suggestion: String) -> String {
     }
 }
 
-pub fn no_name(at: Region, item: &ItemWord) -> Report {
-    Report::new(
+pub fn no_name(at: Region, item: &ItemWord) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "{} `{}` needs a name: `{}`",
@@ -192,29 +200,29 @@ pub fn no_name(at: Region, item: &ItemWord) -> Report {
     )
 }
 
-pub fn reserved_name(at: Region, word: &str) -> Report {
-    Report::new(
+pub fn reserved_name(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{word}` is a word of the language and cannot be a name here; choose another"),
     )
 }
 
-pub fn form(at: Region, item: &ItemWord, found: &str) -> Report {
-    Report::new(
+pub fn form(at: Region, item: &ItemWord, found: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{found}` does not fit here; the form is `{}`", item.form),
     )
 }
 
-pub fn missing_clause(at: Region, item: &ItemWord, clause: &str) -> Report {
-    Report::new(
+pub fn missing_clause(at: Region, item: &ItemWord, clause: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{clause}` is missing here; the form is `{}`", item.form),
     )
 }
 
 /// `sign`: what stands between the two values instead of a word.
-pub fn event_compares(at: Region, sign: &str) -> Report {
+pub fn event_compares(at: Region, sign: &str) -> LexemeMessage {
     let text = match sign {
         "<" => "write `falls` instead of `<` for the passage to below it".to_owned(),
         ">" => "write `rises` instead of `>` for the passage to above it".to_owned(),
@@ -222,71 +230,71 @@ pub fn event_compares(at: Region, sign: &str) -> Report {
             "write `rises`, `falls` or `crosses` instead of `{sign}`, as in `time rises 3 s`"
         ),
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("an event is where a value passes another: {text}"),
     )
 }
 
-pub fn event_at_time(at: Region, time: &str) -> Report {
-    Report::new(
+pub fn event_at_time(at: Region, time: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("an event is where a value passes another: write `time rises {time}`"),
     )
 }
 
-pub fn repeated_clause(at: Region, clause: &str, first: Region) -> Report {
-    Report::new(at, format!("`{clause}` is given twice")).also(first, "first given here")
+pub fn repeated_clause(at: Region, clause: &str, first: Region) -> LexemeMessage {
+    LexemeMessage::new(at, format!("`{clause}` is given twice")).also(first, "first given here")
 }
 
-pub fn empty_value(at: Region, clause: &str) -> Report {
-    Report::new(at, format!("expected a value after `{clause}`"))
+pub fn empty_value(at: Region, clause: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("expected a value after `{clause}`"))
 }
 
-pub fn decimal_comma(at: Region, before: &str, behind: &str, unit: Option<&Unit>) -> Report {
+pub fn decimal_comma(at: Region, before: &str, behind: &str, unit: Option<&Unit>) -> LexemeMessage {
     let unit = unit.map_or_else(String::new, |unit| format!(" {}", unit.text));
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("the sign before decimals is a point: write `{before}.{behind}{unit}`"),
     )
 }
 
-pub fn field_alone(at: Region, field: &str) -> Report {
+pub fn field_alone(at: Region, field: &str) -> LexemeMessage {
     let text = match foreign::translated(foreign::FOREIGN_FIELDS, field) {
         Some(ours) => format!("`{field}` alone says nothing: write `{ours}: {field}`"),
         None => format!("expected `:` and a value after `{field}`"),
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
-pub fn equals_for_colon(at: Region, field: &str) -> Report {
-    Report::new(
+pub fn equals_for_colon(at: Region, field: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("a value stands behind a colon: `{field}: …` instead of `{field} = …`"),
     )
 }
 
-pub fn no_colon(at: Region, field: &str, value: &str) -> Report {
-    Report::new(
+pub fn no_colon(at: Region, field: &str, value: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("a value stands behind a colon: `{field}: {value}`"),
     )
 }
 
-pub fn kind_and_name(at: Region, field: &str, name: &str) -> Report {
-    Report::new(at, format!("the name alone stands here: `{field}: {name}`"))
+pub fn kind_and_name(at: Region, field: &str, name: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("the name alone stands here: `{field}: {name}`"))
 }
 
-pub fn missing_separator(at: Region, sign: char) -> Report {
-    Report::new(at, format!("expected `{sign}` after this"))
+pub fn missing_separator(at: Region, sign: char) -> LexemeMessage {
+    LexemeMessage::new(at, format!("expected `{sign}` after this"))
 }
 
-pub fn wrong_separator(at: Region) -> Report {
-    Report::new(at, "between braces fields are separated by `,`")
+pub fn wrong_separator(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "between braces fields are separated by `,`")
 }
 
-pub fn no_fields(at: Region, item: &ItemWord) -> Report {
-    Report::new(
+pub fn no_fields(at: Region, item: &ItemWord) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "{} `{}` has no fields; the form is `{}`",
@@ -297,15 +305,15 @@ pub fn no_fields(at: Region, item: &ItemWord) -> Report {
     )
 }
 
-pub fn range(at: Region) -> Report {
-    Report::new(
+pub fn range(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected a repetition such as `[i in 0..3]`, or an index such as `[0]`",
     )
 }
 
-pub fn no_index_name(at: Region, name: &str, found: &str) -> Report {
-    Report::new(
+pub fn no_index_name(at: Region, name: &str, found: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "expected the name of an index before `in`, found `{found}`: write a word, such as `{name}[i in 0..3]`"
@@ -313,18 +321,18 @@ pub fn no_index_name(at: Region, name: &str, found: &str) -> Report {
     )
 }
 
-pub fn value_range(at: Region) -> Report {
-    Report::new(
+pub fn value_range(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected a range such as `600 kg ..= 900 kg`, both ends included",
     )
 }
 
-pub fn half_open_range(at: Region) -> Report {
-    Report::new(at, "a range includes both its ends: write `..=`")
+pub fn half_open_range(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a range includes both its ends: write `..=`")
 }
 
-pub fn unknown_unit(at: Region, word: &str) -> Report {
+pub fn unknown_unit(at: Region, word: &str) -> LexemeMessage {
     let known = crate::units::known();
     let text = match crate::units::foreign(word) {
         Some(ours) => format!("unknown unit `{word}`; here it is called `{ours}`"),
@@ -343,35 +351,35 @@ pub fn unknown_unit(at: Region, word: &str) -> Report {
             known.join(" ")
         ),
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
-pub fn two_branches(at: Region) -> Report {
-    Report::new(
+pub fn two_branches(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "`if` has two values: write `if a < b { this } else { that }`, or `if(a < b, this, that)`",
     )
 }
 
-pub fn equality(at: Region) -> Report {
-    Report::new(
+pub fn equality(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "quantities are compared by `<`, `<=`, `>` or `>=`: that two of them are equal is seldom true to the last digit",
     )
 }
 
-pub fn remainder(at: Region) -> Report {
-    Report::new(
+pub fn remainder(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "there is no `%`: the remainder of a by b is `a - b * floor(a / b)`, and signs that alternate are `(-1)^i`",
     )
 }
 
-pub fn two_stars(at: Region) -> Report {
-    Report::new(at, "a power is written `a^2`")
+pub fn two_stars(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a power is written `a^2`")
 }
 
-pub fn function_behind(at: Region, path: &str, word: &str) -> Report {
+pub fn function_behind(at: Region, path: &str, word: &str) -> LexemeMessage {
     let known = foreign::translated(foreign::FOREIGN_FUNCTIONS, word).unwrap_or(word);
     let text = match known {
         _ if ["powi", "powf", "pow"].contains(&word) => {
@@ -379,24 +387,24 @@ pub fn function_behind(at: Region, path: &str, word: &str) -> Report {
         }
         known => format!("a function stands in front: write `{known}({path})`"),
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
-pub fn one_index(at: Region) -> Report {
-    Report::new(
+pub fn one_index(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a repetition has one index: count through all with it, such as `[i in 0..8]`",
     )
 }
 
-pub fn unit_product(at: Region, first: &str, second: &str) -> Report {
+pub fn unit_product(at: Region, first: &str, second: &str) -> LexemeMessage {
     let text =
         format!("`{first}.{second}` is no unit; a product of units is written `{first}*{second}`");
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
 /// `units`: as they follow one another, without signs between them.
-pub fn unit_behind_unit(at: Region, units: &[String]) -> Report {
+pub fn unit_behind_unit(at: Region, units: &[String]) -> LexemeMessage {
     let product = units.join("*");
     let text = match units {
         [over, under] if over.contains('/') => format!(
@@ -404,33 +412,33 @@ pub fn unit_behind_unit(at: Region, units: &[String]) -> Report {
         ),
         _ => format!("units are multiplied by `*`: write `{product}`"),
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
-pub fn unit_exponent(at: Region) -> Report {
-    Report::new(
+pub fn unit_exponent(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected a whole exponent between -9 and 9, such as `m^2` or `s^-1`",
     )
 }
 
-pub fn unit_range(at: Region) -> Report {
-    Report::new(
+pub fn unit_range(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "no quantity of mechanics has such a unit: its exponents are too large",
     )
 }
 
-pub fn unit_expected(at: Region) -> Report {
-    Report::new(at, "expected a unit such as `N` or `kg*m^2`")
+pub fn unit_expected(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "expected a unit such as `N` or `kg*m^2`")
 }
 
-pub fn huge_number(at: Region, text: &str) -> Report {
-    Report::new(at, format!("`{text}` is too large for a number"))
+pub fn huge_number(at: Region, text: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("`{text}` is too large for a number"))
 }
 
-pub fn deep_expression(at: Region) -> Report {
-    Report::new(
+pub fn deep_expression(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this expression nests too deeply; give a part of it a name, or group its terms",
     )

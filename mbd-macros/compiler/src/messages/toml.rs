@@ -1,38 +1,38 @@
 //! Messages of reading TOML: what the document does not say in the way a scene is written.
 
-use super::Report;
+use super::LexemeMessage;
 use crate::lexeme::Region;
 use crate::syntax::words::ItemWord;
 
-pub fn parse(at: Region, error: &str) -> Report {
-    Report::new(at, format!("this is no TOML: {}", error.trim()))
+pub fn parse(at: Region, error: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("this is no TOML: {}", error.trim()))
 }
 
-pub fn bare_index(at: Region, name: &str, index: &str) -> Report {
-    Report::new(
+pub fn bare_index(at: Region, name: &str, index: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("a name with an index stands in quotes as a key of TOML: `\"{name}[{index}]\"`"),
     )
 }
 
-pub fn boolean(at: Region, word: &str) -> Report {
-    Report::new(at, format!("`{word}` is `true` or `false`"))
+pub fn boolean(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("`{word}` is `true` or `false`"))
 }
 
-pub fn string(at: Region) -> Report {
-    Report::new(
+pub fn string(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "write this as a string in the language of `model!`, such as `\"2.0 kg\"`",
     )
 }
 
-pub fn table(at: Region, item: &ItemWord) -> Report {
+pub fn table(at: Region, item: &ItemWord) -> LexemeMessage {
     let head = if item.named {
         format!("[{}.NAME]", item.word)
     } else {
         format!("[{}]", item.word)
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "write this as a table `{head}` with the keys {}",
@@ -41,8 +41,8 @@ pub fn table(at: Region, item: &ItemWord) -> Report {
     )
 }
 
-pub fn missing(at: Region, item: &ItemWord, key: &str) -> Report {
-    Report::new(
+pub fn missing(at: Region, item: &ItemWord, key: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "this {} has no `{key}`; its keys: {}",
@@ -62,8 +62,8 @@ fn keys(item: &ItemWord) -> String {
     keys.join(", ")
 }
 
-pub fn no_model(at: Region) -> Report {
-    Report::new(
+pub fn no_model(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "the scene has no name: add `model = \"Name\"` at its top",
     )

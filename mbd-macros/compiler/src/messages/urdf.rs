@@ -1,14 +1,14 @@
 //! Messages of URDF: what a file does not say in the way a robot is described, and what a declaration asks of one in vain.
 
-use super::Report;
+use super::LexemeMessage;
 use super::resolve::no_body;
 use super::similar::did_you_mean;
 use super::syntax::ended;
 use crate::check::WrongInertia;
-use crate::lexeme::{At, Region};
-use crate::urdf::Joint;
+use crate::lexeme::{LexemeIndex, Region};
+use crate::urdf::UrdfJoint;
 
-pub fn no_xml(at: At, error: &roxmltree::Error) -> Report {
+pub fn no_xml(at: LexemeIndex, error: &roxmltree::Error) -> LexemeMessage {
     if matches!(error, roxmltree::Error::DtdDetected) {
         return told(
             at,
@@ -21,25 +21,25 @@ pub fn no_xml(at: At, error: &roxmltree::Error) -> Report {
     told(at, format!("this is no XML: {text}"))
 }
 
-pub fn too_large(at: At, bytes: usize) -> Report {
+pub fn too_large(at: LexemeIndex, bytes: usize) -> LexemeMessage {
     told(at, format!("{bytes} bytes are no robot"))
 }
 
-pub fn too_many(at: At, found: usize, most: usize) -> Report {
+pub fn too_many(at: LexemeIndex, found: usize, most: usize) -> LexemeMessage {
     told(
         at,
         format!("{found} links are more than {most}, which no model holds"),
     )
 }
 
-pub fn too_many_attributes(at: At, found: usize, most: usize) -> Report {
+pub fn too_many_attributes(at: LexemeIndex, found: usize, most: usize) -> LexemeMessage {
     told(
         at,
         format!("{found} attributes are more than {most}, which no element of a robot has"),
     )
 }
 
-pub fn no_robot(at: At, found: &str) -> Report {
+pub fn no_robot(at: LexemeIndex, found: &str) -> LexemeMessage {
     let what = match found {
         "sdf" => "this is SDF",
         "mujoco" => "this is MJCF",
@@ -52,11 +52,11 @@ pub fn no_robot(at: At, found: &str) -> Report {
     )
 }
 
-pub fn no_links(at: At) -> Report {
+pub fn no_links(at: LexemeIndex) -> LexemeMessage {
     told(at, "this robot has no `<link>`")
 }
 
-pub fn xacro(at: At, found: &str) -> Report {
+pub fn xacro(at: LexemeIndex, found: &str) -> LexemeMessage {
     told(
         at,
         format!(
@@ -65,21 +65,26 @@ pub fn xacro(at: At, found: &str) -> Report {
     )
 }
 
-pub fn unknown_element(at: At, found: &str, inside: &str, meant: &str) -> Report {
+pub fn unknown_element(at: LexemeIndex, found: &str, inside: &str, meant: &str) -> LexemeMessage {
     told(
         at,
         format!("`<{inside}>` has no `<{found}>`; did you mean `<{meant}>`?"),
     )
 }
 
-pub fn second_element(at: At, name: &str, inside: &str) -> Report {
+pub fn second_element(at: LexemeIndex, name: &str, inside: &str) -> LexemeMessage {
     told(
         at,
         format!("a second `<{name}>` in `<{inside}>`: one is enough"),
     )
 }
 
-pub fn unknown_attribute(at: At, found: &str, element: &str, known: &[&str]) -> Report {
+pub fn unknown_attribute(
+    at: LexemeIndex,
+    found: &str,
+    element: &str,
+    known: &[&str],
+) -> LexemeMessage {
     told(
         at,
         format!(
@@ -90,15 +95,20 @@ pub fn unknown_attribute(at: At, found: &str, element: &str, known: &[&str]) -> 
     )
 }
 
-pub fn no_attribute(at: At, element: &str, name: &str) -> Report {
+pub fn no_attribute(at: LexemeIndex, element: &str, name: &str) -> LexemeMessage {
     told(at, format!("this `<{element}>` has no attribute `{name}`"))
 }
 
-pub fn no_element(at: At, element: &str, name: &str) -> Report {
+pub fn no_element(at: LexemeIndex, element: &str, name: &str) -> LexemeMessage {
     told(at, format!("this `<{element}>` has no `<{name}>`"))
 }
 
-pub fn no_numbers(at: At, (element, name): (&str, &str), text: &str, count: usize) -> Report {
+pub fn no_numbers(
+    at: LexemeIndex,
+    (element, name): (&str, &str),
+    text: &str,
+    count: usize,
+) -> LexemeMessage {
     let wanted = match count {
         1 => "one finite number".to_owned(),
         _ => format!("{count} finite numbers apart by blanks"),
@@ -112,12 +122,12 @@ pub fn no_numbers(at: At, (element, name): (&str, &str), text: &str, count: usiz
     )
 }
 
-pub fn twice(at: At, kind: &str, name: &str, first: At) -> Report {
+pub fn twice(at: LexemeIndex, kind: &str, name: &str, first: LexemeIndex) -> LexemeMessage {
     told(at, format!("two {kind}s are called \"{}\"", cut(name)))
         .also(first.into(), "the first one is here")
 }
 
-pub fn joint_type(at: At, joint: &str, found: &str, known: &[&str]) -> Report {
+pub fn joint_type(at: LexemeIndex, joint: &str, found: &str, known: &[&str]) -> LexemeMessage {
     told(
         at,
         format!(
@@ -131,11 +141,11 @@ pub fn joint_type(at: At, joint: &str, found: &str, known: &[&str]) -> Report {
 }
 
 pub fn no_such<'a>(
-    at: At,
+    at: LexemeIndex,
     (element, attribute): (&str, &str),
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
-) -> Report {
+) -> LexemeMessage {
     told(
         at,
         format!(
@@ -146,7 +156,7 @@ pub fn no_such<'a>(
     )
 }
 
-pub fn zero_axis(at: At, joint: &str) -> Report {
+pub fn zero_axis(at: LexemeIndex, joint: &str) -> LexemeMessage {
     told(
         at,
         format!(
@@ -156,7 +166,7 @@ pub fn zero_axis(at: At, joint: &str) -> Report {
     )
 }
 
-pub fn negative_mass(at: At, link: &str, found: f64) -> Report {
+pub fn negative_mass(at: LexemeIndex, link: &str, found: f64) -> LexemeMessage {
     told(
         at,
         format!(
@@ -166,7 +176,7 @@ pub fn negative_mass(at: At, link: &str, found: f64) -> Report {
     )
 }
 
-pub fn negative(at: At, joint: &str, name: &str, found: f64) -> Report {
+pub fn negative(at: LexemeIndex, joint: &str, name: &str, found: f64) -> LexemeMessage {
     told(
         at,
         format!(
@@ -176,7 +186,7 @@ pub fn negative(at: At, joint: &str, name: &str, found: f64) -> Report {
     )
 }
 
-pub fn impossible_inertia(at: At, link: &str, wrong: WrongInertia) -> Report {
+pub fn impossible_inertia(at: LexemeIndex, link: &str, wrong: WrongInertia) -> LexemeMessage {
     let instead = match wrong {
         // Nothing can be computed with a body that has a negative moment.
         WrongInertia::NotPositive(_) => {
@@ -196,7 +206,7 @@ pub fn impossible_inertia(at: At, link: &str, wrong: WrongInertia) -> Report {
     )
 }
 
-pub fn no_mass(at: At, link: &str) -> Report {
+pub fn no_mass(at: LexemeIndex, link: &str) -> LexemeMessage {
     told(
         at,
         format!(
@@ -206,7 +216,7 @@ pub fn no_mass(at: At, link: &str) -> Report {
     )
 }
 
-pub fn carried_twice(at: At, link: &str, joint: &str, first: &Joint) -> Report {
+pub fn carried_twice(at: LexemeIndex, link: &str, joint: &str, first: &UrdfJoint) -> LexemeMessage {
     told(
         at,
         format!(
@@ -219,7 +229,7 @@ pub fn carried_twice(at: At, link: &str, joint: &str, first: &Joint) -> Report {
     .also(first.at.into(), "the first one is here")
 }
 
-pub fn several_roots(at: At, names: &[&str]) -> Report {
+pub fn several_roots(at: LexemeIndex, names: &[&str]) -> LexemeMessage {
     let listed: Vec<String> = names
         .iter()
         .take(5)
@@ -234,7 +244,7 @@ pub fn several_roots(at: At, names: &[&str]) -> Report {
     )
 }
 
-pub fn circle(at: At, link: &str) -> Report {
+pub fn circle(at: LexemeIndex, link: &str) -> LexemeMessage {
     told(
         at,
         format!(
@@ -244,11 +254,11 @@ pub fn circle(at: At, link: &str) -> Report {
     )
 }
 
-pub fn mimics_itself(at: At, joint: &str) -> Report {
+pub fn mimics_itself(at: LexemeIndex, joint: &str) -> LexemeMessage {
     told(at, format!("joint \"{}\" mimics itself", cut(joint)))
 }
 
-pub fn mimics_none(at: At, joint: &str, other: &str) -> Report {
+pub fn mimics_none(at: LexemeIndex, joint: &str, other: &str) -> LexemeMessage {
     told(
         at,
         format!(
@@ -259,34 +269,34 @@ pub fn mimics_none(at: At, joint: &str, other: &str) -> Report {
     )
 }
 
-pub fn nothing_moves(at: At) -> Report {
+pub fn nothing_moves(at: LexemeIndex) -> LexemeMessage {
     told(
         at,
         "nothing of this robot moves while its base is fixed to the world: declare `urdf: \"…\" { base: free }`",
     )
 }
 
-pub fn choice(at: Region, words: [&str; 2]) -> Report {
+pub fn choice(at: Region, words: [&str; 2]) -> LexemeMessage {
     let [a, b] = words;
-    Report::new(at, format!("this is `{a}` or `{b}`"))
+    LexemeMessage::new(at, format!("this is `{a}` or `{b}`"))
 }
 
-pub fn block(at: Region) -> Report {
-    Report::new(
+pub fn block(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected fields of joints between braces, such as `{ damping: 0.1 N*m*s }`",
     )
 }
 
-pub fn no_path(at: Region) -> Report {
-    Report::new(
+pub fn no_path(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected the path of a URDF in quotes, such as `urdf: \"robots/arm.urdf\";`",
     )
 }
 
-pub fn unreadable(at: Region, path: &str, why: &str) -> Report {
-    Report::new(
+pub fn unreadable(at: Region, path: &str, why: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "cannot read {path}: {why}. a path is relative to the folder of the scene file, in `model!` to that of Cargo.toml"
@@ -294,8 +304,8 @@ pub fn unreadable(at: Region, path: &str, why: &str) -> Report {
     )
 }
 
-pub fn nothing_to_extend(at: Region) -> Report {
-    Report::new(
+pub fn nothing_to_extend(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "`extend` adds to what a `urdf` declares, and this declaration has none: write the fields where the thing is declared",
     )
@@ -305,8 +315,8 @@ pub fn no_such_item<'a>(
     at: Region,
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
-) -> Report {
-    Report::new(
+) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the URDF declares nothing that is called `{name}`{}",
@@ -315,8 +325,8 @@ pub fn no_such_item<'a>(
     )
 }
 
-fn told(at: At, text: impl Into<String>) -> Report {
-    Report::new(at.into(), text)
+fn told(at: LexemeIndex, text: impl Into<String>) -> LexemeMessage {
+    LexemeMessage::new(at.into(), text)
 }
 
 /// The start of a text that someone else wrote, on one line.

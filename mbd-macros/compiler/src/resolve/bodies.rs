@@ -3,19 +3,19 @@
 use mbd_scene::{Formula, Function, Inertia, Unit};
 
 use super::fields::Accept;
-use super::{Instance, Named, Resolver, Scope, Stage, fold};
+use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
 use crate::check::WrongInertia;
-use crate::lexeme::{Bracket, Kind, Lexeme, Region};
+use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
 use crate::messages::resolve as say;
 use crate::syntax::expression::{self, Expression};
-use crate::syntax::{Cursor, Value, unit, words};
+use crate::syntax::{Cursor, ValueSyntax, unit, words};
 use crate::units;
 
 /// Instants at which a rotation that depends on time is looked at [s].
 const INSTANTS: [f64; 3] = [0.0, 0.37, 2.9];
 
 /// The rows of a rotation matrix.
-pub type Rows = [[Formula; 3]; 3];
+pub type RotationRows = [[Formula; 3]; 3];
 
 impl Resolver<'_> {
     /// Fills the frames of the world.
@@ -27,7 +27,7 @@ impl Resolver<'_> {
         for instance in self.of("world frame") {
             let named = Named::WorldFrame(instance.slot);
             self.poison(named, |this| {
-                let (position, rotation) = this.frame(&instance, Stage::Course)?;
+                let (position, rotation) = this.frame(&instance, MayDependOn::Course)?;
                 let frame = this.scene.world_frames.get_mut(instance.slot)?;
                 frame.position = position;
                 frame.rotation = rotation;
@@ -44,7 +44,7 @@ impl Resolver<'_> {
         for instance in self.of("frame") {
             let (body, frame) = (instance.owner, instance.slot);
             self.poison(Named::Frame(body, frame), |this| {
-                let (position, rotation) = this.frame(&instance, Stage::Fixed)?;
+                let (position, rotation) = this.frame(&instance, MayDependOn::Fixed)?;
                 let entry = this.scene.bodies.get_mut(body)?.frames.get_mut(frame)?;
                 entry.position = position;
                 entry.rotation = rotation;
@@ -65,7 +65,7 @@ impl Resolver<'_> {
             .unwrap_or(&[]);
         let fields = self.fields(&instance.item.block, known);
         let doubtful = fields.doubtful || instance.item.broken;
-        let scope = instance.scope(Stage::Fixed);
+        let scope = instance.scope(MayDependOn::Fixed);
         let at = instance.item.name_at();
         let even = fields.get("shape").is_some() && fields.get("inertia").is_none();
         if let (Some(density), true) = (fields.get("density"), fields.get("mass").is_some()) {
@@ -113,7 +113,7 @@ impl Resolver<'_> {
         let declared = super::shapes::field(instance, "center_of_mass");
         let (center, at) = match (declared.and_then(|field| field.clause(":")), found) {
             (Some(value), _) => {
-                let scope = instance.scope(Stage::Fixed);
+                let scope = instance.scope(MayDependOn::Fixed);
                 let center = self.triple("center_of_mass", value, units::LENGTH, scope);
                 (center, value.at)
             }
@@ -153,8 +153,8 @@ impl Resolver<'_> {
     fn frame(
         &mut self,
         instance: &Instance<'_>,
-        stage: Stage,
-    ) -> Option<([Formula; 3], Option<Rows>)> {
+        stage: MayDependOn,
+    ) -> Option<([Formula; 3], Option<RotationRows>)> {
         let scope = instance.scope(stage);
         let at = instance.item.clause("at")?;
         let position = self.triple("at", at, units::LENGTH, scope);
@@ -171,7 +171,11 @@ impl Resolver<'_> {
 
     /// `rpy(roll, pitch, yaw)` about fixed axes x, y, z: R = Rz Ry Rx; `euler_zyx(yaw, pitch, roll)` about moving axes is the same R;
     /// `matrix([…], […], […])` gives the rows.
-    pub fn rotation(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Option<Rows>> {
+    pub fn rotation(
+        &mut self,
+        value: ValueSyntax<'_>,
+        scope: Scope<'_>,
+    ) -> Option<Option<RotationRows>> {
         let parsed = match expression::whole(value) {
             Ok(parsed) => parsed,
             Err(report) => return self.fail(report),
@@ -214,7 +218,13 @@ impl Resolver<'_> {
     }
 
     /// R = Rz(yaw) Ry(pitch) Rx(roll).
-    fn rotated(&mut self, roll: Formula, pitch: Formula, yaw: Formula, at: Region) -> Option<Rows> {
+    fn rotated(
+        &mut self,
+        roll: Formula,
+        pitch: Formula,
+        yaw: Formula,
+        at: Region,
+    ) -> Option<RotationRows> {
         let mut sin_cos = |angle: Formula| {
             let sine = self.apply(Function::Sin, vec![angle.clone()], at)?;
             let cosine = self.apply(Function::Cos, vec![angle], at)?;
@@ -243,7 +253,12 @@ impl Resolver<'_> {
     }
 
     /// The product of two matrices; factors 0 and 1 leave no trace.
-    pub fn times(&mut self, a: &Rows, b: &Rows, at: Region) -> Option<Rows> {
+    pub fn times(
+        &mut self,
+        a: &RotationRows,
+        b: &RotationRows,
+        at: Region,
+    ) -> Option<RotationRows> {
         let mut product = Vec::with_capacity(3);
         for row in a {
             let mut line = Vec::with_capacity(3);
@@ -308,7 +323,7 @@ impl Resolver<'_> {
     }
 
     /// A rotation that is no rotation is an error; one that turns nothing is `None`.
-    fn checked_rotation(&mut self, rows: Rows, at: Region) -> Option<Option<Rows>> {
+    fn checked_rotation(&mut self, rows: RotationRows, at: Region) -> Option<Option<RotationRows>> {
         for time in INSTANTS {
             let known: Vec<f64> = rows
                 .iter()
@@ -326,7 +341,7 @@ impl Resolver<'_> {
         }
         self.two_derivatives(rows.as_flattened(), at)?;
         let number = |i: usize, j: usize| Formula::Number(if i == j { 1.0 } else { 0.0 });
-        let identity: Rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(i, j)));
+        let identity: RotationRows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(i, j)));
         Some((rows != identity).then_some(rows))
     }
 
@@ -335,7 +350,7 @@ impl Resolver<'_> {
     fn inertia(
         &mut self,
         owner: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         scope: Scope<'_>,
     ) -> Option<(Inertia, bool)> {
         let mut cursor = Cursor::new(value);
@@ -428,7 +443,7 @@ impl Resolver<'_> {
     fn sign_of_products(&mut self, cursor: &mut Cursor<'_>, at: Region) -> Option<bool> {
         let words: Option<Vec<String>> = cursor.group(Bracket::Round).map(|group| {
             let word = |lexeme: &'_ Lexeme| match &lexeme.kind {
-                Kind::Word(word) => word.clone(),
+                LexemeKind::Word(word) => word.clone(),
                 _ => String::new(),
             };
             group.lexemes.iter().map(word).collect()
@@ -457,7 +472,7 @@ impl Resolver<'_> {
     fn element(
         &mut self,
         field: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         unit: Option<&Unit>,
         scope: Scope<'_>,
     ) -> Option<Formula> {

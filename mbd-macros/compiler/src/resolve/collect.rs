@@ -10,14 +10,14 @@ use super::{Instance, Named, Resolver};
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
 use crate::syntax::words::{self, Reserved};
-use crate::syntax::{Item, Model, Name};
+use crate::syntax::{Item, ModelSyntax, NameSyntax};
 
 /// At most this many things in one scene: no declaration may make the compiler slow by its repetitions.
 pub(super) const MOST: usize = 10_000;
 
 impl<'a> Resolver<'a> {
     /// Names consts, params, states and tables.
-    pub fn collect_numbers(&mut self, model: &'a Model<'a>) {
+    pub fn collect_numbers(&mut self, model: &'a ModelSyntax<'a>) {
         for item in &model.items {
             let Some(name) = &item.name else {
                 continue;
@@ -31,12 +31,12 @@ impl<'a> Resolver<'a> {
     }
 
     /// Names inputs, whose repetitions may be consts.
-    pub fn collect_inputs(&mut self, model: &'a Model<'a>) {
+    pub fn collect_inputs(&mut self, model: &'a ModelSyntax<'a>) {
         self.collect(model, &["input"]);
     }
 
     /// Names everything else.
-    pub fn collect_things(&mut self, model: &'a Model<'a>) {
+    pub fn collect_things(&mut self, model: &'a ModelSyntax<'a>) {
         self.later.clear();
         self.scene.world_frames.push(Frame {
             name: "world".to_string(),
@@ -52,7 +52,7 @@ impl<'a> Resolver<'a> {
         );
     }
 
-    fn collect(&mut self, model: &'a Model<'a>, wanted: &[&str]) {
+    fn collect(&mut self, model: &'a ModelSyntax<'a>, wanted: &[&str]) {
         for item in &model.items {
             if wanted.contains(&item.word.text.as_str()) {
                 self.collect_item(item);
@@ -203,7 +203,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    fn reserved(&mut self, name: &Name<'_>) {
+    fn reserved(&mut self, name: &NameSyntax<'_>) {
         let at = name.word.at.into();
         let report = match words::reserved(&name.word.text) {
             None => return,

@@ -3,18 +3,18 @@
 use mbd_scene::Formula;
 use mbd_scene::joints::Measured;
 
-use super::{Known, Named, Resolver, Scope, Stage, Typed};
+use super::{MayDependOn, Named, ResolvedSoFar, Resolver, Scope, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
-use crate::syntax::expression::{self, Step};
-use crate::syntax::{Value, quantities};
+use crate::syntax::expression::{self, PathStep};
+use crate::syntax::{ValueSyntax, quantities};
 use crate::units;
 
 impl Resolver<'_> {
     /// The coordinate that a joint of this kind couples: joint and number of the coordinate.
     pub fn coupled_coordinate(
         &mut self,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         keyword: &str,
         scope: Scope<'_>,
     ) -> Option<(usize, usize)> {
@@ -51,7 +51,7 @@ impl Resolver<'_> {
             return self.fail(report);
         }
         let scope = Scope {
-            stage: Stage::Live,
+            stage: MayDependOn::Live,
             ..scope
         };
         let typed = self.joint_quantity(joint, word, rest, value.at, scope)?;
@@ -66,14 +66,14 @@ impl Resolver<'_> {
         &mut self,
         joint: usize,
         owner: &str,
-        rest: &[Step],
+        rest: &[PathStep],
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
         if self.bad.contains(&Named::Joint(joint)) {
             return None;
         }
-        if self.in_let() && self.known < Known::Joints {
+        if self.in_let() && self.known < ResolvedSoFar::Joints {
             return self.not_yet(owner);
         }
         let declared = self.scene.joints.get(joint)?;
@@ -129,7 +129,7 @@ impl Resolver<'_> {
             };
             return self.tail(second, after);
         }
-        if self.in_let() && self.known < Known::Motors && word.contains("command") {
+        if self.in_let() && self.known < ResolvedSoFar::Motors && word.contains("command") {
             return self.not_yet(&format!("{owner}.{word}"));
         }
         if let Some((state, _)) = commands.iter().find(|(_, command)| command == word) {
@@ -144,13 +144,13 @@ impl Resolver<'_> {
         if let Some(index) = motors.iter().position(|motor| motor == word) {
             let here = step.word.at.into();
             let coordinate = measured.get(index)?;
-            if self.in_let() && self.known < Known::Motors {
+            if self.in_let() && self.known < ResolvedSoFar::Motors {
                 return self.not_yet(&format!("{owner}.{word}"));
             }
             if !driven.contains(&index) {
                 return self.fail(say::no_motor(here, owner, coordinate));
             }
-            if scope.stage != Stage::Result {
+            if scope.stage != MayDependOn::Result {
                 return self.fail(say::motor_as_cause(here, owner, word));
             }
             let formula = Formula::MotorEffort(joint, index);

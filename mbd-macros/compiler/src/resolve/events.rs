@@ -5,15 +5,15 @@ use mbd_scene::{
     Actions, Detachable, Dimension, Direction, Formula, Function, Joint, Settable, Setting,
 };
 
-use super::{Instance, Named, Resolver, Scope, Stage, fold};
-use crate::lexeme::{Bracket, Kind, Lexeme, Region};
-use crate::messages::{Report, resolve as say, syntax as say_syntax};
-use crate::syntax::expression::{self, Expression, Step};
-use crate::syntax::{Cursor, Item, Value, words};
+use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
+use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
+use crate::messages::{LexemeMessage, resolve as say, syntax as say_syntax};
+use crate::syntax::expression::{self, Expression, PathStep};
+use crate::syntax::{Cursor, Item, ValueSyntax, words};
 use crate::units;
 
 /// A number that an event sets.
-struct Target {
+struct EventTarget {
     what: Settable,
     name: String,
     dimension: Dimension,
@@ -32,24 +32,24 @@ impl Resolver<'_> {
 
     fn event(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let scope = instance.scope(Stage::Result);
+        let scope = instance.scope(MayDependOn::Result);
         let guard = item.clause("=")?;
         let mut lexemes = guard.lexemes.iter();
         let compared = lexemes.find_map(|lexeme| match lexeme.kind {
-            Kind::Sign('<') => Some(("<", lexeme.at)),
-            Kind::Sign('>') => Some((">", lexeme.at)),
-            Kind::Sign('=') => Some(("==", lexeme.at)),
+            LexemeKind::Sign('<') => Some(("<", lexeme.at)),
+            LexemeKind::Sign('>') => Some((">", lexeme.at)),
+            LexemeKind::Sign('=') => Some(("==", lexeme.at)),
             _ => None,
         });
         let conditional = guard
             .lexemes
             .iter()
-            .any(|l| l.kind == Kind::Word("if".into()));
+            .any(|l| l.kind == LexemeKind::Word("if".into()));
         if let (Some((sign, at)), false) = (compared, conditional) {
             return self.fail(say_syntax::event_compares(at.into(), sign));
         }
         if let [word, number, rest @ ..] = guard.lexemes
-            && let (Kind::Word(at), Kind::Number(_)) = (&word.kind, &number.kind)
+            && let (LexemeKind::Word(at), LexemeKind::Number(_)) = (&word.kind, &number.kind)
             && ["at", "when", "after"].contains(&at.as_str())
         {
             let time: Vec<String> = [number]
@@ -190,7 +190,7 @@ impl Resolver<'_> {
     ) -> Option<Vec<Detachable>> {
         let mut all = Some(Vec::new());
         for part in listed(item.clause(":")?) {
-            let found = self.detachable(part, &item.word.text, instance.scope(Stage::Live));
+            let found = self.detachable(part, &item.word.text, instance.scope(MayDependOn::Live));
             let (Some(found), Some(list)) = (found, all.as_mut()) else {
                 all = None;
                 continue;
@@ -209,7 +209,12 @@ impl Resolver<'_> {
     }
 
     /// One line, spring or joint by its name.
-    fn detachable(&mut self, value: Value<'_>, word: &str, scope: Scope<'_>) -> Option<Detachable> {
+    fn detachable(
+        &mut self,
+        value: ValueSyntax<'_>,
+        word: &str,
+        scope: Scope<'_>,
+    ) -> Option<Detachable> {
         let known = |named| matches!(named, Named::Line(_) | Named::Joint(_));
         let (named, step) = self.thing(value, scope, &known, |at, name, words| {
             say::no_line_of_event(at, word, name, words)
@@ -234,11 +239,11 @@ impl Resolver<'_> {
     /// What a name alone stands for, with its index if it is repeated; `unknown` tells of a name that nothing of a kind has.
     pub(super) fn thing(
         &mut self,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         scope: Scope<'_>,
         kind: &dyn Fn(Named) -> bool,
-        unknown: impl Fn(Region, &str, &[&str]) -> Report,
-    ) -> Option<(Named, Step)> {
+        unknown: impl Fn(Region, &str, &[&str]) -> LexemeMessage,
+    ) -> Option<(Named, PathStep)> {
         let parsed = match expression::whole(value) {
             Ok(parsed) => parsed,
             Err(report) => return self.fail(report),
@@ -282,10 +287,14 @@ impl Resolver<'_> {
         settings
     }
 
-    fn setting(&mut self, part: Value<'_>, instance: &Instance<'_>) -> Option<(Target, Setting)> {
-        let scope = instance.scope(Stage::Live);
+    fn setting(
+        &mut self,
+        part: ValueSyntax<'_>,
+        instance: &Instance<'_>,
+    ) -> Option<(EventTarget, Setting)> {
+        let scope = instance.scope(MayDependOn::Live);
         let mut signs = part.lexemes.iter();
-        let Some(sign) = signs.position(|lexeme| lexeme.kind == Kind::Sign('=')) else {
+        let Some(sign) = signs.position(|lexeme| lexeme.kind == LexemeKind::Sign('=')) else {
             return self.fail(say::setting_wanted(part.at));
         };
         let [left, right] = [&part.lexemes[..sign], &part.lexemes[sign + 1..]];
@@ -312,7 +321,7 @@ impl Resolver<'_> {
     }
 
     /// The param or the state on the left of a setting.
-    fn target(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Target> {
+    fn target(&mut self, value: ValueSyntax<'_>, scope: Scope<'_>) -> Option<EventTarget> {
         if let Ok(Expression::Path(steps)) = expression::whole(value)
             && steps.len() > 1
         {
@@ -344,7 +353,7 @@ impl Resolver<'_> {
         };
         let dimension = unit.dimension;
         self.mention(named, step.word.at);
-        Some(Target {
+        Some(EventTarget {
             what,
             name,
             dimension,
@@ -355,7 +364,7 @@ impl Resolver<'_> {
 }
 
 /// The parts of `[a, b]`, or the one value.
-pub(super) fn listed(value: Value<'_>) -> Vec<Value<'_>> {
+pub(super) fn listed(value: ValueSyntax<'_>) -> Vec<ValueSyntax<'_>> {
     let mut cursor = Cursor::new(value);
     match cursor.group(Bracket::Square) {
         Some(group) if cursor.at_end() => Cursor::new(group).comma_separated(),
@@ -364,8 +373,8 @@ pub(super) fn listed(value: Value<'_>) -> Vec<Value<'_>> {
 }
 
 /// Some lexemes of a value as one of their own.
-pub(super) fn piece(lexemes: &[crate::lexeme::Lexeme]) -> Option<Value<'_>> {
+pub(super) fn piece(lexemes: &[crate::lexeme::Lexeme]) -> Option<ValueSyntax<'_>> {
     let (first, last) = (lexemes.first()?.at, lexemes.last()?.at);
     let at = Region { first, last };
-    Some(Value { lexemes, at })
+    Some(ValueSyntax { lexemes, at })
 }

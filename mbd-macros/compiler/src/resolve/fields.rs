@@ -5,17 +5,17 @@ use mbd_scene::{Dimension, Formula};
 use super::{Resolver, Scope, fold};
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Item, Value, foreign};
+use crate::syntax::{Item, ValueSyntax, foreign};
 
 /// The fields of an item: each at most once.
 #[derive(Debug)]
-pub struct Fields<'i, 'a> {
+pub struct ItemFields<'i, 'a> {
     given: Vec<(&'i str, &'i Item<'a>)>,
     /// Whether something in the braces was not understood: what seems missing may be that.
     pub doubtful: bool,
 }
 
-impl<'i, 'a> Fields<'i, 'a> {
+impl<'i, 'a> ItemFields<'i, 'a> {
     /// A field, if it is given.
     pub fn get(&self, word: &str) -> Option<&'i Item<'a>> {
         self.given
@@ -25,7 +25,7 @@ impl<'i, 'a> Fields<'i, 'a> {
     }
 
     /// The value of a field.
-    pub fn value(&self, word: &str) -> Option<Value<'a>> {
+    pub fn value(&self, word: &str) -> Option<ValueSyntax<'a>> {
         self.get(word)?.clause(":")
     }
 }
@@ -41,8 +41,8 @@ pub enum Accept {
 
 impl Resolver<'_> {
     /// Sorts the fields of an item; unknown and repeated ones are errors.
-    pub fn fields<'i, 'a>(&mut self, block: &'i [Item<'a>], known: &[&str]) -> Fields<'i, 'a> {
-        let mut fields = Fields {
+    pub fn fields<'i, 'a>(&mut self, block: &'i [Item<'a>], known: &[&str]) -> ItemFields<'i, 'a> {
+        let mut fields = ItemFields {
             given: Vec::new(),
             doubtful: false,
         };
@@ -75,7 +75,7 @@ impl Resolver<'_> {
         &mut self,
         owner: &str,
         field: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         wanted: Dimension,
         accept: Accept,
         scope: Scope<'_>,
@@ -112,7 +112,7 @@ impl Resolver<'_> {
     pub fn triple(
         &mut self,
         field: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         wanted: Dimension,
         scope: Scope<'_>,
     ) -> Option<[Formula; 3]> {

@@ -38,7 +38,7 @@ pub fn components(vector: Formula, scene: &Scene) -> [Formula; 3] {
 
 /// The value of a formula of numbers, consts and (with `defaults`) params at their defaults.
 pub fn known(formula: &Formula, scene: &Scene, defaults: bool) -> Option<Fixed> {
-    let known = Known {
+    let known = FoldContext {
         scene,
         defaults,
         time: None,
@@ -54,7 +54,7 @@ pub fn at_defaults(formula: &Formula, scene: &Scene) -> Option<f64> {
 
 /// The value of a scalar formula at a time [s], with all params at their defaults.
 pub fn at_time(formula: &Formula, scene: &Scene, time: f64) -> Option<f64> {
-    let known = Known {
+    let known = FoldContext {
         scene,
         defaults: true,
         time: Some(time),
@@ -64,14 +64,14 @@ pub fn at_time(formula: &Formula, scene: &Scene, time: f64) -> Option<f64> {
 }
 
 /// What is known beforehand, and the values of the lets that were asked for.
-struct Known<'s> {
+struct FoldContext<'s> {
     scene: &'s Scene,
     defaults: bool,
     time: Option<f64>,
     lets: BTreeMap<usize, Option<Fixed>>,
 }
 
-impl Known<'_> {
+impl FoldContext<'_> {
     fn of(&mut self, formula: &Formula) -> Option<Fixed> {
         let scene = self.scene;
         match formula {

@@ -3,11 +3,11 @@
 use mbd_scene::{Formula, Function, LoadKind, Place, PointKind, Unit};
 
 use super::turns::counts_turns;
-use super::{Instance, Named, Resolver, Scope, Stage, Typed};
-use crate::lexeme::{Kind, Region};
+use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed};
+use crate::lexeme::{LexemeKind, Region};
 use crate::messages::resolve as say;
 use crate::syntax::expression;
-use crate::syntax::{Cursor, Item, Value, unit};
+use crate::syntax::{Cursor, Item, ValueSyntax, unit};
 use crate::units;
 
 impl Resolver<'_> {
@@ -20,7 +20,7 @@ impl Resolver<'_> {
 
     fn load(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let scope = instance.scope(Stage::Live);
+        let scope = instance.scope(MayDependOn::Live);
         let place = self.load_place(instance, scope);
         let kind = match (item.given("="), item.given(":")) {
             (Some(_), Some(given)) => return self.fail(say::load_twice(given.at)),
@@ -28,8 +28,7 @@ impl Resolver<'_> {
             (None, None) => return self.fail(say::load_without_value(item.name_at())),
             (None, Some(given)) => {
                 let value = given.value;
-                let external =
-                    matches!(value.lexemes, [only] if only.kind == Kind::Word("external".into()));
+                let external = matches!(value.lexemes, [only] if only.kind == LexemeKind::Word("external".into()));
                 if !external {
                     return self.fail(say::load_kind(value.at));
                 }
@@ -167,7 +166,7 @@ impl Resolver<'_> {
     }
 
     /// The unit after `in`, with its place.
-    pub fn in_unit(&mut self, value: Option<Value<'_>>) -> Option<Option<(Unit, Region)>> {
+    pub fn in_unit(&mut self, value: Option<ValueSyntax<'_>>) -> Option<Option<(Unit, Region)>> {
         let Some(value) = value else {
             return Some(None);
         };
@@ -186,7 +185,7 @@ impl Resolver<'_> {
 
     fn output(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let typed = self.value(item.clause("=")?, instance.scope(Stage::Result))?;
+        let typed = self.value(item.clause("=")?, instance.scope(MayDependOn::Result))?;
         let (value, components, unit) = self.column(item, typed)?;
         let entry = self.scene.outputs.get_mut(instance.slot)?;
         entry.value = value;

@@ -10,11 +10,11 @@ use mbd_scene::joints::{
 use mbd_scene::{CoordinateStart, Formula, Function, JointForces, JointLaw, State};
 
 use super::fields::Accept;
-use super::joints::Names;
-use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
+use super::joints::LawFields;
+use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed, fold};
 use crate::lexeme::Bracket;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Cursor, Item, Value, foreign, unit};
+use crate::syntax::{Cursor, Item, ValueSyntax, foreign, unit};
 use crate::units;
 
 /// The keywords of the fields of a coordinate.
@@ -46,10 +46,10 @@ pub fn without_coordinate<'i, 'a>(law: &JointLaw, block: &'i [Item<'a>]) -> Opti
 }
 
 /// The fields given for one coordinate.
-type Given<'i, 'a> = BTreeMap<&'static str, &'i Item<'a>>;
+type GivenFields<'i, 'a> = BTreeMap<&'static str, &'i Item<'a>>;
 
 /// Whose fields are read.
-struct Owner<'o> {
+struct FieldsOwner<'o> {
     /// The joint, or joint and coordinate where it has several.
     name: String,
     /// What a filter makes of a command: `pin.command`, `sleeve.angle_command`.
@@ -71,10 +71,10 @@ impl Resolver<'_> {
     fn along_joint(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
         let keyword = Cursor::new(item.clause(":")?).word()?.text;
-        let law = JointLaw::read(&keyword, &mut Names::default())?;
+        let law = JointLaw::read(&keyword, &mut LawFields::default())?;
         let measured: Vec<Coordinate> = law.measured().collect();
         let blocks = self.blocks(item, &measured)?;
-        let mut given: Vec<Given<'_, '_>> = vec![Given::new(); measured.len()];
+        let mut given: Vec<GivenFields<'_, '_>> = vec![GivenFields::new(); measured.len()];
         for (fields, block) in given.iter_mut().zip(&blocks) {
             for field in block {
                 let word = field_words().find(|word| *word == field.word.text);
@@ -99,14 +99,14 @@ impl Resolver<'_> {
         let name = self.scene.joints.get(instance.slot)?.name.clone();
         let mut entries = Some(Vec::new());
         for (index, (coordinate, fields)) in measured.iter().zip(&given).enumerate() {
-            let owner = Owner {
+            let owner = FieldsOwner {
                 name: match measured.len() {
                     1 => name.clone(),
                     _ => format!("{name}.{}", coordinate.name),
                 },
                 command: format!("{name}.{}", law.command_word(coordinate)),
                 coordinate,
-                scope: instance.scope(Stage::Fixed),
+                scope: instance.scope(MayDependOn::Fixed),
             };
             let forces = self.forces(index, fields, &owner);
             if let (Some(entries), Some(forces)) = (entries.as_mut(), forces.as_ref()) {
@@ -169,7 +169,7 @@ impl Resolver<'_> {
     /// Adds a field to those of a coordinate: each at most once.
     fn give<'i, 'a>(
         &mut self,
-        fields: &mut Given<'i, 'a>,
+        fields: &mut GivenFields<'i, 'a>,
         word: Option<&'static str>,
         item: &'i Item<'a>,
     ) -> Option<()> {
@@ -187,8 +187,8 @@ impl Resolver<'_> {
     fn forces(
         &mut self,
         index: usize,
-        given: &Given<'_, '_>,
-        owner: &Owner<'_>,
+        given: &GivenFields<'_, '_>,
+        owner: &FieldsOwner<'_>,
     ) -> Option<JointForces> {
         let mut forces = JointForces {
             coordinate: index,
@@ -221,7 +221,7 @@ impl Resolver<'_> {
         }
         if let Some(value) = given.get(FORCE.name).and_then(|item| item.clause(":")) {
             let scope = Scope {
-                stage: Stage::Live,
+                stage: MayDependOn::Live,
                 ..owner.scope
             };
             let typed = self.value(value, scope);
@@ -248,8 +248,8 @@ impl Resolver<'_> {
     fn coordinate_start(
         &mut self,
         (joint, coordinate): (usize, usize),
-        given: &Given<'_, '_>,
-        owner: &Owner<'_>,
+        given: &GivenFields<'_, '_>,
+        owner: &FieldsOwner<'_>,
     ) -> Option<Option<CoordinateStart>> {
         let mut start = CoordinateStart {
             joint,
@@ -280,7 +280,7 @@ impl Resolver<'_> {
         &mut self,
         field: &'static JointForceField,
         item: &Item<'_>,
-        owner: &Owner<'_>,
+        owner: &FieldsOwner<'_>,
     ) -> Option<Formula> {
         let Some(value) = item.clause(":") else {
             let (at, unit) = (item.word.at.into(), field.measured.unit(owner.coordinate));
@@ -302,13 +302,13 @@ impl Resolver<'_> {
     /// acceleration, or a command behind a filter.
     fn motor(
         &mut self,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         filter: Option<&Item<'_>>,
-        given: &Given<'_, '_>,
-        owner: &Owner<'_>,
+        given: &GivenFields<'_, '_>,
+        owner: &FieldsOwner<'_>,
     ) -> Option<(Formula, Option<CommandFilter>)> {
         let scope = Scope {
-            stage: Stage::Driven,
+            stage: MayDependOn::Driven,
             ..owner.scope
         };
         let mut cursor = Cursor::new(value);
@@ -369,7 +369,7 @@ impl Resolver<'_> {
         command: Formula,
         time: Formula,
         [start, start_rate]: [Formula; 2],
-        owner: &Owner<'_>,
+        owner: &FieldsOwner<'_>,
     ) -> (Formula, CommandFilter) {
         let state = self.scene.states.len();
         let [now, rate] = [state, state + 1].map(Formula::State);
@@ -410,8 +410,8 @@ impl Resolver<'_> {
     fn along_number(
         &mut self,
         field: &JointForceField,
-        value: Value<'_>,
-        owner: &Owner<'_>,
+        value: ValueSyntax<'_>,
+        owner: &FieldsOwner<'_>,
     ) -> Option<Formula> {
         self.instead = Some(foreign::NOT_PROPORTIONAL);
         let typed = self.value(value, owner.scope);
@@ -424,7 +424,7 @@ impl Resolver<'_> {
         &mut self,
         typed: Typed,
         field: &JointForceField,
-        owner: &Owner<'_>,
+        owner: &FieldsOwner<'_>,
     ) -> Option<Formula> {
         let at = typed.at;
         let formula = self.along_fits(typed, field, owner)?;
@@ -442,7 +442,7 @@ impl Resolver<'_> {
         &mut self,
         typed: Typed,
         field: &JointForceField,
-        owner: &Owner<'_>,
+        owner: &FieldsOwner<'_>,
     ) -> Option<Formula> {
         let held = field.of(owner.coordinate);
         let wrong = typed.dimension.filter(|found| *found != held.dimension);
@@ -467,7 +467,11 @@ impl Resolver<'_> {
     }
 
     /// `[low, high]`, a unit behind the bracket if it is not inside, `none` for a side left open.
-    fn stops(&mut self, value: Value<'_>, owner: &Owner<'_>) -> Option<[Option<Formula>; 2]> {
+    fn stops(
+        &mut self,
+        value: ValueSyntax<'_>,
+        owner: &FieldsOwner<'_>,
+    ) -> Option<[Option<Formula>; 2]> {
         let unit_word = STOPS.measured.unit(owner.coordinate);
         let mut cursor = Cursor::new(value);
         let parts = cursor
@@ -483,7 +487,7 @@ impl Resolver<'_> {
                 Err(report) => return self.fail(report),
             },
         };
-        let mut read = |part: &Value<'_>| -> Option<Option<Formula>> {
+        let mut read = |part: &ValueSyntax<'_>| -> Option<Option<Formula>> {
             let mut cursor = Cursor::new(*part);
             if cursor.keyword("none").is_some() && cursor.at_end() {
                 return Some(None);

@@ -4,11 +4,11 @@ use mbd_scene::joints::{Axis, Coupled, Field, Fields as Asks};
 use mbd_scene::laws::is_discontinuous;
 use mbd_scene::{Detachable, Dimension, Formula, JointLaw, Place, PointKind};
 
-use super::fields::Fields;
-use super::{Instance, Named, Resolver, Scope, Stage, fold, joint_forces};
+use super::fields::ItemFields;
+use super::{Instance, MayDependOn, Named, Resolver, Scope, fold, joint_forces};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
-use crate::syntax::{Cursor, Value, Word};
+use crate::syntax::{Cursor, ValueSyntax, Word};
 use crate::units;
 
 /// The cosine between axes that still count as perpendicular.
@@ -16,9 +16,9 @@ const PERPENDICULAR: f64 = 1e-9;
 
 /// The names of the fields a law asks for.
 #[derive(Default)]
-pub(super) struct Names(Vec<&'static str>);
+pub(super) struct LawFields(Vec<&'static str>);
 
-impl Asks for Names {
+impl Asks for LawFields {
     fn axis(&mut self, name: &'static str, default: Axis) -> Axis {
         self.0.push(name);
         default
@@ -41,7 +41,7 @@ impl Asks for Names {
 
 /// What a joint of a declaration joins.
 #[derive(Clone, Copy, Default)]
-struct Ends {
+struct JoinedPlaces {
     /// Parent and child.
     places: Option<[Place; 2]>,
     /// Of a coupling the coordinates at `to` and at `from`.
@@ -51,12 +51,12 @@ struct Ends {
 /// Answers a law from the fields between the braces of a joint.
 struct Answers<'w, 'd, 'i, 'a> {
     resolver: &'w mut Resolver<'d>,
-    fields: Fields<'i, 'a>,
+    fields: ItemFields<'i, 'a>,
     scope: Scope<'w>,
     keyword: &'w str,
     name: &'w str,
     at: Region,
-    ends: Ends,
+    ends: JoinedPlaces,
     /// Whether an answer was wrong and has been reported.
     wrong: bool,
 }
@@ -126,7 +126,7 @@ impl Answers<'_, '_, '_, '_> {
     fn two_axes(
         &mut self,
         name: &'static str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         default: [Axis; 2],
         perpendicular: bool,
     ) -> Option<[Axis; 2]> {
@@ -170,7 +170,7 @@ impl Answers<'_, '_, '_, '_> {
         &mut self,
         field: &'static Field,
         (dimension, unit): (Dimension, &str),
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
     ) -> Option<Formula> {
         let resolver = &mut *self.resolver;
         let typed = resolver.value(value, self.scope)?;
@@ -199,7 +199,7 @@ impl Resolver<'_> {
     fn joint(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
         let name = self.scene.joints.get(instance.slot)?.name.clone();
-        let scope = instance.scope(Stage::Fixed);
+        let scope = instance.scope(MayDependOn::Fixed);
         let keyword = item.clause(":").and_then(|value| self.joint_keyword(value));
         let ends = match &keyword {
             Some(keyword) if is_coupling(instance) => self.coupling_ends(instance, keyword),
@@ -209,9 +209,9 @@ impl Resolver<'_> {
                         .and_then(|value| self.joint_end(value, scope))
                 });
                 let [parent, child] = ends;
-                Ends {
+                JoinedPlaces {
                     places: parent.zip(child).map(|(parent, child)| [parent, child]),
-                    ..Ends::default()
+                    ..JoinedPlaces::default()
                 }
             }
         };
@@ -257,14 +257,14 @@ impl Resolver<'_> {
     }
 
     /// The coordinates of a coupling. It sits where the joint of the one at `to` does.
-    fn coupling_ends(&mut self, instance: &Instance<'_>, keyword: &str) -> Ends {
-        let scope = instance.scope(Stage::Fixed);
+    fn coupling_ends(&mut self, instance: &Instance<'_>, keyword: &str) -> JoinedPlaces {
+        let scope = instance.scope(MayDependOn::Fixed);
         let both = ["to", "from"].map(|end| {
             let value = instance.item.clause(end)?;
             self.coupled_coordinate(value, keyword, scope)
         });
         let [Some(to), Some(from)] = both else {
-            return Ends::default();
+            return JoinedPlaces::default();
         };
         if to == from {
             let at = instance
@@ -276,16 +276,16 @@ impl Resolver<'_> {
                 format!("{}.{}", joint.name, coordinate.name)
             });
             self.messages.push(say::couples_itself(at, keyword, &name));
-            return Ends::default();
+            return JoinedPlaces::default();
         }
         let joint = self.scene.joints.get(to.0);
-        Ends {
+        JoinedPlaces {
             places: joint.map(|joint| [joint.parent, joint.child]),
             coordinates: Some([to, from]),
         }
     }
 
-    fn joint_keyword(&mut self, value: Value<'_>) -> Option<String> {
+    fn joint_keyword(&mut self, value: ValueSyntax<'_>) -> Option<String> {
         let mut cursor = Cursor::new(value);
         let Some(Word { text, at }) = cursor.word() else {
             return self.fail(cursor.expected("the kind of the joint, such as `hinge`"));
@@ -304,7 +304,7 @@ impl Resolver<'_> {
         &mut self,
         instance: &Instance<'_>,
         name: &str,
-        (keyword, ends): (&str, Ends),
+        (keyword, ends): (&str, JoinedPlaces),
         scope: Scope<'_>,
     ) -> Option<JointLaw> {
         let (kind, names) = field_words(keyword)?;
@@ -339,7 +339,7 @@ impl Resolver<'_> {
         (!answers.wrong).then_some(law)
     }
 
-    fn joint_end(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Place> {
+    fn joint_end(&mut self, value: ValueSyntax<'_>, scope: Scope<'_>) -> Option<Place> {
         let place = self.place(value, scope)?;
         if let Place::Point(point) = place {
             let point = self.scene.points.get(point)?;
@@ -386,7 +386,7 @@ impl Resolver<'_> {
     fn axis(
         &mut self,
         field: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         default: Axis,
         scope: Scope<'_>,
     ) -> Option<Axis> {
@@ -400,7 +400,7 @@ impl Resolver<'_> {
             return self.fail(say::axis_wanted(value.at, field, &letter(default)));
         }
         let scope = Scope {
-            stage: Stage::Constant,
+            stage: MayDependOn::Constant,
             ..scope
         };
         let typed = self.value(value, scope)?;
@@ -424,13 +424,13 @@ fn is_coupling(instance: &Instance<'_>) -> bool {
         .item
         .clause(":")
         .and_then(|value| Cursor::new(value).word());
-    let law = keyword.and_then(|word| JointLaw::read(&word.text, &mut Names::default()));
+    let law = keyword.and_then(|word| JointLaw::read(&word.text, &mut LawFields::default()));
     law.is_some_and(|law| !law.couples().is_empty())
 }
 
 /// A joint by its keyword, and the names of all its fields.
 pub fn field_words(keyword: &str) -> Option<(JointLaw, Vec<&'static str>)> {
-    let mut names = Names(Vec::new());
+    let mut names = LawFields(Vec::new());
     let kind = JointLaw::read(keyword, &mut names)?;
     let mut names = names.0;
     if kind.coordinates() > kind.freedoms() {
@@ -442,7 +442,7 @@ pub fn field_words(keyword: &str) -> Option<(JointLaw, Vec<&'static str>)> {
 }
 
 /// An axis written as a letter, with or without a sign.
-fn by_letter(value: Value<'_>) -> Option<Axis> {
+fn by_letter(value: ValueSyntax<'_>) -> Option<Axis> {
     let mut cursor = Cursor::new(value);
     let sign = if cursor.sign('-').is_some() {
         -1.0
@@ -460,10 +460,10 @@ fn by_letter(value: Value<'_>) -> Option<Axis> {
 }
 
 /// How many axes a list of them has; `None`: it is one direction, if it is any.
-fn count(value: Value<'_>) -> Option<usize> {
+fn count(value: ValueSyntax<'_>) -> Option<usize> {
     let mut cursor = Cursor::new(value);
     let parts = Cursor::new(cursor.group(Bracket::Square)?).comma_separated();
-    let axes = |part: &Value<'_>| {
+    let axes = |part: &ValueSyntax<'_>| {
         by_letter(*part).is_some() || Cursor::new(*part).group(Bracket::Square).is_some()
     };
     parts.iter().any(axes).then_some(parts.len())

@@ -4,7 +4,7 @@
 use mbd_scene::Formula;
 
 use super::turns::counts_turns;
-use super::{Instance, Known, Named, Resolver, Scope, Stage};
+use super::{Instance, MayDependOn, Named, ResolvedSoFar, Resolver, Scope};
 use crate::describe;
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
@@ -19,10 +19,10 @@ const LONGEST: usize = 10_000;
 
 /// What is known of a `let`.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Progress {
-    state: State,
+pub(super) struct LetProgress {
+    state: LetState,
     /// What it depends on at most, and by which part of it.
-    reach: Option<(Stage, String)>,
+    reach: Option<(MayDependOn, String)>,
     /// Operations inside each other.
     depth: usize,
     /// Operations with every `let` in it written out.
@@ -30,7 +30,7 @@ pub(super) struct Progress {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum State {
+enum LetState {
     #[default]
     Waiting,
     Open,
@@ -48,7 +48,7 @@ impl Resolver<'_> {
     /// A `let` is named here: resolves it, and checks that it may stand here.
     pub fn named_expression(&mut self, index: usize, at: Region, scope: Scope<'_>) -> Option<()> {
         let name = self.scene.lets.get(index)?.name.clone();
-        if self.known < Known::Names {
+        if self.known < ResolvedSoFar::Names {
             return self.fail(say::not_constant(at, &format!("the let `{name}`")));
         }
         if self.nested == 0 {
@@ -76,7 +76,9 @@ impl Resolver<'_> {
         {
             return self.out_of_reach(&name, &on, at, scope);
         }
-        if [Stage::Course, Stage::Driven].contains(&scope.stage) && progress.length > LONGEST {
+        if [MayDependOn::Course, MayDependOn::Driven].contains(&scope.stage)
+            && progress.length > LONGEST
+        {
             return self.fail(say::deep_let(at, &name, DEEPEST));
         }
         Some(())
@@ -96,11 +98,11 @@ impl Resolver<'_> {
     fn out_of_reach(&mut self, name: &str, on: &str, at: Region, scope: Scope<'_>) -> Option<()> {
         let what = say::let_of(name, on);
         self.fail(match scope.stage {
-            Stage::Constant => say::not_constant(at, &what),
-            Stage::Fixed => say::not_fixed(at, &what, self.instead),
-            Stage::Course => say::not_prescribed(at, &what),
-            Stage::Driven => say::not_driven(at, &what),
-            Stage::Live | Stage::Result => say::let_as_cause(at, name, on),
+            MayDependOn::Constant => say::not_constant(at, &what),
+            MayDependOn::Fixed => say::not_fixed(at, &what, self.instead),
+            MayDependOn::Course => say::not_prescribed(at, &what),
+            MayDependOn::Driven => say::not_driven(at, &what),
+            MayDependOn::Live | MayDependOn::Result => say::let_as_cause(at, name, on),
         })
     }
 
@@ -116,11 +118,11 @@ impl Resolver<'_> {
         let at = instance.item.name_at();
         let name = self.scene.lets.get(index).map(|l| l.name.clone());
         let name = name.unwrap_or_default();
-        if state == State::Open {
+        if state == LetState::Open {
             self.messages.push(say::circular(at, "let", &name));
             self.bad.insert(named);
         }
-        if state != State::Waiting || self.bad.contains(&named) {
+        if state != LetState::Waiting || self.bad.contains(&named) {
             return;
         }
         if self.nested >= NESTED {
@@ -128,21 +130,21 @@ impl Resolver<'_> {
             self.bad.insert(named);
             return;
         }
-        self.state_of(index, State::Open);
+        self.state_of(index, LetState::Open);
         self.nested += 1;
         let good = self.fill_let(&instance).is_some();
         self.nested -= 1;
         if self.too_early.is_some() {
-            self.state_of(index, State::Waiting);
+            self.state_of(index, LetState::Waiting);
             return;
         }
-        self.state_of(index, State::Done);
+        self.state_of(index, LetState::Done);
         if !good {
             self.bad.insert(named);
         }
     }
 
-    fn state_of(&mut self, index: usize, state: State) {
+    fn state_of(&mut self, index: usize, state: LetState) {
         if let Some(progress) = self.lets.get_mut(index) {
             progress.state = state;
         }
@@ -150,7 +152,7 @@ impl Resolver<'_> {
 
     fn fill_let(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let typed = self.value(item.clause("=")?, instance.scope(Stage::Result))?;
+        let typed = self.value(item.clause("=")?, instance.scope(MayDependOn::Result))?;
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
         if let Some((wanted, at)) = self.in_unit(item.clause("in"))? {
             if let Some(found) = typed.dimension
@@ -206,9 +208,9 @@ impl Resolver<'_> {
     }
 
     /// What a `let` depends on at most, and which part of it does.
-    fn reach(&self, index: usize) -> Option<(Stage, String)> {
+    fn reach(&self, index: usize) -> Option<(MayDependOn, String)> {
         let scene = &self.scene;
-        let mut furthest: Option<(Stage, Formula)> = None;
+        let mut furthest: Option<(MayDependOn, Formula)> = None;
         scene.walk(&Formula::Let(index), &mut |part| {
             let stage = match part {
                 Formula::Number(_)
@@ -216,18 +218,18 @@ impl Resolver<'_> {
                 | Formula::Let(_)
                 | Formula::Vector(_)
                 | Formula::Component(..)
-                | Formula::Apply(..) => Stage::Constant,
-                Formula::Param(_) | Formula::Lookup(..) => Stage::Fixed,
-                Formula::Time => Stage::Course,
-                Formula::Input(_) | Formula::State(_) => Stage::Driven,
+                | Formula::Apply(..) => MayDependOn::Constant,
+                Formula::Param(_) | Formula::Lookup(..) => MayDependOn::Fixed,
+                Formula::Time => MayDependOn::Course,
+                Formula::Input(_) | Formula::State(_) => MayDependOn::Driven,
                 Formula::Energy(_)
                 | Formula::MotorEffort(..)
                 | Formula::Acceleration(_)
                 | Formula::AngularAcceleration(_)
                 | Formula::CoordinateAcceleration(..)
                 | Formula::ReactionForce(_)
-                | Formula::ReactionTorque(_) => Stage::Result,
-                _ => Stage::Live,
+                | Formula::ReactionTorque(_) => MayDependOn::Result,
+                _ => MayDependOn::Live,
             };
             if furthest.as_ref().is_none_or(|(known, _)| stage > *known) {
                 furthest = Some((stage, part.clone()));

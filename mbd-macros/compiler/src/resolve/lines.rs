@@ -4,11 +4,11 @@ use mbd_scene::{
     Clamp, Detachable, Difference, Dimension, Formula, LineKind, NodeModel, Place, PointKind,
 };
 
-use super::fields::{Accept, Fields};
-use super::{Instance, Named, Resolver, Scope, Stage};
+use super::fields::{Accept, ItemFields};
+use super::{Instance, MayDependOn, Named, Resolver, Scope};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
-use crate::syntax::{Cursor, Item, Value, words};
+use crate::syntax::{Cursor, Item, ValueSyntax, words};
 use crate::units;
 
 impl Resolver<'_> {
@@ -22,7 +22,7 @@ impl Resolver<'_> {
     fn point(&mut self, instance: &Instance<'_>) -> Option<()> {
         let name = self.scene.points.get(instance.slot)?.name.clone();
         let fields = self.fields(&instance.item.block, &["mass", "equilibrium", "start"]);
-        let scope = instance.scope(Stage::Fixed);
+        let scope = instance.scope(MayDependOn::Fixed);
         let kind = match (fields.get("mass"), fields.get("equilibrium")) {
             (Some(_), Some(other)) => {
                 return self.fail(say::mass_and_equilibrium(other.word.at.into(), &name));
@@ -44,7 +44,7 @@ impl Resolver<'_> {
     }
 
     /// `static`, `rate`, `stepwise`, or `stepwise { formula: euler, clamp: literal }`.
-    fn node_model(&mut self, value: Value<'_>) -> Option<NodeModel> {
+    fn node_model(&mut self, value: ValueSyntax<'_>) -> Option<NodeModel> {
         const MODELS: &[&str] = &["static", "stepwise", "rate"];
         let mut cursor = Cursor::new(value);
         let word = cursor.word();
@@ -90,7 +90,7 @@ impl Resolver<'_> {
     /// One word of a closed set.
     pub fn choice<T: Copy>(
         &mut self,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         what: &str,
         set: &[(&str, T)],
     ) -> Option<T> {
@@ -121,7 +121,7 @@ impl Resolver<'_> {
     fn line(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
         let name = self.scene.lines.get(instance.slot)?.name.clone();
-        let scope = instance.scope(Stage::Fixed);
+        let scope = instance.scope(MayDependOn::Fixed);
         let from = item.clause("from").and_then(|v| self.place(v, scope));
         let to = item.clause("to").and_then(|v| self.place(v, scope));
         let known = words::find(&item.word.text, false)?.fields?;
@@ -195,13 +195,13 @@ impl Resolver<'_> {
     /// The free length: fixed, or of a line that is wound an expression of inputs, states and time, or that with its rate.
     fn free_length(
         &mut self,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         (name, scope): (&str, Scope<'_>),
         ends: [&Option<Place>; 2],
     ) -> Option<Formula> {
         const FIELD: &str = "free_length";
         let driven = Scope {
-            stage: Stage::Driven,
+            stage: MayDependOn::Driven,
             ..scope
         };
         let mut cursor = Cursor::new(value);
@@ -243,7 +243,7 @@ impl Resolver<'_> {
     /// A number that every line or spring of its law has.
     fn line_number(
         &mut self,
-        fields: &Fields<'_, '_>,
+        fields: &ItemFields<'_, '_>,
         item: &Item<'_>,
         name: &str,
         (field, dimension, accept): (&str, Dimension, Accept),
@@ -261,7 +261,7 @@ impl Resolver<'_> {
     }
 
     /// The place and the name of a table that a value consists of.
-    fn as_table(&self, value: Value<'_>) -> Option<(Region, String)> {
+    fn as_table(&self, value: ValueSyntax<'_>) -> Option<(Region, String)> {
         let mut cursor = Cursor::new(value);
         let word = cursor.word().filter(|_| cursor.at_end())?;
         self.table(&word.text)?;
@@ -269,7 +269,7 @@ impl Resolver<'_> {
     }
 
     /// The name of a table of forces over stretch that begins at zero and rises.
-    fn force_table(&mut self, line: &str, value: Value<'_>) -> Option<usize> {
+    fn force_table(&mut self, line: &str, value: ValueSyntax<'_>) -> Option<usize> {
         let mut cursor = Cursor::new(value);
         let Some(word) = cursor.word() else {
             return self.fail(cursor.expected("the name of a table of forces over stretch"));

@@ -4,10 +4,10 @@ use mbd_scene::joints::{JointLaw, Lock};
 use mbd_scene::{Detachable, Joint};
 
 use super::events::listed;
-use super::{Instance, Named, Resolver, Stage};
+use super::{Instance, MayDependOn, Named, Resolver};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
-use crate::syntax::{Item, Value, expression};
+use crate::syntax::{Item, ValueSyntax, expression};
 
 impl Resolver<'_> {
     /// `boom`, `boom.angle` or `[boom, arm.slide]`: the locks of these coordinates, each named once in the event.
@@ -62,7 +62,7 @@ impl Resolver<'_> {
     fn coordinates_to(
         &mut self,
         action: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         instance: &Instance<'_>,
     ) -> Option<Vec<(usize, usize)>> {
         let steps = match expression::path(value) {
@@ -78,7 +78,7 @@ impl Resolver<'_> {
             let report = say::no_joint_to(at, action, word, &known);
             return self.fail_unless_broken(word, report);
         };
-        let named = self.member(&entry, first, instance.scope(Stage::Live))?;
+        let named = self.member(&entry, first, instance.scope(MayDependOn::Live))?;
         let Named::Joint(joint) = named else {
             return self.fail(say::not_a_joint_to(at, action, word, named.kind()));
         };

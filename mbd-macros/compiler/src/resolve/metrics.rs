@@ -3,10 +3,10 @@
 use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
 use mbd_scene::{Formula, Output};
 
-use super::{Instance, Named, Resolver, Stage, fold};
-use crate::lexeme::{Kind, Region};
+use super::{Instance, MayDependOn, Named, Resolver, fold};
+use crate::lexeme::{LexemeKind, Region};
 use crate::messages::resolve as say;
-use crate::syntax::{Value, words};
+use crate::syntax::{ValueSyntax, words};
 use crate::units;
 
 impl Resolver<'_> {
@@ -58,7 +58,7 @@ impl Resolver<'_> {
                 return self.fail(say::metric_needs_no(unit.at, take, "in"));
             }
         } else {
-            let typed = self.value(of, instance.scope(Stage::Result))?;
+            let typed = self.value(of, instance.scope(MayDependOn::Result))?;
             if typed.vector {
                 return self.fail(say::scalar_wanted(typed.at, "a metric"));
             }
@@ -92,10 +92,10 @@ impl Resolver<'_> {
     }
 
     /// The word in front, and what it is about.
-    fn take<'v>(&mut self, value: Value<'v>) -> Option<(Take, Value<'v>)> {
+    fn take<'v>(&mut self, value: ValueSyntax<'v>) -> Option<(Take, ValueSyntax<'v>)> {
         let (first, rest) = value.lexemes.split_first()?;
         let word = match &first.kind {
-            Kind::Word(word) => word.as_str(),
+            LexemeKind::Word(word) => word.as_str(),
             _ => "",
         };
         let Some(take) = Take::of(word) else {
@@ -108,18 +108,18 @@ impl Resolver<'_> {
             first: begin.at,
             last: end.at,
         };
-        Some((take, Value { lexemes: rest, at }))
+        Some((take, ValueSyntax { lexemes: rest, at }))
     }
 
     /// A number of numbers and consts.
     fn fixed_number(
         &mut self,
         word: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         wanted: mbd_scene::Dimension,
         instance: &Instance<'_>,
     ) -> Option<f64> {
-        let typed = self.value(value, instance.scope(Stage::Constant))?;
+        let typed = self.value(value, instance.scope(MayDependOn::Constant))?;
         let at = typed.at;
         let formula: Formula = self.fits(typed, word, false, wanted)?;
         match fold::at_defaults(&formula, &self.scene).filter(|number| number.is_finite()) {
@@ -129,9 +129,9 @@ impl Resolver<'_> {
     }
 
     /// The event of a name.
-    fn event_of(&mut self, value: Value<'_>, instance: &Instance<'_>) -> Option<usize> {
+    fn event_of(&mut self, value: ValueSyntax<'_>, instance: &Instance<'_>) -> Option<usize> {
         let is_event = |named| matches!(named, Named::Event(_));
-        let scope = instance.scope(Stage::Live);
+        let scope = instance.scope(MayDependOn::Live);
         let (named, step) = self.thing(value, scope, &is_event, |at, name, known| {
             say::no_event(at, name, known)
         })?;

@@ -37,12 +37,12 @@ use mbd_scene::Scene;
 
 pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
-pub use next::Going;
-pub use value::{Scope, Stage, Typed};
+pub use next::NextSceneRegion;
+pub use value::{MayDependOn, Scope, Typed};
 
-use crate::lexeme::{At, Region};
+use crate::lexeme::{LexemeIndex, Region};
 use crate::messages::Messages;
-use crate::syntax::{Item, Model};
+use crate::syntax::{Item, ModelSyntax};
 
 /// An item, once for every value of its index.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ pub struct Instance<'a> {
 
 impl Instance<'_> {
     /// The scope of its values.
-    pub fn scope(&self, stage: Stage) -> Scope<'_> {
+    pub fn scope(&self, stage: MayDependOn) -> Scope<'_> {
         Scope {
             stage,
             indices: &self.indices,
@@ -69,7 +69,7 @@ impl Instance<'_> {
 
 /// What the declaration asks for besides the scene.
 #[derive(Clone, Debug, Default)]
-pub struct Asked {
+pub struct RequestedItems {
     /// `verify;`
     pub verify: bool,
     /// `emit: […]`
@@ -92,7 +92,7 @@ pub struct Resolver<'a> {
     /// The scene.
     pub scene: Scene,
     /// What is asked for besides.
-    pub asked: Asked,
+    pub asked: RequestedItems,
     /// All names but frames.
     pub names: Namespace,
     /// The frames of the world.
@@ -110,7 +110,7 @@ pub struct Resolver<'a> {
     /// Where each thing is declared.
     pub declared: BTreeMap<Named, Region>,
     /// Where each thing is used.
-    pub used: Vec<(Named, At)>,
+    pub used: Vec<(Named, LexemeIndex)>,
     /// What has been used at least once.
     pub mentioned: BTreeSet<Named>,
     /// What has a mistake of its own: its users are not blamed.
@@ -122,19 +122,19 @@ pub struct Resolver<'a> {
     /// Items whose repetition is empty: they declare nothing.
     pub idle: Vec<&'a Item<'a>>,
     /// What is known of each `let`.
-    lets: Vec<lets::Progress>,
+    lets: Vec<lets::LetProgress>,
     /// How many lets are being resolved because another one names them.
     nested: usize,
     /// What a `let` names that is not known yet.
     too_early: Option<String>,
     /// How far resolving has come.
-    known: Known,
+    known: ResolvedSoFar,
     /// Whether reading lost no item.
     pub whole: bool,
     /// Locks that events free, and where.
     pub freed: Vec<(usize, Region)>,
     /// Where events name scenes that go on.
-    pub going: Vec<Going>,
+    pub going: Vec<NextSceneRegion>,
     /// Points whose model is declared.
     pub chosen: BTreeSet<usize>,
     /// Whether bare numbers are SI.
@@ -149,7 +149,7 @@ pub struct Resolver<'a> {
 
 /// How far resolving has come: what a `let` that is named now can be made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Known {
+enum ResolvedSoFar {
     /// Consts, params, inputs and tables.
     Numbers,
     /// Also the names of all things.
@@ -161,7 +161,7 @@ enum Known {
 }
 
 /// Resolves a model as far as it goes.
-pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
+pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     let mut resolver = Resolver::new(model);
     resolver.settings(model);
     resolver.collect_numbers(model);
@@ -169,15 +169,15 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.collect_inputs(model);
     resolver.numbers();
     resolver.collect_things(model);
-    resolver.known = Known::Names;
+    resolver.known = ResolvedSoFar::Names;
     resolver.world_frames();
     resolver.bodies();
     resolver.points();
     resolver.lines();
     resolver.joints();
-    resolver.known = Known::Joints;
+    resolver.known = ResolvedSoFar::Joints;
     resolver.along_joints();
-    resolver.known = Known::Motors;
+    resolver.known = ResolvedSoFar::Motors;
     resolver.lets();
     resolver.part_starts();
     resolver.gravity(model);
@@ -194,7 +194,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    fn new(model: &'a Model<'a>) -> Self {
+    fn new(model: &'a ModelSyntax<'a>) -> Self {
         let name = model.name.as_ref();
         Resolver {
             scene: Scene {
@@ -202,7 +202,7 @@ impl<'a> Resolver<'a> {
                 doc: model.doc.clone(),
                 ..Scene::default()
             },
-            asked: Asked::default(),
+            asked: RequestedItems::default(),
             names: Namespace::default(),
             world: Namespace::default(),
             frames: Vec::new(),
@@ -220,7 +220,7 @@ impl<'a> Resolver<'a> {
             lets: Vec::new(),
             nested: 0,
             too_early: None,
-            known: Known::Numbers,
+            known: ResolvedSoFar::Numbers,
             whole: true,
             freed: Vec::new(),
             going: Vec::new(),
@@ -233,7 +233,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Remembers that something is used here.
-    pub fn mention(&mut self, named: Named, at: At) {
+    pub fn mention(&mut self, named: Named, at: LexemeIndex) {
         self.mentioned.insert(named);
         if !self.used.contains(&(named, at)) && self.used.len() < 2000 {
             self.used.push((named, at));

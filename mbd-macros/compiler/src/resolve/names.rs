@@ -84,14 +84,14 @@ pub enum Members {
 
 /// A word with what it stands for and where it was declared.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct NameEntry {
     /// What it stands for.
     pub members: Members,
     /// Where it is declared first.
     pub at: Region,
 }
 
-impl Entry {
+impl NameEntry {
     /// Whether nothing else has this name, with another index.
     pub fn is_one(&self) -> bool {
         match &self.members {
@@ -112,7 +112,7 @@ impl Entry {
 /// The words of one namespace, in alphabetical order.
 #[derive(Clone, Debug, Default)]
 pub struct Namespace {
-    entries: BTreeMap<String, Entry>,
+    entries: BTreeMap<String, NameEntry>,
     /// The words in the order of declaration.
     pub order: Vec<String>,
 }
@@ -144,7 +144,8 @@ impl Namespace {
             Some(index) => Members::Many(Rc::new([(index, named)].into())),
         };
         self.order.push(word.to_string());
-        self.entries.insert(word.to_string(), Entry { members, at });
+        self.entries
+            .insert(word.to_string(), NameEntry { members, at });
         Ok(())
     }
 
@@ -156,14 +157,15 @@ impl Namespace {
             None => {
                 let members = Members::Many(Rc::default());
                 self.order.push(word.to_string());
-                self.entries.insert(word.to_string(), Entry { members, at });
+                self.entries
+                    .insert(word.to_string(), NameEntry { members, at });
                 Ok(())
             }
         }
     }
 
     /// What a word stands for.
-    pub fn get(&self, word: &str) -> Option<&Entry> {
+    pub fn get(&self, word: &str) -> Option<&NameEntry> {
         self.entries.get(word)
     }
 

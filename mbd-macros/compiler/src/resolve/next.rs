@@ -3,16 +3,16 @@
 use mbd_scene::{MapSource, Mapped, Next, Place};
 
 use super::events::{listed, piece};
-use super::fields::Fields;
-use super::{Instance, Named, Resolver, Stage};
-use crate::lexeme::{Kind, Lexeme, Region};
+use super::fields::ItemFields;
+use super::{Instance, MayDependOn, Named, Resolver};
+use crate::lexeme::{Lexeme, LexemeKind, Region};
 use crate::messages::resolve as say;
-use crate::syntax::Value;
+use crate::syntax::ValueSyntax;
 use crate::syntax::expression::{self, Expression};
 
 /// Where an event names a scene that goes on.
 #[derive(Clone, Debug)]
-pub struct Going {
+pub struct NextSceneRegion {
     /// The event, by index.
     pub event: usize,
     /// Where the file stands.
@@ -25,7 +25,7 @@ impl Resolver<'_> {
     /// `then: stop` is no scene, `then: scene "descent.mbd"` is one, with its `map`.
     pub(super) fn end_of_event(
         &mut self,
-        fields: &Fields<'_, '_>,
+        fields: &ItemFields<'_, '_>,
         instance: &Instance<'_>,
     ) -> Option<Option<Next>> {
         let file = match fields.value("then") {
@@ -38,7 +38,7 @@ impl Resolver<'_> {
                 None => Some(None),
             };
         };
-        let mut going = Going {
+        let mut going = NextSceneRegion {
             event: instance.slot,
             file: at,
             map: Vec::new(),
@@ -52,13 +52,13 @@ impl Resolver<'_> {
     }
 
     /// The file of `scene "descent.mbd"`, and where it stands; nothing of `stop`.
-    fn next_file(&mut self, value: Value<'_>) -> Option<Option<(String, Region)>> {
-        let is_scene = |lexeme: &Lexeme| lexeme.kind == Kind::Word("scene".into());
+    fn next_file(&mut self, value: ValueSyntax<'_>) -> Option<Option<(String, Region)>> {
+        let is_scene = |lexeme: &Lexeme| lexeme.kind == LexemeKind::Word("scene".into());
         match value.lexemes {
             [
                 word,
                 Lexeme {
-                    kind: Kind::Text(file),
+                    kind: LexemeKind::Text(file),
                     at,
                 },
             ] if is_scene(word) => match file.trim().is_empty() {
@@ -77,7 +77,7 @@ impl Resolver<'_> {
     /// `probe = capsule.tip`, or `[probe = capsule.tip, charge = 0.9 * soc]`.
     fn map(
         &mut self,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         instance: &Instance<'_>,
         places: &mut Vec<[Region; 2]>,
     ) -> Option<Vec<Mapped>> {
@@ -105,11 +105,11 @@ impl Resolver<'_> {
 
     fn mapped(
         &mut self,
-        part: Value<'_>,
+        part: ValueSyntax<'_>,
         instance: &Instance<'_>,
     ) -> Option<(Mapped, [Region; 2])> {
         let mut signs = part.lexemes.iter();
-        let Some(sign) = signs.position(|lexeme| lexeme.kind == Kind::Sign('=')) else {
+        let Some(sign) = signs.position(|lexeme| lexeme.kind == LexemeKind::Sign('=')) else {
             return self.fail(say::map_entry_wanted(part.at));
         };
         let [left, right] = [&part.lexemes[..sign], &part.lexemes[sign + 1..]];
@@ -128,8 +128,8 @@ impl Resolver<'_> {
     }
 
     /// A body, a frame, a point or a place of the world; else a number.
-    fn map_source(&mut self, value: Value<'_>, instance: &Instance<'_>) -> Option<MapSource> {
-        let scope = instance.scope(Stage::Live);
+    fn map_source(&mut self, value: ValueSyntax<'_>, instance: &Instance<'_>) -> Option<MapSource> {
+        let scope = instance.scope(MayDependOn::Live);
         if let Ok(Expression::Path(steps)) = expression::whole(value)
             && let Some((first, rest)) = steps.split_first()
         {

@@ -8,11 +8,11 @@ use mbd_scene::{
     State, Table, Unit,
 };
 
-use super::{Instance, Named, Resolver, Stage, Typed, fold};
-use crate::lexeme::{Bracket, Kind, Lexeme, Region};
+use super::{Instance, MayDependOn, Named, Resolver, Typed, fold};
+use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
 use crate::messages::{resolve as say, syntax as say_syntax};
 use crate::syntax::expression::{self, Expression};
-use crate::syntax::{Cursor, Value, unit};
+use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
 
 impl Resolver<'_> {
@@ -92,7 +92,7 @@ impl Resolver<'_> {
                 unit,
             }),
             "let" => {
-                self.lets.push(super::lets::Progress::default());
+                self.lets.push(super::lets::LetProgress::default());
                 scene.lets.push(Let {
                     name,
                     doc,
@@ -197,7 +197,7 @@ impl Resolver<'_> {
 
     fn constant(&mut self, instance: &Instance<'_>, parsed: &Expression) -> Option<()> {
         self.instead = Some(say::LET_OF_PARAMS);
-        let typed = self.typed(parsed, instance.scope(Stage::Constant));
+        let typed = self.typed(parsed, instance.scope(MayDependOn::Constant));
         self.instead = None;
         let typed = typed?;
         let unit = written_unit(parsed).unwrap_or_else(|| typed.unit());
@@ -228,7 +228,7 @@ impl Resolver<'_> {
             Ok(parsed) => parsed,
             Err(report) => return self.fail(report),
         };
-        let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
+        let typed = self.typed(&parsed, instance.scope(MayDependOn::Constant))?;
         let unit = written_unit(&parsed).unwrap_or_else(|| typed.unit());
         let (at, dimension) = (typed.at, typed.dimension);
         let bare = typed.bare.clone();
@@ -263,7 +263,7 @@ impl Resolver<'_> {
     /// `600 kg ..= 900 kg`: both ends and their dimension. An end without a unit is told here, if the default has one.
     fn range(
         &mut self,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         instance: &Instance<'_>,
         unit: &Unit,
     ) -> Option<([f64; 2], Option<Dimension>)> {
@@ -290,7 +290,7 @@ impl Resolver<'_> {
         let mut ends = [0.0; 2];
         let mut dimension = None;
         for (end, parsed) in ends.iter_mut().zip([low, high]) {
-            let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
+            let typed = self.typed(&parsed, instance.scope(MayDependOn::Constant))?;
             match (&typed.bare, typed.dimension) {
                 (Some(text), Some(units::NONE)) if unit.dimension != units::NONE => {
                     return self.fail(say::needs_unit(typed.at, "in", unit.dimension, text));
@@ -318,7 +318,9 @@ impl Resolver<'_> {
                 let [lexemes @ .., semicolon, count] = group.lexemes else {
                     return self.fail(say::input_type(value.at));
                 };
-                if semicolon.kind != Kind::Sign(';') || count.kind != Kind::Number("3".into()) {
+                if semicolon.kind != LexemeKind::Sign(';')
+                    || count.kind != LexemeKind::Number("3".into())
+                {
                     return self.fail(say::input_type(value.at));
                 }
                 (lexemes, 3)
@@ -343,7 +345,7 @@ impl Resolver<'_> {
         let Some(given) = instance.item.clause("=") else {
             return Some(());
         };
-        let typed = self.value(given, instance.scope(Stage::Constant))?;
+        let typed = self.value(given, instance.scope(MayDependOn::Constant))?;
         let name = self.scene.inputs.get(instance.slot)?.name.clone();
         match (&typed.bare, typed.dimension) {
             (Some(text), Some(units::NONE)) if wanted != units::NONE => {
@@ -370,7 +372,7 @@ impl Resolver<'_> {
 
     pub fn input_unit(&mut self, lexemes: &[Lexeme], at: Region) -> Option<Unit> {
         if let [only] = lexemes
-            && let Kind::Word(word) = &only.kind
+            && let LexemeKind::Word(word) = &only.kind
         {
             if let Some(unit) = units::of_quantity(word) {
                 return Some(unit);
@@ -379,7 +381,7 @@ impl Resolver<'_> {
                 return self.fail(say::unknown_input_type(only.at.into(), word));
             }
         }
-        let unit = match unit::whole(Cursor::new(Value { lexemes, at })) {
+        let unit = match unit::whole(Cursor::new(ValueSyntax { lexemes, at })) {
             Ok(unit) => unit,
             Err(report) => return self.fail(report),
         };

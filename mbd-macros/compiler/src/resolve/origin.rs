@@ -2,14 +2,14 @@
 
 use mbd_scene::{Detachable, Part, Place, PointKind};
 
-use super::{Named, Resolver, Scope, Stage};
+use super::{MayDependOn, Named, Resolver, Scope};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
-use crate::syntax::{Cursor, Model, Value, expression};
+use crate::syntax::{Cursor, ModelSyntax, ValueSyntax, expression};
 
 impl Resolver<'_> {
     /// What the origin follows, once everything that moves is known, and what holds it.
-    pub fn origin(&mut self, model: &Model<'_>) {
+    pub fn origin(&mut self, model: &ModelSyntax<'_>) {
         let item = model.items.iter().find(|item| item.word.text == "origin");
         if let Some(value) = item.and_then(|item| item.clause(":"))
             && let Some(part) = self.followed(value)
@@ -19,7 +19,7 @@ impl Resolver<'_> {
         }
     }
 
-    fn followed(&mut self, value: Value<'_>) -> Option<Part> {
+    fn followed(&mut self, value: ValueSyntax<'_>) -> Option<Part> {
         const FORM: &str = "`follows` and the name of a body or a point with mass";
         let mut cursor = Cursor::new(value);
         if cursor.keyword("follows").is_none() || cursor.at_end() {
@@ -38,7 +38,7 @@ impl Resolver<'_> {
             return self.fail(say::origin_of_the_world(of.at));
         }
         const FIXED: Scope<'static> = Scope {
-            stage: Stage::Fixed,
+            stage: MayDependOn::Fixed,
             indices: &[],
         };
         let owner = self.place_owner(first, FIXED)?;

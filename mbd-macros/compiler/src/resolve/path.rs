@@ -1,20 +1,21 @@
 //! Paths: `capsule.bridle[i].position`, `riser.tension`, `wind.x`, and the ends of lines and joints.
 
-use mbd_scene::{Dimension, Energy, Formula, Gravity, Place, PointKind};
+use mbd_scene::{Dimension, EnergyKind, Formula, Gravity, Place, PointKind};
 
-use super::names::{Entry, Members};
-use super::{Named, Resolver, Scope, Stage, Typed, fold};
+use super::names::{Members, NameEntry};
+use super::{MayDependOn, Named, Resolver, Scope, Typed, fold};
 use crate::lexeme::Region;
-use crate::messages::{Report, resolve as say};
-use crate::syntax::expression::{self, Step};
-use crate::syntax::{Value, quantities};
+use crate::messages::{LexemeMessage, resolve as say};
+use crate::syntax::expression::{self, PathStep};
+use crate::syntax::{ValueSyntax, quantities};
 use crate::units;
 
 impl Resolver<'_> {
     /// A path inside an expression.
-    pub fn path(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
+    pub fn path(&mut self, steps: &[PathStep], at: Region, scope: Scope<'_>) -> Option<Typed> {
         let typed = self.path_value(steps, at, scope)?;
-        let quantity = |step: &Step| quantities::BODY_QUANTITIES.contains(&step.word.text.as_str());
+        let quantity =
+            |step: &PathStep| quantities::BODY_QUANTITIES.contains(&step.word.text.as_str());
         let has_frames = steps.first().is_some_and(|first| {
             let word = first.word.text.as_str();
             let members = self.names.get(word).map(|entry| &entry.members);
@@ -35,7 +36,7 @@ impl Resolver<'_> {
         }
     }
 
-    fn path_value(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
+    fn path_value(&mut self, steps: &[PathStep], at: Region, scope: Scope<'_>) -> Option<Typed> {
         let (first, rest) = steps.split_first()?;
         let word = first.word.text.as_str();
         let here = Region::from(first.word.at);
@@ -44,7 +45,7 @@ impl Resolver<'_> {
             return self.tail(index, rest);
         }
         if word == "time" {
-            if ![Stage::Course, Stage::Driven].contains(&scope.stage) {
+            if ![MayDependOn::Course, MayDependOn::Driven].contains(&scope.stage) {
                 self.live(scope, here, "time")?;
             }
             return self.tail(Typed::of(Formula::Time, false, units::TIME, here), rest);
@@ -80,7 +81,7 @@ impl Resolver<'_> {
                 )
             }
             Named::Param(index) => {
-                if scope.stage == Stage::Constant {
+                if scope.stage == MayDependOn::Constant {
                     return self.fail(say::param_not_constant(at, self.instead));
                 }
                 let dimension = self.scene.params.get(index)?.unit.dimension;
@@ -154,8 +155,8 @@ impl Resolver<'_> {
     /// An energy of the scene.
     fn energy(
         &mut self,
-        first: &Step,
-        rest: &[Step],
+        first: &PathStep,
+        rest: &[PathStep],
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
@@ -164,7 +165,7 @@ impl Resolver<'_> {
             return self.fail(say::energy_of_what(at));
         };
         let asked = step.word.text.as_str();
-        let known = Energy::ALL
+        let known = EnergyKind::ALL
             .into_iter()
             .find(|energy| energy.word() == asked);
         let Some(energy) = known else {
@@ -173,10 +174,10 @@ impl Resolver<'_> {
             return self.fail(report);
         };
         self.live(scope, at, "an energy")?;
-        if scope.stage != Stage::Result {
+        if scope.stage != MayDependOn::Result {
             return self.fail(say::energy_as_cause(at, asked));
         }
-        if energy != Energy::Kinetic && self.scene.gravity == Gravity::Field {
+        if energy != EnergyKind::Kinetic && self.scene.gravity == Gravity::Field {
             return self.fail(say::energy_of_field(at, asked));
         }
         self.tail(
@@ -214,7 +215,7 @@ impl Resolver<'_> {
     }
 
     /// The components at the end of a path.
-    pub fn tail(&mut self, typed: Typed, rest: &[Step]) -> Option<Typed> {
+    pub fn tail(&mut self, typed: Typed, rest: &[PathStep]) -> Option<Typed> {
         let mut typed = typed;
         for step in rest {
             if step.index.is_some() {
@@ -228,29 +229,29 @@ impl Resolver<'_> {
     /// What changes during a run is an error before it.
     fn live(&mut self, scope: Scope<'_>, at: Region, what: &str) -> Option<()> {
         match scope.stage {
-            Stage::Live | Stage::Result => Some(()),
-            Stage::Fixed => self.fail(say::not_fixed(at, what, self.instead)),
-            Stage::Course => self.fail(say::not_prescribed(at, what)),
-            Stage::Driven => self.fail(say::not_driven(at, what)),
-            Stage::Constant => self.fail(say::not_constant(at, what)),
+            MayDependOn::Live | MayDependOn::Result => Some(()),
+            MayDependOn::Fixed => self.fail(say::not_fixed(at, what, self.instead)),
+            MayDependOn::Course => self.fail(say::not_prescribed(at, what)),
+            MayDependOn::Driven => self.fail(say::not_driven(at, what)),
+            MayDependOn::Constant => self.fail(say::not_constant(at, what)),
         }
     }
 
     /// What changes during a run and does not depend on the motion at the same instant.
     fn driven(&mut self, scope: Scope<'_>, at: Region, what: &str) -> Option<()> {
         match scope.stage {
-            Stage::Driven => Some(()),
+            MayDependOn::Driven => Some(()),
             _ => self.live(scope, at, what),
         }
     }
 
     /// What the first name of a path refers to.
-    fn find(&mut self, step: &Step, scope: Scope<'_>, alone: bool) -> Option<Named> {
+    fn find(&mut self, step: &PathStep, scope: Scope<'_>, alone: bool) -> Option<Named> {
         let word = &step.word.text;
         match self.names.get(word).cloned() {
             Some(_) if self.broken.contains(word) => None,
             Some(entry) => self.member(&entry, step, scope),
-            None if scope.stage == Stage::Fixed && self.later.contains(word) => {
+            None if scope.stage == MayDependOn::Fixed && self.later.contains(word) => {
                 let at = step.word.at.into();
                 self.fail(say::not_fixed(at, &format!("`{word}`"), self.instead))
             }
@@ -261,7 +262,7 @@ impl Resolver<'_> {
         }
     }
 
-    fn unknown(&self, step: &Step, alone: bool) -> Report {
+    fn unknown(&self, step: &PathStep, alone: bool) -> LexemeMessage {
         let word = &step.word.text;
         let at = step.word.at.into();
         if alone {
@@ -286,7 +287,7 @@ impl Resolver<'_> {
     }
 
     /// A report, unless the name belongs to an item whose own mistake has been reported.
-    pub fn fail_unless_broken<T>(&mut self, word: &str, report: Report) -> Option<T> {
+    pub fn fail_unless_broken<T>(&mut self, word: &str, report: LexemeMessage) -> Option<T> {
         if self.broken.contains(word) {
             return None;
         }
@@ -297,7 +298,12 @@ impl Resolver<'_> {
     }
 
     /// The member of a repeated name that an index picks.
-    pub fn member(&mut self, entry: &Entry, step: &Step, scope: Scope<'_>) -> Option<Named> {
+    pub fn member(
+        &mut self,
+        entry: &NameEntry,
+        step: &PathStep,
+        scope: Scope<'_>,
+    ) -> Option<Named> {
         let at = Region::from(step.word.at);
         match (&entry.members, &step.index) {
             (Members::One(named), None) => Some(*named),
@@ -330,7 +336,7 @@ impl Resolver<'_> {
         scope: Scope<'_>,
     ) -> Option<i64> {
         let constant = Scope {
-            stage: Stage::Constant,
+            stage: MayDependOn::Constant,
             ..scope
         };
         let typed = self.typed(parsed, constant)?;
@@ -343,10 +349,10 @@ impl Resolver<'_> {
     /// A frame of the world, and what follows it.
     fn world_place<'s>(
         &mut self,
-        first: &Step,
-        rest: &'s [Step],
+        first: &PathStep,
+        rest: &'s [PathStep],
         scope: Scope<'_>,
-    ) -> Option<(Place, &'s [Step])> {
+    ) -> Option<(Place, &'s [PathStep])> {
         if first.index.is_some() {
             return self.fail(say::no_index(first.word.at.into(), "world"));
         }
@@ -369,7 +375,7 @@ impl Resolver<'_> {
     }
 
     /// A frame of a body by its step.
-    pub fn body_frame(&mut self, body: usize, step: &Step, scope: Scope<'_>) -> Option<usize> {
+    pub fn body_frame(&mut self, body: usize, step: &PathStep, scope: Scope<'_>) -> Option<usize> {
         let word = &step.word.text;
         if word == "com" && step.index.is_none() {
             return Some(0);
@@ -405,7 +411,7 @@ impl Resolver<'_> {
     fn body_quantity(
         &mut self,
         body: usize,
-        rest: &[Step],
+        rest: &[PathStep],
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
@@ -481,7 +487,7 @@ impl Resolver<'_> {
         &mut self,
         place: Place,
         owner: &str,
-        rest: &[Step],
+        rest: &[PathStep],
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
@@ -512,7 +518,7 @@ impl Resolver<'_> {
         &mut self,
         point: usize,
         owner: &str,
-        rest: &[Step],
+        rest: &[PathStep],
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
@@ -541,8 +547,8 @@ impl Resolver<'_> {
     }
 
     /// What follows from the accelerations is an error in what they depend on.
-    pub fn follows(&mut self, scope: Scope<'_>, step: &Step, owner: &str) -> Option<()> {
-        if scope.stage == Stage::Result {
+    pub fn follows(&mut self, scope: Scope<'_>, step: &PathStep, owner: &str) -> Option<()> {
+        if scope.stage == MayDependOn::Result {
             return Some(());
         }
         let (at, word) = (step.word.at.into(), &step.word.text);
@@ -553,7 +559,7 @@ impl Resolver<'_> {
         &mut self,
         line: usize,
         owner: &str,
-        rest: &[Step],
+        rest: &[PathStep],
         at: Region,
     ) -> Option<Typed> {
         let known = quantities::LINE_QUANTITIES;
@@ -574,7 +580,7 @@ impl Resolver<'_> {
     }
 
     /// A place where a line or joint ends: `body.frame`, a point, `world`, `world.frame`.
-    pub fn place(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Place> {
+    pub fn place(&mut self, value: ValueSyntax<'_>, scope: Scope<'_>) -> Option<Place> {
         let steps = match expression::path(value) {
             Ok(steps) => steps,
             Err(report) => return self.fail(report),
@@ -612,7 +618,7 @@ impl Resolver<'_> {
     }
 
     /// The body or point at the start of a place.
-    pub fn place_owner(&mut self, step: &Step, scope: Scope<'_>) -> Option<Named> {
+    pub fn place_owner(&mut self, step: &PathStep, scope: Scope<'_>) -> Option<Named> {
         let word = &step.word.text;
         let Some(entry) = self.names.get(word).cloned() else {
             let mut known = self

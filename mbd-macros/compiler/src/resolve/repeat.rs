@@ -1,10 +1,10 @@
 //! Repetition: what stands in the brackets of a declared name, and the names it makes.
 
 use super::collect::MOST;
-use super::{Resolver, Scope, Stage};
-use crate::lexeme::Kind;
+use super::{MayDependOn, Resolver, Scope};
+use crate::lexeme::LexemeKind;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Cursor, Name, Value, expression, words};
+use crate::syntax::{Cursor, NameSyntax, ValueSyntax, expression, words};
 
 /// One instance of a name: its index, its label, and the index of the repetition with its value.
 pub(super) type Labelled = (Option<i64>, String, Option<(String, i64)>);
@@ -23,7 +23,7 @@ impl Resolver<'_> {
     /// Index, label and the value of the repetition, for every instance of a name; `outer`: the repetition around it. None after a mistake.
     pub(super) fn expand(
         &mut self,
-        name: &Name<'_>,
+        name: &NameSyntax<'_>,
         outer: &[(String, i64)],
     ) -> Option<Vec<Labelled>> {
         let word = &name.word.text;
@@ -44,13 +44,12 @@ impl Resolver<'_> {
         })
     }
 
-    fn index(&mut self, name: &Name<'_>, outer: &[(String, i64)]) -> Option<Index> {
+    fn index(&mut self, name: &NameSyntax<'_>, outer: &[(String, i64)]) -> Option<Index> {
         let Some(value) = name.index else {
             return Some(Index::None);
         };
         let mut cursor = Cursor::new(value);
-        let repeated =
-            matches!(cursor.ahead(1).map(|l| &l.kind), Some(Kind::Word(word)) if word == "in");
+        let repeated = matches!(cursor.ahead(1).map(|l| &l.kind), Some(LexemeKind::Word(word)) if word == "in");
         if !repeated {
             return self.constant_index(value, outer).map(Index::One);
         }
@@ -91,11 +90,11 @@ impl Resolver<'_> {
     fn bounds(
         &mut self,
         mut cursor: Cursor<'_>,
-        whole: Value<'_>,
+        whole: ValueSyntax<'_>,
         outer: &[(String, i64)],
     ) -> Option<(i64, i64)> {
         let scope = Scope {
-            stage: Stage::Constant,
+            stage: MayDependOn::Constant,
             indices: outer,
         };
         let first = match expression::prefix(&mut cursor) {
@@ -119,12 +118,12 @@ impl Resolver<'_> {
         Some((first, last.saturating_add(i64::from(inclusive))))
     }
 
-    fn constant_index(&mut self, value: Value<'_>, outer: &[(String, i64)]) -> Option<i64> {
+    fn constant_index(&mut self, value: ValueSyntax<'_>, outer: &[(String, i64)]) -> Option<i64> {
         if value.lexemes.is_empty() {
             return self.fail(say_syntax::range(value.at));
         }
         let scope = Scope {
-            stage: Stage::Constant,
+            stage: MayDependOn::Constant,
             indices: outer,
         };
         match expression::whole(value) {

@@ -3,12 +3,12 @@
 use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Place, Plane, Triple};
 
 use super::fields::Accept;
-use super::{Emitted, Resolver, Scope, Stage, fold};
+use super::{Emitted, MayDependOn, Resolver, Scope, fold};
 use crate::lexeme::{Bracket, Region};
-use crate::messages::{Report, resolve as say, syntax as say_syntax};
+use crate::messages::{LexemeMessage, resolve as say, syntax as say_syntax};
 use crate::syntax::expression::{self, Expression};
 use crate::syntax::item::items;
-use crate::syntax::{Cursor, Item, Model, Value, words};
+use crate::syntax::{Cursor, Item, ModelSyntax, ValueSyntax, words};
 use crate::units;
 
 /// What may follow an emitted quantity.
@@ -19,13 +19,13 @@ const FRAME_JACOBIAN: &str = "frame_jacobian";
 
 /// Settings are made of numbers, consts and params.
 const FIXED: Scope<'static> = Scope {
-    stage: Stage::Fixed,
+    stage: MayDependOn::Fixed,
     indices: &[],
 };
 
 impl Resolver<'_> {
     /// Everything but gravity, which may use params.
-    pub fn settings(&mut self, model: &Model<'_>) {
+    pub fn settings(&mut self, model: &ModelSyntax<'_>) {
         self.repeated_settings(model);
         for item in &model.items {
             let value = item.clause(":");
@@ -68,7 +68,7 @@ impl Resolver<'_> {
     }
 
     /// Each setting at most once.
-    fn repeated_settings(&mut self, model: &Model<'_>) {
+    fn repeated_settings(&mut self, model: &ModelSyntax<'_>) {
         for (k, item) in model.items.iter().enumerate() {
             let single = item.name.is_none()
                 && words::find(&item.word.text, false).is_some_and(|spec| !spec.named);
@@ -85,12 +85,12 @@ impl Resolver<'_> {
     }
 
     /// The fields between braces inside a value.
-    pub fn block<'b>(&mut self, group: Value<'b>) -> Vec<Item<'b>> {
+    pub fn block<'b>(&mut self, group: ValueSyntax<'b>) -> Vec<Item<'b>> {
         items(Cursor::new(group), true, &mut self.messages)
     }
 
     /// The acceleration of gravity; there is no default.
-    pub fn gravity(&mut self, model: &Model<'_>) {
+    pub fn gravity(&mut self, model: &ModelSyntax<'_>) {
         let item = model.items.iter().find(|item| item.word.text == "gravity");
         let Some(item) = item else {
             self.messages.push(say::no_gravity(self.head));
@@ -103,7 +103,7 @@ impl Resolver<'_> {
         }
     }
 
-    fn gravity_law(&mut self, value: Value<'_>) -> Option<Gravity> {
+    fn gravity_law(&mut self, value: ValueSyntax<'_>) -> Option<Gravity> {
         const LAWS: &[&str] = &["none", "field", "point_mass", "oblate"];
         let mut cursor = Cursor::new(value);
         let word = cursor.word();
@@ -133,7 +133,7 @@ impl Resolver<'_> {
     }
 
     /// A point mass, or one with the J2 term.
-    fn planet(&mut self, group: Value<'_>, oblate: bool) -> Option<Gravity> {
+    fn planet(&mut self, group: ValueSyntax<'_>, oblate: bool) -> Option<Gravity> {
         let known: &[&str] = if oblate {
             &["mu", "center", "radius", "j2", "axis"]
         } else {
@@ -167,7 +167,7 @@ impl Resolver<'_> {
     }
 
     /// A unit vector, with all params at their defaults.
-    fn direction(&mut self, axis: Triple, value: Option<Value<'_>>) -> Option<Triple> {
+    fn direction(&mut self, axis: Triple, value: Option<ValueSyntax<'_>>) -> Option<Triple> {
         let parts: Vec<f64> = axis
             .iter()
             .filter_map(|part| fold::at_defaults(part, &self.scene))
@@ -185,7 +185,7 @@ impl Resolver<'_> {
     fn positive(
         &mut self,
         field: &str,
-        value: Option<Value<'_>>,
+        value: Option<ValueSyntax<'_>>,
         wanted: Dimension,
         whole: Region,
     ) -> Option<Formula> {
@@ -198,7 +198,7 @@ impl Resolver<'_> {
     fn vector_of(
         &mut self,
         field: &str,
-        value: Option<Value<'_>>,
+        value: Option<ValueSyntax<'_>>,
         wanted: Dimension,
         whole: Region,
     ) -> Option<Triple> {
@@ -212,7 +212,7 @@ impl Resolver<'_> {
     fn number_of(
         &mut self,
         field: &str,
-        value: Option<Value<'_>>,
+        value: Option<ValueSyntax<'_>>,
         wanted: Dimension,
         whole: Region,
     ) -> Option<Formula> {
@@ -224,7 +224,7 @@ impl Resolver<'_> {
     }
 
     /// What is emitted: kinds of quantities, and Jacobians of frames by the place that they are of.
-    pub fn emitted(&mut self, model: &Model<'_>) {
+    pub fn emitted(&mut self, model: &ModelSyntax<'_>) {
         let item = model.items.iter().find(|item| item.word.text == "emit");
         let Some(value) = item.and_then(|item| item.clause(":")) else {
             return;
@@ -240,7 +240,7 @@ impl Resolver<'_> {
         self.asked.emit = Some(asked);
     }
 
-    fn emitted_quantity(&mut self, value: Value<'_>) -> Option<Emitted> {
+    fn emitted_quantity(&mut self, value: ValueSyntax<'_>) -> Option<Emitted> {
         let mut cursor = Cursor::new(value);
         let Some(word) = cursor.word() else {
             return self.fail(cursor.expected("a quantity such as `outputs`"));
@@ -273,7 +273,7 @@ impl Resolver<'_> {
 }
 
 /// The report of a gravity that is one number, `9.81 m/s^2`, whatever stands behind it.
-fn one_number(value: Value<'_>) -> Option<Report> {
+fn one_number(value: ValueSyntax<'_>) -> Option<LexemeMessage> {
     let parsed = expression::prefix(&mut Cursor::new(value)).ok()?;
     let number = match parsed {
         Expression::Negative(inner, _) => *inner,

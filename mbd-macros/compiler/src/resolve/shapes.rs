@@ -5,13 +5,13 @@ use std::ops::{Add, Div, Mul, Sub};
 use mbd_scene::solids::{Heaviness, Lump, PlacedSolid, Shape, Solid};
 use mbd_scene::{Formula, Function, Inertia, Scene, Triple};
 
-use super::bodies::Rows;
+use super::bodies::RotationRows;
 use super::fields::Accept;
-use super::{Instance, Resolver, Scope, Stage, fold};
-use crate::lexeme::{Bracket, Kind};
+use super::{Instance, MayDependOn, Resolver, Scope, fold};
+use crate::lexeme::{Bracket, LexemeKind};
 use crate::messages::resolve as say;
 use crate::syntax::expression::{self, Expression};
-use crate::syntax::{Cursor, Item, Value};
+use crate::syntax::{Cursor, Item, ValueSyntax};
 use crate::units;
 
 /// A field of a body that was understood.
@@ -30,7 +30,7 @@ impl Resolver<'_> {
     pub fn shapes(&mut self, instance: &Instance<'_>) -> Option<Triple> {
         let value = field(instance, "shape")?.clause(":")?;
         let name = self.scene.bodies.get(instance.slot)?.name.clone();
-        let scope = instance.scope(Stage::Fixed);
+        let scope = instance.scope(MayDependOn::Fixed);
         let first = self.scene.shapes.len();
         for part in parts(value) {
             let shape = self.shape((instance.slot, &name), part, scope)?;
@@ -48,14 +48,14 @@ impl Resolver<'_> {
             Some(value) => {
                 let (wanted, accept) = (units::DENSITY, Accept::Positive);
                 let density = self.quantity(&name, "density", value, wanted, accept, scope)?;
-                Heaviness::Density(Term::of(&density, &self.scene))
+                Heaviness::Density(FormulaNumber::of(&density, &self.scene))
             }
             None => {
                 let mass = &self.scene.bodies.get(instance.slot)?.mass;
-                Heaviness::Mass(Term::of(mass, &self.scene))
+                Heaviness::Mass(FormulaNumber::of(mass, &self.scene))
             }
         };
-        let solids: Vec<PlacedSolid<Term>> = (self.scene.shapes.iter().skip(first))
+        let solids: Vec<PlacedSolid<FormulaNumber>> = (self.scene.shapes.iter().skip(first))
             .map(|shape| placed(shape, &self.scene))
             .collect();
         let Some(lump) = Lump::of(&solids, heaviness) else {
@@ -81,7 +81,7 @@ impl Resolver<'_> {
     fn shape(
         &mut self,
         (body, name): (usize, &str),
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         scope: Scope<'_>,
     ) -> Option<Shape> {
         let mut cursor = Cursor::new(value);
@@ -96,7 +96,10 @@ impl Resolver<'_> {
         let start = cursor;
         until(&mut cursor, &["at", "rotated"]);
         let sizes = self.sizes((solid, name), cursor.since(start), scope)?;
-        let mut place = ([0, 1, 2].map(|_| Formula::Number(0.0)), None::<Rows>);
+        let mut place = (
+            [0, 1, 2].map(|_| Formula::Number(0.0)),
+            None::<RotationRows>,
+        );
         if cursor.keyword("at").is_some() {
             let start = cursor;
             until(&mut cursor, &["rotated"]);
@@ -126,7 +129,7 @@ impl Resolver<'_> {
     fn sizes(
         &mut self,
         (solid, name): (Solid, &str),
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         scope: Scope<'_>,
     ) -> Option<Vec<Formula>> {
         if solid == Solid::Box {
@@ -180,9 +183,9 @@ impl Resolver<'_> {
     fn shape_place(
         &mut self,
         body: usize,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         scope: Scope<'_>,
-    ) -> Option<(Triple, Option<Rows>)> {
+    ) -> Option<(Triple, Option<RotationRows>)> {
         if let Ok(Expression::Path(steps)) = expression::whole(value)
             && let [step] = steps.as_slice()
             && !self.is_vector(step.word.text.as_str())
@@ -204,7 +207,7 @@ impl Resolver<'_> {
 }
 
 /// The shapes of a field: those in brackets, or one.
-fn parts(value: Value<'_>) -> Vec<Value<'_>> {
+fn parts(value: ValueSyntax<'_>) -> Vec<ValueSyntax<'_>> {
     let mut cursor = Cursor::new(value);
     match cursor.group(Bracket::Square) {
         Some(group) if cursor.at_end() => Cursor::new(group).comma_separated(),
@@ -215,7 +218,7 @@ fn parts(value: Value<'_>) -> Vec<Value<'_>> {
 /// Goes on to one of these words, or to the end.
 fn until(cursor: &mut Cursor<'_>, words: &[&str]) {
     while let Some(lexeme) = cursor.peek() {
-        if matches!(&lexeme.kind, Kind::Word(word) if words.contains(&word.as_str())) {
+        if matches!(&lexeme.kind, LexemeKind::Word(word) if words.contains(&word.as_str())) {
             return;
         }
         cursor.take_tree();
@@ -223,14 +226,14 @@ fn until(cursor: &mut Cursor<'_>, words: &[&str]) {
 }
 
 /// A shape in the numbers of the laws of solids.
-fn placed(shape: &Shape, scene: &Scene) -> PlacedSolid<Term> {
-    let terms = |triple: &Triple| triple.each_ref().map(|part| Term::of(part, scene));
+fn placed(shape: &Shape, scene: &Scene) -> PlacedSolid<FormulaNumber> {
+    let terms = |triple: &Triple| triple.each_ref().map(|part| FormulaNumber::of(part, scene));
     PlacedSolid {
         solid: shape.solid,
         sizes: shape
             .sizes
             .iter()
-            .map(|size| Term::of(size, scene))
+            .map(|size| FormulaNumber::of(size, scene))
             .collect(),
         position: terms(&shape.position),
         rotation: shape
@@ -242,13 +245,13 @@ fn placed(shape: &Shape, scene: &Scene) -> PlacedSolid<Term> {
 
 /// A formula as a number of the laws of solids: what is known is computed at once, zeros and ones leave no trace.
 #[derive(Clone, Debug)]
-struct Term(Formula);
+struct FormulaNumber(Formula);
 
-impl Term {
+impl FormulaNumber {
     fn of(formula: &Formula, scene: &Scene) -> Self {
         let known = fold::known(formula, scene, false);
         let known = known.and_then(mbd_scene::Fixed::scalar);
-        Term(known.map_or_else(|| formula.clone(), Formula::Number))
+        FormulaNumber(known.map_or_else(|| formula.clone(), Formula::Number))
     }
 
     fn number(&self) -> Option<f64> {
@@ -258,10 +261,10 @@ impl Term {
         }
     }
 
-    fn apply(self, function: Function, other: Term, known: fn(f64, f64) -> f64) -> Self {
+    fn apply(self, function: Function, other: FormulaNumber, known: fn(f64, f64) -> f64) -> Self {
         match (self.number(), other.number()) {
-            (Some(a), Some(b)) => Term(Formula::Number(known(a, b))),
-            _ => Term(Formula::Apply(function, vec![self.0, other.0])),
+            (Some(a), Some(b)) => FormulaNumber(Formula::Number(known(a, b))),
+            _ => FormulaNumber(Formula::Apply(function, vec![self.0, other.0])),
         }
     }
 
@@ -270,13 +273,13 @@ impl Term {
     }
 }
 
-impl From<f64> for Term {
+impl From<f64> for FormulaNumber {
     fn from(number: f64) -> Self {
-        Term(Formula::Number(number))
+        FormulaNumber(Formula::Number(number))
     }
 }
 
-impl Add for Term {
+impl Add for FormulaNumber {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         match (self.is(0.0), other.is(0.0)) {
@@ -287,7 +290,7 @@ impl Add for Term {
     }
 }
 
-impl Sub for Term {
+impl Sub for FormulaNumber {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         match other.is(0.0) {
@@ -297,11 +300,11 @@ impl Sub for Term {
     }
 }
 
-impl Mul for Term {
+impl Mul for FormulaNumber {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         if self.is(0.0) || other.is(0.0) {
-            return Term::from(0.0);
+            return FormulaNumber::from(0.0);
         }
         match (self.is(1.0), other.is(1.0)) {
             (true, _) => other,
@@ -311,7 +314,7 @@ impl Mul for Term {
     }
 }
 
-impl Div for Term {
+impl Div for FormulaNumber {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         match self.is(0.0) || other.is(1.0) {

@@ -2,10 +2,10 @@
 
 use mbd_scene::{Formula, Part, PartStart, Plane, PointKind, Triple};
 
-use super::{Instance, Named, Resolver, Stage, fold};
+use super::{Instance, MayDependOn, Named, Resolver, fold};
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Value, words};
+use crate::syntax::{ValueSyntax, words};
 use crate::units;
 
 /// How far out of its plane a start may be said [m or 1]: rounding.
@@ -57,7 +57,7 @@ impl Resolver<'_> {
             Part::Point(_) => true,
             _ => false,
         };
-        let scope = instance.scope(Stage::Fixed);
+        let scope = instance.scope(MayDependOn::Fixed);
         let mut start = PartStart::of(part);
         let mut given: Vec<(&str, Region)> = Vec::new();
         for clause in starts.iter().flat_map(|start| &start.clauses) {
@@ -110,7 +110,7 @@ impl Resolver<'_> {
         &mut self,
         name: &str,
         sign: &str,
-        value: Value<'_>,
+        value: ValueSyntax<'_>,
         start: &PartStart,
     ) -> Option<()> {
         let Some(plane) = self.scene.planar else {

@@ -3,19 +3,19 @@
 use mbd_scene::{Formula, Unit};
 
 use super::numbers::written_unit;
-use super::{Instance, Named, Resolver, Stage, fold};
-use crate::lexeme::{Bracket, Kind, Region};
+use super::{Instance, MayDependOn, Named, Resolver, fold};
+use crate::lexeme::{Bracket, LexemeKind, Region};
 use crate::messages::resolve as say;
-use crate::syntax::{Value, expression};
+use crate::syntax::{ValueSyntax, expression};
 use crate::units;
 
 impl Resolver<'_> {
     /// `: current = 0 A`, or the start alone: what it is measured in, and where it starts.
     pub fn state_start(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let in_brackets = |value: &Value<'_>| {
+        let in_brackets = |value: &ValueSyntax<'_>| {
             let first = value.lexemes.first().map(|lexeme| &lexeme.kind);
-            matches!(first, Some(Kind::Open(Bracket::Square, _)))
+            matches!(first, Some(LexemeKind::Open(Bracket::Square, _)))
         };
         let kind = match item.clause(":") {
             Some(value) if in_brackets(&value) => {
@@ -29,7 +29,7 @@ impl Resolver<'_> {
             Ok(parsed) => parsed,
             Err(report) => return self.fail(report),
         };
-        let typed = self.typed(&parsed, instance.scope(Stage::Fixed))?;
+        let typed = self.typed(&parsed, instance.scope(MayDependOn::Fixed))?;
         let unit = match &kind {
             Some(unit) => unit.clone(),
             None => match written_unit(&parsed).filter(|unit| unit.factor == 1.0) {
@@ -67,7 +67,7 @@ impl Resolver<'_> {
             }
             return self.fail(say::state_without_rate(item.name_at(), &name));
         };
-        let typed = self.value(value, instance.scope(Stage::Live))?;
+        let typed = self.value(value, instance.scope(MayDependOn::Live))?;
         let rate = self.state_rate_fits(instance, typed)?;
         self.scene.states.get_mut(instance.slot)?.rate = rate;
         Some(())

@@ -5,18 +5,18 @@ use mbd_scene::{Dimension, Formula, SecondArgument, Unit};
 use super::numbers::written_unit;
 use super::turns::counts_turns;
 use super::value::angle_of;
-use super::{Instance, Resolver, Scope, Stage, Typed};
+use super::{Instance, MayDependOn, Resolver, Scope, Typed};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
 use crate::syntax::expression::{self, Expression};
-use crate::syntax::{Cursor, Value};
+use crate::syntax::{Cursor, ValueSyntax};
 use crate::units;
 
 /// Numbers this close to each other, relative to the larger, are the same argument: `7 cm` and `0.07 m`.
 const SAME: f64 = 1e-12;
 
 /// A row as written.
-struct Row {
+struct TableRow {
     /// One argument or two [SI].
     arguments: Vec<f64>,
     value: f64,
@@ -25,7 +25,7 @@ struct Row {
 
 /// The units of the columns, known once a row has one.
 #[derive(Default)]
-struct Columns {
+struct ColumnUnits {
     arguments: [Option<Unit>; 2],
     value: Option<Unit>,
 }
@@ -41,10 +41,10 @@ impl Resolver<'_> {
         if let Err(report) = cursor.finish("`;`") {
             return self.fail(report);
         }
-        let mut columns = Columns::default();
+        let mut columns = ColumnUnits::default();
         let written = Cursor::new(group).comma_separated();
         let count = written.len();
-        let mut rows: Vec<Row> = Vec::with_capacity(count);
+        let mut rows: Vec<TableRow> = Vec::with_capacity(count);
         for row in written {
             let wanted = rows.first().map(|row| row.arguments.len());
             rows.extend(self.table_row(row, wanted, instance, &mut columns));
@@ -82,8 +82,8 @@ impl Resolver<'_> {
     }
 
     /// The columns of a table of one argument, which stands in order.
-    fn increasing(&mut self, rows: &[Row]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let first = |row: &Row| row.arguments.first().copied();
+    fn increasing(&mut self, rows: &[TableRow]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let first = |row: &TableRow| row.arguments.first().copied();
         for pair in rows.windows(2) {
             if let [before, after] = pair
                 && first(after) <= first(before)
@@ -98,7 +98,7 @@ impl Resolver<'_> {
     /// Both arguments and the values of a table of two, whose rows stand in any order: the values at the first x, then those at the next.
     fn grid(
         &mut self,
-        rows: &[Row],
+        rows: &[TableRow],
         at: Region,
         table: &str,
         units: [&Unit; 2],
@@ -117,7 +117,7 @@ impl Resolver<'_> {
                 return self.fail(say::narrow_table(at, table, argument));
             }
         }
-        let mut cells: Vec<Option<&Row>> = vec![None; x.len() * z.len()];
+        let mut cells: Vec<Option<&TableRow>> = vec![None; x.len() * z.len()];
         for row in rows {
             let &[a, b] = row.arguments.as_slice() else {
                 continue;
@@ -141,11 +141,11 @@ impl Resolver<'_> {
     /// One row: its arguments in brackets if there are two.
     fn table_row(
         &mut self,
-        row: Value<'_>,
+        row: ValueSyntax<'_>,
         wanted: Option<usize>,
         instance: &Instance<'_>,
-        columns: &mut Columns,
-    ) -> Option<Row> {
+        columns: &mut ColumnUnits,
+    ) -> Option<TableRow> {
         let mut cursor = Cursor::new(row);
         let mut ahead = cursor;
         let group = ahead.group(Bracket::Round);
@@ -190,7 +190,7 @@ impl Resolver<'_> {
             arguments.push(self.table_number(parsed, instance, unit)?);
         }
         let value = self.table_number(&value, instance, &mut columns.value)?;
-        Some(Row {
+        Some(TableRow {
             arguments,
             value,
             at,
@@ -204,7 +204,7 @@ impl Resolver<'_> {
         instance: &Instance<'_>,
         unit: &mut Option<Unit>,
     ) -> Option<f64> {
-        let typed = self.typed(parsed, instance.scope(Stage::Constant))?;
+        let typed = self.typed(parsed, instance.scope(MayDependOn::Constant))?;
         let (at, dimension) = (typed.at, typed.dimension);
         let this = written_unit(parsed).unwrap_or_else(|| typed.unit());
         let value = self.constant_value(typed)?;
@@ -227,7 +227,7 @@ impl Resolver<'_> {
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
-        if scope.stage == Stage::Constant {
+        if scope.stage == MayDependOn::Constant {
             return self.fail(say::not_constant(at, "a table"));
         }
         let declared = self.scene.tables.get(table)?.clone();

@@ -5,14 +5,14 @@ use mbd_scene::{Dimension, Formula, Function, Unit};
 use super::turns::counts_turns;
 use super::{Named, Resolver, fold};
 use crate::lexeme::Region;
-use crate::messages::{Report, resolve as say};
+use crate::messages::{LexemeMessage, resolve as say};
 use crate::syntax::expression::{self, Expression};
-use crate::syntax::{Value, Word};
+use crate::syntax::{ValueSyntax, Word};
 use crate::units;
 
 /// What an expression may depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
+pub enum MayDependOn {
     /// Numbers and consts.
     Constant,
     /// Also params: known before a run.
@@ -31,7 +31,7 @@ pub enum Stage {
 #[derive(Clone, Copy, Debug)]
 pub struct Scope<'s> {
     /// What it may depend on.
-    pub stage: Stage,
+    pub stage: MayDependOn,
     /// The repetitions it is in, the outer one first: the name of each index and its value.
     pub indices: &'s [(String, i64)],
 }
@@ -92,7 +92,7 @@ impl Typed {
 
 impl Resolver<'_> {
     /// Reads a value as an expression.
-    pub fn value(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Typed> {
+    pub fn value(&mut self, value: ValueSyntax<'_>, scope: Scope<'_>) -> Option<Typed> {
         match expression::whole(value) {
             Ok(parsed) => self.typed(&parsed, scope),
             Err(report) => self.fail(report),
@@ -100,7 +100,7 @@ impl Resolver<'_> {
     }
 
     /// Reports and gives up.
-    pub fn fail<T>(&mut self, report: Report) -> Option<T> {
+    pub fn fail<T>(&mut self, report: LexemeMessage) -> Option<T> {
         self.messages.push(report);
         None
     }

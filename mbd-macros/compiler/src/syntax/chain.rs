@@ -6,21 +6,21 @@ use super::expression::Expression;
 pub struct Chain {
     /// `+ -` or `* /`.
     signs: [char; 2],
-    operands: Vec<Operand>,
+    operands: Vec<ChainOperand>,
 }
 
-struct Operand {
+struct ChainOperand {
     /// Whether the second sign stands before it.
     inverse: bool,
     expression: Expression,
     depth: usize,
 }
 
-impl Operand {
+impl ChainOperand {
     /// Both, grouped under the sign of the first. What follows a `-` or `/` inside has the opposite sign then.
-    fn with(self, next: Operand, signs: [char; 2]) -> Operand {
+    fn with(self, next: ChainOperand, signs: [char; 2]) -> ChainOperand {
         let sign = signs[usize::from(self.inverse != next.inverse)];
-        Operand {
+        ChainOperand {
             inverse: self.inverse,
             expression: Expression::Binary {
                 sign,
@@ -34,7 +34,7 @@ impl Operand {
 impl Chain {
     /// A row of one operand.
     pub fn new(signs: [char; 2], (expression, depth): (Expression, usize)) -> Self {
-        let first = Operand {
+        let first = ChainOperand {
             inverse: false,
             expression,
             depth,
@@ -47,7 +47,7 @@ impl Chain {
 
     /// One more, with the sign before it.
     pub fn push(&mut self, sign: char, (expression, depth): (Expression, usize)) {
-        self.operands.push(Operand {
+        self.operands.push(ChainOperand {
             inverse: sign == self.signs[1],
             expression,
             depth,
@@ -72,7 +72,7 @@ impl Chain {
 }
 
 /// Neighbours grouped. `/ a * b` is left for the next time: it would divide by `b`, which may be a vector.
-fn neighbours(operands: Vec<Operand>, signs: [char; 2]) -> Vec<Operand> {
+fn neighbours(operands: Vec<ChainOperand>, signs: [char; 2]) -> Vec<ChainOperand> {
     let mut grouped = Vec::with_capacity(operands.len() / 2 + 1);
     let mut operands = operands.into_iter().peekable();
     while let Some(operand) = operands.next() {

@@ -1,8 +1,8 @@
 //! A position in a list of balanced lexemes.
 
-use super::{Value, Word, foreign};
-use crate::lexeme::{At, Bracket, Kind, Lexeme, Region};
-use crate::messages::{Report, syntax as say};
+use super::{ValueSyntax, Word, foreign};
+use crate::lexeme::{Bracket, Lexeme, LexemeIndex, LexemeKind, Region};
+use crate::messages::{LexemeMessage, syntax as say};
 
 /// A position in a list of balanced lexemes.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub struct Cursor<'a> {
 
 impl<'a> Cursor<'a> {
     /// The start of a value.
-    pub fn new(value: Value<'a>) -> Self {
+    pub fn new(value: ValueSyntax<'a>) -> Self {
         Cursor {
             lexemes: value.lexemes,
             next: 0,
@@ -59,7 +59,7 @@ impl<'a> Cursor<'a> {
     /// Whether the lexeme before is a word.
     pub fn after_word(&self) -> bool {
         self.behind(1)
-            .is_some_and(|lexeme| matches!(lexeme.kind, Kind::Word(_)))
+            .is_some_and(|lexeme| matches!(lexeme.kind, LexemeKind::Word(_)))
     }
 
     /// Takes the next lexeme; of a bracket only the bracket.
@@ -72,7 +72,7 @@ impl<'a> Cursor<'a> {
     /// Takes the next lexeme; of a bracket everything up to its end.
     pub fn take_tree(&mut self) {
         let skip = match self.peek().map(|lexeme| &lexeme.kind) {
-            Some(Kind::Open(_, skip)) => skip + 1,
+            Some(LexemeKind::Open(_, skip)) => skip + 1,
             Some(_) => 1,
             None => 0,
         };
@@ -80,7 +80,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The lexemes taken since `start`.
-    pub fn since(&self, start: Cursor<'a>) -> Value<'a> {
+    pub fn since(&self, start: Cursor<'a>) -> ValueSyntax<'a> {
         let lexemes = self.lexemes.get(start.next..self.next).unwrap_or(&[]);
         let at = match (lexemes.first(), lexemes.last()) {
             (Some(first), Some(last)) => Region {
@@ -89,13 +89,13 @@ impl<'a> Cursor<'a> {
             },
             _ => start.before(),
         };
-        Value { lexemes, at }
+        ValueSyntax { lexemes, at }
     }
 
     /// Takes this sign if it comes next.
-    pub fn sign(&mut self, sign: char) -> Option<At> {
+    pub fn sign(&mut self, sign: char) -> Option<LexemeIndex> {
         match self.peek() {
-            Some(lexeme) if lexeme.kind == Kind::Sign(sign) => {
+            Some(lexeme) if lexeme.kind == LexemeKind::Sign(sign) => {
                 self.next += 1;
                 Some(lexeme.at)
             }
@@ -118,7 +118,7 @@ impl<'a> Cursor<'a> {
     /// The next lexeme if it is a word.
     pub fn peek_word(&self) -> Option<&'a str> {
         match self.peek().map(|lexeme| &lexeme.kind) {
-            Some(Kind::Word(word)) => Some(word),
+            Some(LexemeKind::Word(word)) => Some(word),
             _ => None,
         }
     }
@@ -131,7 +131,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Takes this word if it comes next.
-    pub fn keyword(&mut self, word: &str) -> Option<At> {
+    pub fn keyword(&mut self, word: &str) -> Option<LexemeIndex> {
         if self.peek_word() == Some(word) {
             self.take().map(|lexeme| lexeme.at)
         } else {
@@ -140,9 +140,9 @@ impl<'a> Cursor<'a> {
     }
 
     /// Takes a bracket with its content, if it comes next.
-    pub fn group(&mut self, bracket: Bracket) -> Option<Value<'a>> {
+    pub fn group(&mut self, bracket: Bracket) -> Option<ValueSyntax<'a>> {
         let open = self.peek()?;
-        let Kind::Open(found, skip) = open.kind else {
+        let LexemeKind::Open(found, skip) = open.kind else {
             return None;
         };
         if found != bracket {
@@ -152,7 +152,7 @@ impl<'a> Cursor<'a> {
         let lexemes = self.lexemes.get(self.next + 1..end).unwrap_or(&[]);
         let close = self.lexemes.get(end).unwrap_or(open);
         self.next = (end + 1).min(self.lexemes.len());
-        Some(Value {
+        Some(ValueSyntax {
             lexemes,
             at: Region {
                 first: open.at,
@@ -162,7 +162,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The report that something else was expected here.
-    pub fn expected(&self, what: &str) -> Report {
+    pub fn expected(&self, what: &str) -> LexemeMessage {
         if let Some(report) = self.before_decimal_comma() {
             return report;
         }
@@ -173,9 +173,9 @@ impl<'a> Cursor<'a> {
     }
 
     /// The report of a number whose decimals follow a comma, `1,5 kg`, if that is the comma before the next lexeme.
-    pub fn behind_decimal_comma(&self) -> Option<Report> {
+    pub fn behind_decimal_comma(&self) -> Option<LexemeMessage> {
         let (whole, comma, decimals) = (self.behind(2)?, self.behind(1)?, self.peek()?);
-        let (Kind::Number(before), Kind::Sign(','), Kind::Number(behind)) =
+        let (LexemeKind::Number(before), LexemeKind::Sign(','), LexemeKind::Number(behind)) =
             (&whole.kind, &comma.kind, &decimals.kind)
         else {
             return None;
@@ -188,7 +188,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The same, if the comma comes next.
-    fn before_decimal_comma(&self) -> Option<Report> {
+    fn before_decimal_comma(&self) -> Option<LexemeMessage> {
         let mut ahead = *self;
         ahead.sign(',')?;
         ahead.behind_decimal_comma()
@@ -206,15 +206,15 @@ impl<'a> Cursor<'a> {
     }
 
     /// The same inside an expression, where an operator of another language may stand.
-    pub fn operand_expected(&self, what: &str) -> Report {
+    pub fn operand_expected(&self, what: &str) -> LexemeMessage {
         match self.foreign_operator() {
-            Some(answer) => Report::new(self.here(), answer),
+            Some(answer) => LexemeMessage::new(self.here(), answer),
             None => self.expected(what),
         }
     }
 
     /// An error unless an expression ends here.
-    pub fn finish_expression(&self, what: &str) -> Result<(), Report> {
+    pub fn finish_expression(&self, what: &str) -> Result<(), LexemeMessage> {
         match self.at_end() {
             true => Ok(()),
             false => Err(self.operand_expected(what)),
@@ -222,7 +222,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// An error unless nothing is left.
-    pub fn finish(&self, what: &str) -> Result<(), Report> {
+    pub fn finish(&self, what: &str) -> Result<(), LexemeMessage> {
         if self.at_end() {
             Ok(())
         } else {
@@ -231,13 +231,13 @@ impl<'a> Cursor<'a> {
     }
 
     /// Splits what is left at top-level commas; a comma at the end is allowed.
-    pub fn comma_separated(mut self) -> Vec<Value<'a>> {
+    pub fn comma_separated(mut self) -> Vec<ValueSyntax<'a>> {
         let mut parts = Vec::new();
         while !self.at_end() {
             let start = self;
             while self
                 .peek()
-                .is_some_and(|lexeme| lexeme.kind != Kind::Sign(','))
+                .is_some_and(|lexeme| lexeme.kind != LexemeKind::Sign(','))
             {
                 self.take_tree();
             }

@@ -3,9 +3,9 @@
 use mbd_scene::Unit;
 
 use super::chain::Chain;
-use super::{Cursor, Value, Word, unit};
-use crate::lexeme::{Bracket, Kind, Region};
-use crate::messages::{Report, syntax as say};
+use super::{Cursor, ValueSyntax, Word, unit};
+use crate::lexeme::{Bracket, LexemeKind, Region};
+use crate::messages::{LexemeMessage, syntax as say};
 
 /// Brackets and operators may nest this deep.
 const DEEPEST: usize = 120;
@@ -34,7 +34,7 @@ pub enum Expression {
         at: Region,
     },
     /// `capsule.bridle[i].position`
-    Path(Vec<Step>),
+    Path(Vec<PathStep>),
     /// `norm(v)`
     Call {
         /// The function.
@@ -71,7 +71,7 @@ pub enum Expression {
 
 /// One name of a path.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct PathStep {
     /// The name.
     pub word: Word,
     /// Its index.
@@ -102,7 +102,7 @@ impl Expression {
 }
 
 /// Parses a value that is one expression.
-pub fn whole(value: Value<'_>) -> Result<Expression, Report> {
+pub fn whole(value: ValueSyntax<'_>) -> Result<Expression, LexemeMessage> {
     let mut cursor = Cursor::new(value);
     // A comparison is read here, so that it is refused by what it is.
     let parsed = Parser { depth: 0 }.comparison(&mut cursor)?.0;
@@ -111,12 +111,12 @@ pub fn whole(value: Value<'_>) -> Result<Expression, Report> {
 }
 
 /// Parses an expression at the start of the cursor.
-pub fn prefix(cursor: &mut Cursor<'_>) -> Result<Expression, Report> {
+pub fn prefix(cursor: &mut Cursor<'_>) -> Result<Expression, LexemeMessage> {
     Ok(Parser { depth: 0 }.sum(cursor)?.0)
 }
 
 /// Parses a path that fills the value.
-pub fn path(value: Value<'_>) -> Result<Vec<Step>, Report> {
+pub fn path(value: ValueSyntax<'_>) -> Result<Vec<PathStep>, LexemeMessage> {
     let mut cursor = Cursor::new(value);
     let steps = Parser { depth: 0 }.path(&mut cursor)?;
     cursor.finish("the end of the name")?;
@@ -128,10 +128,10 @@ struct Parser {
 }
 
 /// An expression with the depth of its tree.
-type Deep = Result<(Expression, usize), Report>;
+type Deep = Result<(Expression, usize), LexemeMessage>;
 
 impl Parser {
-    fn enter(&mut self, at: Region) -> Result<(), Report> {
+    fn enter(&mut self, at: Region) -> Result<(), LexemeMessage> {
         self.depth += 1;
         if self.depth > DEEPEST {
             return Err(say::deep_expression(at));
@@ -235,7 +235,7 @@ impl Parser {
     fn primary(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let here = cursor.here();
         match cursor.peek().map(|lexeme| &lexeme.kind) {
-            Some(Kind::Number(text)) => {
+            Some(LexemeKind::Number(text)) => {
                 cursor.take();
                 let value = number(text, here)?;
                 let unit = unit::suffix(cursor)?;
@@ -254,7 +254,7 @@ impl Parser {
                     1,
                 ))
             }
-            Some(Kind::Open(Bracket::Round, _)) => {
+            Some(LexemeKind::Open(Bracket::Round, _)) => {
                 let group = cursor
                     .group(Bracket::Round)
                     .ok_or_else(|| say::deep_expression(here))?;
@@ -265,7 +265,7 @@ impl Parser {
                 self.depth -= 1;
                 Ok(parsed)
             }
-            Some(Kind::Open(Bracket::Square, _)) => {
+            Some(LexemeKind::Open(Bracket::Square, _)) => {
                 let group = cursor
                     .group(Bracket::Square)
                     .ok_or_else(|| say::deep_expression(here))?;
@@ -274,7 +274,7 @@ impl Parser {
                 let at = group.at.to(cursor.before());
                 Ok((Expression::Vector { parts, unit, at }, depth + 1))
             }
-            Some(Kind::Word(_)) => self.named(cursor),
+            Some(LexemeKind::Word(_)) => self.named(cursor),
             _ => Err(cursor.operand_expected("a number, a name, `(` or `[`")),
         }
     }
@@ -304,7 +304,7 @@ impl Parser {
             return self.branches(cursor);
         }
         let steps = self.path(cursor)?;
-        if let (Some(Kind::Open(Bracket::Round, _)), [before @ .., last]) =
+        if let (Some(LexemeKind::Open(Bracket::Round, _)), [before @ .., last]) =
             (cursor.peek().map(|lexeme| &lexeme.kind), steps.as_slice())
         {
             let path: Vec<&str> = before.iter().map(|step| step.word.text.as_str()).collect();
@@ -347,7 +347,7 @@ impl Parser {
         let mut ahead = *cursor;
         let group = ahead.group(Bracket::Round).filter(|_| {
             let next = ahead.peek().map(|lexeme| &lexeme.kind);
-            matches!(next, Some(Kind::Open(Bracket::Brace, _)))
+            matches!(next, Some(LexemeKind::Open(Bracket::Brace, _)))
         });
         let Some(group) = group else {
             return self.comparison(cursor);
@@ -369,7 +369,7 @@ impl Parser {
     }
 
     /// Expressions separated by commas.
-    fn list(&mut self, group: Value<'_>) -> Result<(Vec<Expression>, usize), Report> {
+    fn list(&mut self, group: ValueSyntax<'_>) -> Result<(Vec<Expression>, usize), LexemeMessage> {
         self.enter(group.at)?;
         let mut parts = Vec::new();
         let mut deepest = 0;
@@ -384,7 +384,7 @@ impl Parser {
         Ok((parts, deepest))
     }
 
-    fn path(&mut self, cursor: &mut Cursor<'_>) -> Result<Vec<Step>, Report> {
+    fn path(&mut self, cursor: &mut Cursor<'_>) -> Result<Vec<PathStep>, LexemeMessage> {
         let mut steps = Vec::new();
         loop {
             let word = cursor.word().ok_or_else(|| cursor.expected("a name"))?;
@@ -399,7 +399,7 @@ impl Parser {
                 }
                 None => None,
             };
-            steps.push(Step { word, index });
+            steps.push(PathStep { word, index });
             if range(cursor) || cursor.sign('.').is_none() {
                 return Ok(steps);
             }
@@ -414,7 +414,7 @@ pub fn range(cursor: &Cursor<'_>) -> bool {
 }
 
 /// The value of a number's text.
-fn number(text: &str, at: Region) -> Result<f64, Report> {
+fn number(text: &str, at: Region) -> Result<f64, LexemeMessage> {
     let digits: String = text.chars().filter(|&c| c != '_').collect();
     match digits.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),

@@ -2,9 +2,9 @@
 
 use super::model::docs;
 use super::words::{self, ItemWord};
-use super::{Cursor, Given, Item, Name, Value, Word};
-use crate::lexeme::{At, Bracket, Kind, Region};
-use crate::messages::{Messages, Report, syntax as say};
+use super::{ClauseValue, Cursor, Item, NameSyntax, ValueSyntax, Word};
+use crate::lexeme::{Bracket, LexemeIndex, LexemeKind, Region};
+use crate::messages::{LexemeMessage, Messages, syntax as say};
 
 /// Reads all items of a model, or all fields of an item (`inside`).
 pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) -> Vec<Item<'a>> {
@@ -88,10 +88,10 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
 }
 
 /// Takes the word that marks an item: `loop` before a joint.
-fn mark(cursor: &mut Cursor<'_>, inside: bool) -> Option<At> {
+fn mark(cursor: &mut Cursor<'_>, inside: bool) -> Option<LexemeIndex> {
     let marked = cursor.peek_word().and_then(words::marked_by)?;
     let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
-    let fits = matches!(next, Some(Kind::Word(word)) if word == marked.word);
+    let fits = matches!(next, Some(LexemeKind::Word(word)) if word == marked.word);
     (fits && !inside)
         .then(|| cursor.take())
         .flatten()
@@ -110,7 +110,7 @@ fn lost<'a>(cursor: &Cursor<'a>, word: Word) -> Item<'a> {
         marked: None,
         at: word.at.into(),
         word,
-        name: ahead.word().map(|word| Name { word, index: None }),
+        name: ahead.word().map(|word| NameSyntax { word, index: None }),
         clauses: Vec::new(),
         block: Vec::new(),
         broken: true,
@@ -118,7 +118,7 @@ fn lost<'a>(cursor: &Cursor<'a>, word: Word) -> Item<'a> {
 }
 
 /// `key: value`, after the key.
-fn field<'a>(cursor: &mut Cursor<'a>, item: &mut Item<'a>) -> Result<(), Report> {
+fn field<'a>(cursor: &mut Cursor<'a>, item: &mut Item<'a>) -> Result<(), LexemeMessage> {
     let Some(sign) = cursor.sign(':') else {
         return Err(no_colon(cursor, &item.word));
     };
@@ -134,7 +134,7 @@ fn field<'a>(cursor: &mut Cursor<'a>, item: &mut Item<'a>) -> Result<(), Report>
 }
 
 /// The report of a field without its colon: `stop`, `detach h`, `mass = 1 kg`.
-fn no_colon(cursor: &Cursor<'_>, field: &Word) -> Report {
+fn no_colon(cursor: &Cursor<'_>, field: &Word) -> LexemeMessage {
     if ends(cursor, true) {
         return say::field_alone(field.at.into(), &field.text);
     }
@@ -151,13 +151,14 @@ fn no_colon(cursor: &Cursor<'_>, field: &Word) -> Report {
 }
 
 /// Takes `line cord` where the name alone stands as a value, and reports it.
-fn kind_and_name(cursor: &mut Cursor<'_>, field: &str) -> Option<Report> {
+fn kind_and_name(cursor: &mut Cursor<'_>, field: &str) -> Option<LexemeMessage> {
     if !begins_outside(cursor) {
         return None;
     }
     let mut ahead = *cursor;
     let (kind, name) = (ahead.word()?, ahead.word()?);
-    let fills = ahead.at_end() || matches!(ahead.peek().map(|l| &l.kind), Some(Kind::Sign(',')));
+    let fills =
+        ahead.at_end() || matches!(ahead.peek().map(|l| &l.kind), Some(LexemeKind::Sign(',')));
     fills.then(|| {
         *cursor = ahead;
         let at = Region::from(kind.at).to(name.at.into());
@@ -172,7 +173,7 @@ fn rest<'a>(
     item: &mut Item<'a>,
     inside: bool,
     messages: &mut Messages,
-) -> Result<(), Report> {
+) -> Result<(), LexemeMessage> {
     if spec.named {
         item.name = Some(name(cursor, spec)?);
     }
@@ -204,7 +205,10 @@ fn rest<'a>(
 }
 
 /// The name after a keyword, with its repetition.
-fn name<'a>(cursor: &mut Cursor<'a>, spec: &'static ItemWord) -> Result<Name<'a>, Report> {
+fn name<'a>(
+    cursor: &mut Cursor<'a>,
+    spec: &'static ItemWord,
+) -> Result<NameSyntax<'a>, LexemeMessage> {
     let is_clause = cursor
         .peek_word()
         .is_some_and(|word| spec.clauses.iter().any(|clause| clause.sign == word));
@@ -216,7 +220,7 @@ fn name<'a>(cursor: &mut Cursor<'a>, spec: &'static ItemWord) -> Result<Name<'a>
     if let (Some(index), false) = (index, spec.repeats) {
         return Err(say::form(index.at, spec, "["));
     }
-    Ok(Name { word, index })
+    Ok(NameSyntax { word, index })
 }
 
 /// Takes the sign of a clause of this item.
@@ -237,7 +241,7 @@ fn clause_value<'a>(
     spec: &'static ItemWord,
     sign: &str,
     inside: bool,
-) -> Result<Value<'a>, Report> {
+) -> Result<ValueSyntax<'a>, LexemeMessage> {
     let start = *cursor;
     let braces = spec.fields.is_none() && (sign == "=" || !spec.named);
     // Braces of `if a < b { … } else { … }` belong to the value.
@@ -252,14 +256,14 @@ fn clause_value<'a>(
         }
         let brace = matches!(
             cursor.peek().map(|lexeme| &lexeme.kind),
-            Some(Kind::Open(Bracket::Brace, _))
+            Some(LexemeKind::Open(Bracket::Brace, _))
         );
         let mut ahead = *cursor;
         if (brace && !braces && !conditional) || clause(&mut ahead, spec).is_some() {
             break;
         }
         let next = cursor.peek().map(|lexeme| &lexeme.kind);
-        if next == Some(&Kind::Sign('?')) {
+        if next == Some(&LexemeKind::Sign('?')) {
             return Err(cursor.operand_expected("the end of the value"));
         }
         let over = cursor.peek_word().is_some_and(|word| OVER.contains(&word));
@@ -283,8 +287,8 @@ pub fn push_clause<'a>(
     item: &mut Item<'a>,
     sign: &'static str,
     at: Region,
-    value: Value<'a>,
-) -> Result<(), Report> {
+    value: ValueSyntax<'a>,
+) -> Result<(), LexemeMessage> {
     if let Some(first) = item.given(sign) {
         if item.word.text == "event" && sign == "=" {
             return Err(say::event_compares(at, "="));
@@ -294,11 +298,11 @@ pub fn push_clause<'a>(
     if value.lexemes.is_empty() {
         return Err(say::empty_value(at, sign));
     }
-    item.clauses.push(Given { sign, at, value });
+    item.clauses.push(ClauseValue { sign, at, value });
     Ok(())
 }
 
-fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), Report> {
+fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), LexemeMessage> {
     let missing = spec
         .clauses
         .iter()
@@ -312,14 +316,14 @@ fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), Report> {
 /// Whether the item ends here: at its separator, at the end, or where the next item begins without one.
 fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
     match cursor.peek().map(|lexeme| &lexeme.kind) {
-        None | Some(Kind::Doc(_)) => true,
-        Some(Kind::Sign(',')) if inside => true,
-        Some(Kind::Sign(';')) => true,
-        Some(Kind::Word(word)) => {
+        None | Some(LexemeKind::Doc(_)) => true,
+        Some(LexemeKind::Sign(',')) if inside => true,
+        Some(LexemeKind::Sign(';')) => true,
+        Some(LexemeKind::Word(word)) => {
             let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
             let named = words::find(word, inside).is_some_and(|spec| spec.named);
-            (named && matches!(next, Some(Kind::Word(_))))
-                || (inside && matches!(next, Some(Kind::Sign(':'))))
+            (named && matches!(next, Some(LexemeKind::Word(_))))
+                || (inside && matches!(next, Some(LexemeKind::Sign(':'))))
                 || (inside && begins_outside(cursor))
         }
         _ => false,
@@ -330,16 +334,16 @@ fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
 fn begins_outside(cursor: &Cursor<'_>) -> bool {
     let spec = cursor.peek_word().and_then(|word| words::find(word, false));
     let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
-    spec.is_some_and(|spec| spec.named) && matches!(next, Some(Kind::Word(_)))
+    spec.is_some_and(|spec| spec.named) && matches!(next, Some(LexemeKind::Word(_)))
 }
 
 /// Takes the separator after an item.
-fn separator(cursor: &mut Cursor<'_>, inside: bool) -> Result<(), Report> {
+fn separator(cursor: &mut Cursor<'_>, inside: bool) -> Result<(), LexemeMessage> {
     let sign = if inside { ',' } else { ';' };
     if cursor.sign(sign).is_some() || (inside && cursor.at_end()) {
         return Ok(());
     }
-    if inside && matches!(cursor.peek().map(|l| &l.kind), Some(Kind::Sign(';'))) {
+    if inside && matches!(cursor.peek().map(|l| &l.kind), Some(LexemeKind::Sign(';'))) {
         return Err(say::wrong_separator(cursor.here()));
     }
     if inside && begins_outside(cursor) {
@@ -358,22 +362,22 @@ fn recover(cursor: &mut Cursor<'_>, inside: bool) {
             let next = ahead.ahead(1).map(|lexeme| &lexeme.kind);
             let spec = words::find(word, inside);
             match (spec, next) {
-                (Some(spec), Some(Kind::Word(_))) => spec.named,
-                (Some(spec), Some(Kind::Sign(':' | ';'))) => !spec.named,
+                (Some(spec), Some(LexemeKind::Word(_))) => spec.named,
+                (Some(spec), Some(LexemeKind::Sign(':' | ';'))) => !spec.named,
                 // `world` is an end, too: `from a.tip to world { … }`.
-                (Some(spec), Some(Kind::Open(Bracket::Brace, _))) => {
+                (Some(spec), Some(LexemeKind::Open(Bracket::Brace, _))) => {
                     !spec.named && !ahead.after_word()
                 }
-                (None, Some(Kind::Sign(':'))) => inside,
+                (None, Some(LexemeKind::Sign(':'))) => inside,
                 _ => false,
             }
         })
     };
     while !cursor.at_end() && !just_ended(cursor) {
         let kind = cursor.peek().map(|lexeme| &lexeme.kind);
-        let separator = matches!(kind, Some(Kind::Sign(';')))
-            || (inside && matches!(kind, Some(Kind::Sign(','))));
-        let braces = !inside && matches!(kind, Some(Kind::Open(Bracket::Brace, _)));
+        let separator = matches!(kind, Some(LexemeKind::Sign(';')))
+            || (inside && matches!(kind, Some(LexemeKind::Sign(','))));
+        let braces = !inside && matches!(kind, Some(LexemeKind::Open(Bracket::Brace, _)));
         cursor.take_tree();
         let goes_on = cursor
             .peek_word()

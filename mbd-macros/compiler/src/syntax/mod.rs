@@ -13,7 +13,7 @@ pub mod words;
 pub use cursor::Cursor;
 pub use model::{begins_with_item, model};
 
-use crate::lexeme::{At, Lexeme, Region};
+use crate::lexeme::{Lexeme, LexemeIndex, Region};
 
 /// A word with its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,12 +21,12 @@ pub struct Word {
     /// The word.
     pub text: String,
     /// Its place.
-    pub at: At,
+    pub at: LexemeIndex,
 }
 
 /// The lexemes of a value.
 #[derive(Clone, Copy, Debug)]
-pub struct Value<'a> {
+pub struct ValueSyntax<'a> {
     /// The lexemes, balanced.
     pub lexemes: &'a [Lexeme],
     /// Where they are, or where they should be.
@@ -35,22 +35,22 @@ pub struct Value<'a> {
 
 /// A name, possibly repeated.
 #[derive(Clone, Debug)]
-pub struct Name<'a> {
+pub struct NameSyntax<'a> {
     /// The word.
     pub word: Word,
     /// What stands in its brackets: `i in 0..3`, or an index.
-    pub index: Option<Value<'a>>,
+    pub index: Option<ValueSyntax<'a>>,
 }
 
 /// The sign of a clause and its value.
 #[derive(Clone, Debug)]
-pub struct Given<'a> {
+pub struct ClauseValue<'a> {
     /// The sign or word, as in [`words::Clause::sign`].
     pub sign: &'static str,
     /// Where the sign is.
     pub at: Region,
     /// Its value.
-    pub value: Value<'a>,
+    pub value: ValueSyntax<'a>,
 }
 
 /// An item, a setting or a field: keyword, name, clauses, fields between braces.
@@ -59,13 +59,13 @@ pub struct Item<'a> {
     /// Its documentation.
     pub doc: String,
     /// The word that marks it, before the keyword: `loop joint`, `smooth table`.
-    pub marked: Option<At>,
+    pub marked: Option<LexemeIndex>,
     /// The keyword, or the name of the field.
     pub word: Word,
     /// The name.
-    pub name: Option<Name<'a>>,
+    pub name: Option<NameSyntax<'a>>,
     /// The values outside the braces.
-    pub clauses: Vec<Given<'a>>,
+    pub clauses: Vec<ClauseValue<'a>>,
     /// The fields between the braces.
     pub block: Vec<Item<'a>>,
     /// From the first to the last lexeme of its head.
@@ -76,12 +76,12 @@ pub struct Item<'a> {
 
 impl<'a> Item<'a> {
     /// The value of a clause.
-    pub fn clause(&self, sign: &str) -> Option<Value<'a>> {
+    pub fn clause(&self, sign: &str) -> Option<ValueSyntax<'a>> {
         self.given(sign).map(|given| given.value)
     }
 
     /// A clause.
-    pub fn given(&self, sign: &str) -> Option<&Given<'a>> {
+    pub fn given(&self, sign: &str) -> Option<&ClauseValue<'a>> {
         self.clauses.iter().find(|given| given.sign == sign)
     }
 
@@ -96,7 +96,7 @@ impl<'a> Item<'a> {
 
 /// A model as written.
 #[derive(Clone, Debug, Default)]
-pub struct Model<'a> {
+pub struct ModelSyntax<'a> {
     /// Its documentation.
     pub doc: String,
     /// Its name.
@@ -108,5 +108,5 @@ pub struct Model<'a> {
     /// Its items.
     pub items: Vec<Item<'a>>,
     /// The first place in a file that it takes in; what such a file declares may stay unused.
-    pub taken: Option<At>,
+    pub taken: Option<LexemeIndex>,
 }

@@ -1,23 +1,23 @@
 //! The head of a model: `/// doc`, `pub model Name<T> { … }`.
 
 use super::item::items;
-use super::{Cursor, Given, Item, Model, Value, words};
-use crate::lexeme::{Bracket, Kind, Lexeme, Region};
-use crate::messages::{Messages, Report, syntax as say};
+use super::{ClauseValue, Cursor, Item, ModelSyntax, ValueSyntax, words};
+use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
+use crate::messages::{LexemeMessage, Messages, syntax as say};
 
 /// Reads a model from all lexemes of a source. Nothing is `None` only when the source is empty.
-pub fn model<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Option<Model<'a>> {
+pub fn model<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Option<ModelSyntax<'a>> {
     let (first, last) = (lexemes.first()?, lexemes.last()?);
-    let mut cursor = Cursor::new(Value {
+    let mut cursor = Cursor::new(ValueSyntax {
         lexemes,
         at: Region {
             first: first.at,
             last: last.at,
         },
     });
-    let mut model = Model {
+    let mut model = ModelSyntax {
         doc: docs(&mut cursor),
-        ..Model::default()
+        ..ModelSyntax::default()
     };
     if let Some(item) = robot(&mut cursor) {
         // `urdf = "robot.urdf", items`: the model has the name of the robot.
@@ -45,12 +45,12 @@ pub fn model<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Option<Model
 /// Whether items stand at the top, without the head of a model around them.
 pub fn begins_with_item(lexemes: &[Lexeme]) -> bool {
     let mut lexemes = lexemes.iter();
-    let first = lexemes.find(|lexeme| !matches!(lexeme.kind, Kind::Doc(_)));
+    let first = lexemes.find(|lexeme| !matches!(lexeme.kind, LexemeKind::Doc(_)));
     let assigned = lexemes
         .next()
-        .is_some_and(|next| next.kind == Kind::Sign('='));
+        .is_some_and(|next| next.kind == LexemeKind::Sign('='));
     let item = first.is_some_and(
-        |lexeme| matches!(&lexeme.kind, Kind::Word(word) if words::find(word, false).is_some()),
+        |lexeme| matches!(&lexeme.kind, LexemeKind::Word(word) if words::find(word, false).is_some()),
     );
     item && !assigned
 }
@@ -62,7 +62,7 @@ fn robot<'a>(cursor: &mut Cursor<'a>) -> Option<Item<'a>> {
     let sign = ahead.sign('=')?;
     let start = ahead;
     ahead.take();
-    let given = Given {
+    let given = ClauseValue {
         sign: ":",
         at: sign.into(),
         value: ahead.since(start),
@@ -84,7 +84,7 @@ fn robot<'a>(cursor: &mut Cursor<'a>) -> Option<Item<'a>> {
 /// Takes doc comments: one line each, without the space after `///`.
 pub fn docs(cursor: &mut Cursor<'_>) -> String {
     let mut lines = Vec::new();
-    while let Some(Kind::Doc(text)) = cursor.peek().map(|lexeme| &lexeme.kind) {
+    while let Some(LexemeKind::Doc(text)) = cursor.peek().map(|lexeme| &lexeme.kind) {
         lines.push(text.strip_prefix(' ').unwrap_or(text).to_string());
         cursor.take();
     }
@@ -92,7 +92,7 @@ pub fn docs(cursor: &mut Cursor<'_>) -> String {
 }
 
 /// `pub(crate) model Name<T>`.
-pub fn head<'a>(cursor: &mut Cursor<'a>, model: &mut Model<'a>) -> Result<(), Report> {
+pub fn head<'a>(cursor: &mut Cursor<'a>, model: &mut ModelSyntax<'a>) -> Result<(), LexemeMessage> {
     if cursor.keyword("pub").is_some() {
         model.visibility = "pub".to_string();
         if let Some(within) = cursor.group(Bracket::Round) {
@@ -107,7 +107,7 @@ pub fn head<'a>(cursor: &mut Cursor<'a>, model: &mut Model<'a>) -> Result<(), Re
 }
 
 /// `Name<T>`.
-pub fn name<'a>(cursor: &mut Cursor<'a>, model: &mut Model<'a>) -> Result<(), Report> {
+pub fn name<'a>(cursor: &mut Cursor<'a>, model: &mut ModelSyntax<'a>) -> Result<(), LexemeMessage> {
     let word = cursor
         .word()
         .ok_or_else(|| cursor.expected("the name of the model"))?;

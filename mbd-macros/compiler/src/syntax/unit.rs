@@ -3,12 +3,12 @@
 use mbd_scene::{Dimension, Unit};
 
 use super::Cursor;
-use crate::lexeme::{Bracket, Kind};
-use crate::messages::{Report, syntax as say};
+use crate::lexeme::{Bracket, LexemeKind};
+use crate::messages::{LexemeMessage, syntax as say};
 use crate::units;
 
 /// Takes a unit that must fill the rest of the cursor: after `in`, in the type of an input, after brackets.
-pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, Report> {
+pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, LexemeMessage> {
     if alone(&cursor) {
         return Ok(units::si("", units::NONE));
     }
@@ -24,7 +24,7 @@ pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, Report> {
 }
 
 /// Takes a unit if one comes next. A word right after a number must be a unit; after `*` or `/` it may be something else.
-pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, Report> {
+pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
     let first = match reciprocal(cursor) {
         Some(one) => one,
         None if cursor.peek_word().is_some() => factor(cursor)?,
@@ -36,7 +36,7 @@ pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, Report> {
 }
 
 /// Refuses `kg m^2`: a unit behind a unit without a sign between them.
-fn no_unit_behind(cursor: &Cursor<'_>, unit: &Unit) -> Result<(), Report> {
+fn no_unit_behind(cursor: &Cursor<'_>, unit: &Unit) -> Result<(), LexemeMessage> {
     let mut ahead = *cursor;
     let mut all = vec![unit.text.clone()];
     while ahead
@@ -55,13 +55,15 @@ fn no_unit_behind(cursor: &Cursor<'_>, unit: &Unit) -> Result<(), Report> {
 /// Whether a `1` is all that is left: what has no unit.
 fn alone(cursor: &Cursor<'_>) -> bool {
     let one = cursor.peek();
-    one.is_some_and(|one| one.kind == Kind::Number("1".to_string())) && cursor.ahead(1).is_none()
+    one.is_some_and(|one| one.kind == LexemeKind::Number("1".to_string()))
+        && cursor.ahead(1).is_none()
 }
 
 /// Takes the `1` of `1/s`.
 fn reciprocal(cursor: &mut Cursor<'_>) -> Option<Unit> {
     let (one, over) = (cursor.peek()?, cursor.ahead(1)?);
-    let fits = one.kind == Kind::Number("1".to_string()) && over.kind == Kind::Sign('/');
+    let fits =
+        one.kind == LexemeKind::Number("1".to_string()) && over.kind == LexemeKind::Sign('/');
     fits.then(|| {
         cursor.take();
         units::si("1", units::NONE)
@@ -69,7 +71,7 @@ fn reciprocal(cursor: &mut Cursor<'_>) -> Option<Unit> {
 }
 
 /// The `* a / b` after a first factor. Without `strict` it stops before what is no unit.
-fn product(cursor: &mut Cursor<'_>, first: Unit, strict: bool) -> Result<Unit, Report> {
+fn product(cursor: &mut Cursor<'_>, first: Unit, strict: bool) -> Result<Unit, LexemeMessage> {
     let mut unit = first;
     loop {
         let mut ahead = *cursor;
@@ -106,7 +108,7 @@ fn product(cursor: &mut Cursor<'_>, first: Unit, strict: bool) -> Result<Unit, R
 }
 
 /// One word or bracket, with its exponent.
-fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
+fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, LexemeMessage> {
     let here = cursor.here();
     let base = if let Some(inner) = cursor.group(Bracket::Round) {
         let inner = whole(Cursor::new(inner))?;
@@ -119,10 +121,10 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
             .word()
             .ok_or_else(|| say::unit_expected(cursor.here()))?;
         let call = word.text == "min" && cursor.group(Bracket::Round).is_some();
-        let path = matches!(cursor.peek().map(|l| &l.kind), Some(Kind::Sign('.')));
+        let path = matches!(cursor.peek().map(|l| &l.kind), Some(LexemeKind::Sign('.')));
         if call || (path && !super::expression::range(cursor)) {
             return Err(match cursor.ahead(1).map(|l| &l.kind) {
-                Some(Kind::Word(next))
+                Some(LexemeKind::Word(next))
                     if [&word.text, next].iter().all(|w| units::find(w).is_some()) =>
                 {
                     say::unit_product(here, &word.text, next)
@@ -157,7 +159,7 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
 }
 
 /// A whole exponent, or `(n/2)`.
-fn exponent(cursor: &mut Cursor<'_>) -> Result<(i32, bool), Report> {
+fn exponent(cursor: &mut Cursor<'_>) -> Result<(i32, bool), LexemeMessage> {
     if let Some(inner) = cursor.group(Bracket::Round) {
         let mut inner = Cursor::new(inner);
         let n = whole_number(&mut inner)?;
@@ -174,11 +176,11 @@ fn exponent(cursor: &mut Cursor<'_>) -> Result<(i32, bool), Report> {
     whole_number(cursor).map(|n| (n, false))
 }
 
-fn whole_number(cursor: &mut Cursor<'_>) -> Result<i32, Report> {
+fn whole_number(cursor: &mut Cursor<'_>) -> Result<i32, LexemeMessage> {
     let negative = cursor.sign('-').is_some();
     let here = cursor.here();
     let value = match cursor.take().map(|lexeme| &lexeme.kind) {
-        Some(Kind::Number(text)) => text.parse::<i32>().ok(),
+        Some(LexemeKind::Number(text)) => text.parse::<i32>().ok(),
         _ => None,
     };
     match value {

@@ -21,7 +21,7 @@ pub fn write_text(scene: &Scene) -> String {
 #[must_use]
 pub fn toml_to_text(document: &str) -> Option<String> {
     let table = DeTable::parse(document).ok()?;
-    let mut writer = Writer {
+    let mut writer = DeclarationWriter {
         document,
         text: String::new(),
     };
@@ -29,21 +29,22 @@ pub fn toml_to_text(document: &str) -> Option<String> {
     Some(writer.text)
 }
 
-type Entry<'e, 't> = (&'e Spanned<Cow<'t, str>>, &'e Spanned<DeValue<'t>>);
+/// A key with its value, each with its place in the document.
+pub(super) type DocumentEntry<'e, 't> = (&'e Spanned<Cow<'t, str>>, &'e Spanned<DeValue<'t>>);
 
 /// The entries of a table in the order of the document.
-fn entries<'e, 't>(table: &'e DeTable<'t>) -> Vec<Entry<'e, 't>> {
-    let mut entries: Vec<Entry<'e, 't>> = table.iter().collect();
+pub(super) fn entries<'e, 't>(table: &'e DeTable<'t>) -> Vec<DocumentEntry<'e, 't>> {
+    let mut entries: Vec<DocumentEntry<'e, 't>> = table.iter().collect();
     entries.sort_by_key(|(key, _)| key.span().start);
     entries
 }
 
-struct Writer<'d> {
+struct DeclarationWriter<'d> {
     document: &'d str,
     text: String,
 }
 
-impl Writer<'_> {
+impl DeclarationWriter<'_> {
     fn model(&mut self, table: &DeTable<'_>) {
         let of = |word: &str| table.get(word).map(|value| self.value(value));
         let (name, doc) = (of("model").unwrap_or_default(), of("doc"));

@@ -6,12 +6,15 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::lexeme::{At, Kind, Lexeme, Lexer, Lines, Region, piece, without_mark};
+use super::declaration::entries;
+use crate::lexeme::{
+    Lexeme, LexemeIndex, LexemeKind, Lexer, LineStarts, Region, piece, without_mark,
+};
 use crate::messages::{Messages, resolve as say_resolve, syntax as say, toml as say_toml};
 use crate::reading::{Reading, complete};
 use crate::syntax::item::push_clause;
 use crate::syntax::words::{self, ItemWord};
-use crate::syntax::{Cursor, Item, Model, Name, Value, Word, model};
+use crate::syntax::{Cursor, Item, ModelSyntax, NameSyntax, ValueSyntax, Word, model};
 
 /// Reads a scene from TOML. A file that it names lies relative to the working directory.
 #[must_use]
@@ -23,9 +26,9 @@ pub fn read_toml(text: &str) -> Reading {
 #[must_use]
 pub fn read_toml_in(text: &str, folder: &Path) -> Reading {
     let text = without_mark(text);
-    let mut reader = Reader {
+    let mut reader = TomlReader {
         text,
-        lines: Lines::new(text),
+        lines: LineStarts::new(text),
         lexer: Lexer::of_text(),
         messages: Messages::default(),
     };
@@ -70,22 +73,22 @@ fn key_with_index(text: &str, offset: usize) -> Option<(&str, &str)> {
 
 /// A value: lexemes from here to there, and its place.
 #[derive(Clone, Debug)]
-struct Piece {
+struct ValueLexemes {
     range: Range<usize>,
-    at: At,
+    at: LexemeIndex,
 }
 
 /// An item whose lexemes are still being collected.
 #[derive(Clone, Debug)]
-struct Draft {
+struct ItemDraft {
     doc: String,
     word: Word,
-    name: Option<Piece>,
-    clauses: Vec<(&'static str, Piece)>,
-    block: Vec<Draft>,
+    name: Option<ValueLexemes>,
+    clauses: Vec<(&'static str, ValueLexemes)>,
+    block: Vec<ItemDraft>,
     spec: Option<&'static ItemWord>,
     /// `loop = true`, `smooth = true`
-    marked: Option<At>,
+    marked: Option<LexemeIndex>,
     /// Whether one of its values could not be read.
     broken: bool,
 }
@@ -94,39 +97,27 @@ struct Draft {
 #[derive(Debug, Default)]
 struct Document {
     doc: String,
-    name: Option<Piece>,
-    items: Vec<Draft>,
+    name: Option<ValueLexemes>,
+    items: Vec<ItemDraft>,
 }
 
-struct Reader<'t> {
+struct TomlReader<'t> {
     text: &'t str,
-    lines: Lines<'t>,
+    lines: LineStarts<'t>,
     lexer: Lexer,
     messages: Messages,
 }
 
-type Entry<'e, 't> = (
-    &'e Spanned<std::borrow::Cow<'t, str>>,
-    &'e Spanned<DeValue<'t>>,
-);
-
-/// The entries of a table in the order of the document.
-fn entries<'e, 't>(table: &'e DeTable<'t>) -> Vec<Entry<'e, 't>> {
-    let mut entries: Vec<Entry<'e, 't>> = table.iter().collect();
-    entries.sort_by_key(|(key, _)| key.span().start);
-    entries
-}
-
-impl<'t> Reader<'t> {
+impl<'t> TomlReader<'t> {
     /// A place without a lexeme of its own.
-    fn mark(&mut self, offset: usize) -> At {
+    fn mark(&mut self, offset: usize) -> LexemeIndex {
         let position = self.lines.position(offset);
         self.lexer.place(position)
     }
 
     fn document(&mut self, table: &DeTable<'_>) -> Document {
         let mut document = Document::default();
-        let mut items: Vec<(usize, Draft)> = Vec::new();
+        let mut items: Vec<(usize, ItemDraft)> = Vec::new();
         for (key, value) in entries(table) {
             let word: &str = key.get_ref();
             let at = self.mark(key.span().start);
@@ -167,9 +158,9 @@ impl<'t> Reader<'t> {
     fn unnamed(
         &mut self,
         spec: &'static ItemWord,
-        at: At,
+        at: LexemeIndex,
         value: &Spanned<DeValue<'_>>,
-    ) -> Option<Draft> {
+    ) -> Option<ItemDraft> {
         let mut item = draft(spec.word, at, Some(spec));
         match value.get_ref() {
             DeValue::Table(table) if spec.fields.is_some() => self.fields(&mut item, spec, table),
@@ -192,7 +183,7 @@ impl<'t> Reader<'t> {
         spec: &'static ItemWord,
         key: &Spanned<std::borrow::Cow<'_, str>>,
         value: &Spanned<DeValue<'_>>,
-    ) -> Option<Draft> {
+    ) -> Option<ItemDraft> {
         let at = self.mark(key.span().start);
         let mut item = draft(spec.word, at, Some(spec));
         item.name = Some(self.key(key));
@@ -213,7 +204,7 @@ impl<'t> Reader<'t> {
     }
 
     /// Clauses, fields and inner items of an item.
-    fn fields(&mut self, item: &mut Draft, spec: &'static ItemWord, table: &DeTable<'_>) {
+    fn fields(&mut self, item: &mut ItemDraft, spec: &'static ItemWord, table: &DeTable<'_>) {
         for (key, value) in entries(table) {
             let word: &str = key.get_ref();
             let at = self.mark(key.span().start);
@@ -273,18 +264,20 @@ impl<'t> Reader<'t> {
     }
 
     /// The path of a file, which is no language.
-    fn path(&mut self, path: &str, offset: usize) -> Piece {
+    fn path(&mut self, path: &str, offset: usize) -> ValueLexemes {
         let position = self.lines.position(offset);
         let first = self.lexer.lexemes.len();
-        let at = self.lexer.positioned(Kind::Text(path.to_owned()), position);
-        Piece {
+        let at = self
+            .lexer
+            .positioned(LexemeKind::Text(path.to_owned()), position);
+        ValueLexemes {
             range: first..self.lexer.lexemes.len(),
             at,
         }
     }
 
     /// A field with a value.
-    fn field(&mut self, word: &str, at: At, value: &Spanned<DeValue<'_>>) -> Draft {
+    fn field(&mut self, word: &str, at: LexemeIndex, value: &Spanned<DeValue<'_>>) -> ItemDraft {
         let mut field = draft(word, at, None);
         match self.value(value) {
             Some(value) => field.clauses.push((":", value)),
@@ -306,7 +299,7 @@ impl<'t> Reader<'t> {
     }
 
     /// A key with its repetition.
-    fn key(&mut self, key: &Spanned<std::borrow::Cow<'_, str>>) -> Piece {
+    fn key(&mut self, key: &Spanned<std::borrow::Cow<'_, str>>) -> ValueLexemes {
         let raw = self.text.get(key.span()).unwrap_or("");
         let quoted = raw.starts_with(['"', '\'']);
         let start = key.span().start + usize::from(quoted);
@@ -314,7 +307,7 @@ impl<'t> Reader<'t> {
     }
 
     /// The lexemes of a value.
-    fn value(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Piece> {
+    fn value(&mut self, value: &Spanned<DeValue<'_>>) -> Option<ValueLexemes> {
         let span = value.span();
         let raw = self.text.get(span.clone()).unwrap_or("");
         match value.get_ref() {
@@ -346,20 +339,20 @@ impl<'t> Reader<'t> {
     }
 
     /// Lexes a piece that lies at `start` of the document; an escaped one is placed at `begin` as a whole.
-    fn piece(&mut self, text: &str, begin: usize, start: usize, escaped: bool) -> Piece {
+    fn piece(&mut self, text: &str, begin: usize, start: usize, escaped: bool) -> ValueLexemes {
         let at = self.mark(begin);
         let first = self.lexer.lexemes.len();
         let base = (!escaped).then_some(start);
         piece(&mut self.lexer, &self.lines, text, base, &mut self.messages);
-        Piece {
+        ValueLexemes {
             range: first..self.lexer.lexemes.len(),
             at,
         }
     }
 }
 
-fn draft(word: &str, at: At, spec: Option<&'static ItemWord>) -> Draft {
-    Draft {
+fn draft(word: &str, at: LexemeIndex, spec: Option<&'static ItemWord>) -> ItemDraft {
+    ItemDraft {
         doc: String::new(),
         word: Word {
             text: word.to_string(),
@@ -374,8 +367,8 @@ fn draft(word: &str, at: At, spec: Option<&'static ItemWord>) -> Draft {
     }
 }
 
-impl Piece {
-    fn value<'a>(&self, lexemes: &'a [Lexeme]) -> Value<'a> {
+impl ValueLexemes {
+    fn value<'a>(&self, lexemes: &'a [Lexeme]) -> ValueSyntax<'a> {
         let lexemes = lexemes.get(self.range.clone()).unwrap_or(&[]);
         let at = match (lexemes.first(), lexemes.last()) {
             (Some(first), Some(last)) => Region {
@@ -384,16 +377,16 @@ impl Piece {
             },
             _ => self.at.into(),
         };
-        Value { lexemes, at }
+        ValueSyntax { lexemes, at }
     }
 }
 
 impl Document {
     /// The model, once all lexemes are there.
-    fn model<'a>(&self, lexemes: &'a [Lexeme], messages: &mut Messages) -> Model<'a> {
-        let mut read = Model {
+    fn model<'a>(&self, lexemes: &'a [Lexeme], messages: &mut Messages) -> ModelSyntax<'a> {
+        let mut read = ModelSyntax {
             doc: self.doc.clone(),
-            ..Model::default()
+            ..ModelSyntax::default()
         };
         match &self.name {
             Some(piece) => {
@@ -415,7 +408,7 @@ impl Document {
     }
 }
 
-impl Draft {
+impl ItemDraft {
     fn item<'a>(&self, lexemes: &'a [Lexeme], messages: &mut Messages) -> Item<'a> {
         let mut item = Item {
             doc: self.doc.clone(),
@@ -458,9 +451,9 @@ impl Draft {
 
 /// A name from a key: `leg`, `leg[0]`, `leg[i in 0..3]`.
 fn name<'a>(
-    value: Value<'a>,
+    value: ValueSyntax<'a>,
     spec: &'static ItemWord,
-) -> Result<Name<'a>, crate::messages::Report> {
+) -> Result<NameSyntax<'a>, crate::messages::LexemeMessage> {
     let mut cursor = Cursor::new(value);
     let word = cursor.word().ok_or_else(|| say::no_name(value.at, spec))?;
     let index = cursor.group(crate::lexeme::Bracket::Square);
@@ -468,5 +461,5 @@ fn name<'a>(
         return Err(say::form(index.at, spec, "["));
     }
     cursor.finish("the end of the name")?;
-    Ok(Name { word, index })
+    Ok(NameSyntax { word, index })
 }

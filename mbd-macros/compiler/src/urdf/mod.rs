@@ -13,16 +13,16 @@ mod take;
 mod tree;
 mod write;
 
-use crate::lexeme::{At, Lexer, Lines, Region, piece};
+use crate::lexeme::{LexemeIndex, Lexer, LineStarts, Region, piece};
 use crate::messages::{Messages, urdf as say};
 use crate::reading::{Reading, finish};
-use crate::syntax::{Model, Word};
+use crate::syntax::{ModelSyntax, Word};
 
-use names::Names;
+use names::RobotNames;
 use robot::Robot;
-use write::Writer;
+use write::UrdfWriter;
 
-pub use robot::Joint;
+pub use robot::UrdfJoint;
 pub use take::{nothing_to_extend, take};
 
 /// Reads a robot from the text of a URDF: its base at rest in the world, or declared by its joints, gravity 9.81 m/s² against z.
@@ -35,13 +35,13 @@ pub fn read_urdf(text: &str) -> Reading {
     taken
         .notes
         .push(gravity(&mut lexer, Region::START.first, &mut messages));
-    let mut model = Model {
+    let mut model = ModelSyntax {
         name: Some(Word {
             text: taken.model,
             at: Region::START.first,
         }),
         taken: Some(Region::START.first),
-        ..Model::default()
+        ..ModelSyntax::default()
     };
     model.items = take::items(&lexer.lexemes, &mut messages);
     take::without_stops(&mut model.items);
@@ -76,8 +76,8 @@ fn translate(
             .into_iter()
             .for_each(|report| messages.push(report));
     }
-    let names = Names::of(&robot, &groups);
-    let writer = Writer {
+    let names = RobotNames::of(&robot, &groups);
+    let writer = UrdfWriter {
         robot: &robot,
         groups: &groups,
         names: &names,
@@ -99,19 +99,19 @@ fn translate(
 }
 
 /// Adds the lexemes of an item, all at one place.
-fn add(lexer: &mut Lexer, at: At, text: &str, messages: &mut Messages) {
+fn add(lexer: &mut Lexer, at: LexemeIndex, text: &str, messages: &mut Messages) {
     let position = lexer.places.position(at);
     lexer.place(position);
-    piece(lexer, &Lines::new(text), text, None, messages);
+    piece(lexer, &LineStarts::new(text), text, None, messages);
 }
 
 /// Adds gravity where a declaration says none: z points up in a URDF. Returns the note of that choice.
-fn gravity(lexer: &mut Lexer, at: At, messages: &mut Messages) -> String {
+fn gravity(lexer: &mut Lexer, at: LexemeIndex, messages: &mut Messages) -> String {
     add(lexer, at, "gravity: [0.0, 0.0, -9.81] m/s^2;", messages);
     "no gravity is declared: with a URDF it is 9.81 m/s^2 against z".to_owned()
 }
 
-fn notes(robot: &Robot, names: &Names, free: bool) -> Vec<String> {
+fn notes(robot: &Robot, names: &RobotNames, free: bool) -> Vec<String> {
     let mut notes = Vec::new();
     if !robot.unread.is_empty() {
         let listed = robot
@@ -140,7 +140,7 @@ fn notes(robot: &Robot, names: &Names, free: bool) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if robot.joints.iter().any(robot::Joint::is_limited) {
+    if robot.joints.iter().any(robot::UrdfJoint::is_limited) {
         notes.push(
             "limits of the URDF are no law: a joint has stops there where `stop_stiffness` is given"
                 .to_owned(),

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use super::robot::{Kind, Robot};
-use super::tree::Group;
+use super::robot::{Robot, UrdfJointKind};
+use super::tree::RigidGroup;
 use crate::syntax::words;
 
 /// The names of everything that a robot declares.
 #[derive(Debug, Default)]
-pub struct Names {
+pub struct RobotNames {
     /// Per link its body, or the frame that it is on another; of the links at rest their frames of the world.
     pub links: Vec<String>,
     /// Per joint; that of a `fixed` one is empty.
@@ -21,12 +21,12 @@ pub struct Names {
     pub changed: Vec<String>,
 }
 
-impl Names {
+impl RobotNames {
     /// Names that the language takes and that differ from each other.
-    pub fn of(robot: &Robot, groups: &[Group]) -> Names {
-        let mut names = Names {
+    pub fn of(robot: &Robot, groups: &[RigidGroup]) -> RobotNames {
+        let mut names = RobotNames {
             links: vec![String::new(); robot.links.len()],
-            ..Names::default()
+            ..RobotNames::default()
         };
         let mut taken = BTreeSet::new();
         // Bodies first: they are named most.
@@ -36,7 +36,7 @@ impl Names {
         }
         for joint in &robot.joints {
             let name = match joint.kind {
-                Kind::Fixed => String::new(),
+                UrdfJointKind::Fixed => String::new(),
                 _ => names.fresh("joint", &joint.name, &mut taken),
             };
             let mimic = match joint.mimic {
@@ -49,8 +49,8 @@ impl Names {
         for group in groups {
             // Frames of one body: those of its joints, and of links that are fixed to it.
             let mut frames: BTreeSet<String> = ["origin", "com"].map(str::to_owned).into();
-            let on = |joint: &&super::robot::Joint| {
-                let parent = |member: &super::tree::Member| member.link == joint.parent;
+            let on = |joint: &&super::robot::UrdfJoint| {
+                let parent = |member: &super::tree::GroupMember| member.link == joint.parent;
                 group.members.iter().any(parent)
             };
             let joints = robot.joints.iter().zip(&names.joints);

@@ -1,14 +1,14 @@
 //! What a declaration says of the file that it takes in: `urdf: "robot.urdf" { base: free, … };`.
 
 use crate::lexeme::Bracket;
-use crate::messages::{Messages, Report, resolve as say_resolve, urdf as say};
+use crate::messages::{LexemeMessage, Messages, resolve as say_resolve, urdf as say};
 use crate::syntax::item::items;
 use crate::syntax::words;
-use crate::syntax::{Cursor, Item, Value};
+use crate::syntax::{Cursor, Item, ValueSyntax};
 
 /// What is said of a robot beside its file.
 #[derive(Debug, Default)]
-pub struct Options<'a> {
+pub struct RobotOptions<'a> {
     /// `base: free`
     pub free: bool,
     /// `inertias: unchecked`
@@ -19,10 +19,10 @@ pub struct Options<'a> {
     pub slide: Vec<Item<'a>>,
 }
 
-impl<'a> Options<'a> {
+impl<'a> RobotOptions<'a> {
     /// Reads the fields of the item `urdf`.
-    pub fn of(item: &Item<'a>, messages: &mut Messages) -> Options<'a> {
-        let mut options = Options::default();
+    pub fn of(item: &Item<'a>, messages: &mut Messages) -> RobotOptions<'a> {
+        let mut options = RobotOptions::default();
         let known = words::find("urdf", false).and_then(|spec| spec.fields);
         for field in &item.block {
             let at = field.word.at.into();
@@ -49,12 +49,12 @@ impl<'a> Options<'a> {
     }
 }
 
-fn told<T>(result: Result<T, Report>, messages: &mut Messages) -> Option<T> {
+fn told<T>(result: Result<T, LexemeMessage>, messages: &mut Messages) -> Option<T> {
     result.map_err(|report| messages.push(report)).ok()
 }
 
 /// Which of the words a value is.
-fn choice(value: Value<'_>, words: [&str; 2]) -> Result<usize, Report> {
+fn choice(value: ValueSyntax<'_>, words: [&str; 2]) -> Result<usize, LexemeMessage> {
     let mut cursor = Cursor::new(value);
     let found = cursor.word();
     let index = found.and_then(|found| words.iter().position(|word| *word == found.text));
@@ -65,7 +65,7 @@ fn choice(value: Value<'_>, words: [&str; 2]) -> Result<usize, Report> {
 }
 
 /// The fields between braces.
-fn block<'a>(value: Value<'a>, messages: &mut Messages) -> Vec<Item<'a>> {
+fn block<'a>(value: ValueSyntax<'a>, messages: &mut Messages) -> Vec<Item<'a>> {
     let mut cursor = Cursor::new(value);
     match cursor.group(Bracket::Brace) {
         Some(group) if cursor.at_end() => items(Cursor::new(group), true, messages),

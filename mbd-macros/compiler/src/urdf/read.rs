@@ -6,9 +6,11 @@ use mbd_scene::solids::Solid;
 use nalgebra::Matrix3;
 use roxmltree::{Attribute, Document, Error, Node, ParsingOptions};
 
-use super::robot::{Geometry, Inertial, Joint, Kind, Limit, Link, Mimic, Origin, Robot};
-use crate::lexeme::{At, Lexer, Lines};
-use crate::messages::{Messages, Report, urdf as say};
+use super::robot::{
+    Inertial, Mimic, Robot, UrdfGeometry, UrdfJoint, UrdfJointKind, UrdfLimit, UrdfLink, UrdfOrigin,
+};
+use crate::lexeme::{LexemeIndex, Lexer, LineStarts};
+use crate::messages::{LexemeMessage, Messages, urdf as say};
 
 /// A file with more bytes is no robot.
 pub const LARGEST: usize = 10_000_000;
@@ -23,8 +25,8 @@ const MOST: usize = 100;
 
 /// Reads a robot; what is wrong with it is in `messages`.
 pub fn read(text: &str, lexer: &mut Lexer, messages: &mut Messages) -> Option<Robot> {
-    let mut reader = Reader {
-        lines: Lines::new(text),
+    let mut reader = UrdfReader {
+        lines: LineStarts::new(text),
         lexer,
         messages,
         told: 0,
@@ -68,8 +70,8 @@ pub fn read(text: &str, lexer: &mut Lexer, messages: &mut Messages) -> Option<Ro
     robot.filter(|_| reader.told == 0)
 }
 
-struct Reader<'r, 't> {
-    lines: Lines<'t>,
+struct UrdfReader<'r, 't> {
+    lines: LineStarts<'t>,
     lexer: &'r mut Lexer,
     messages: &'r mut Messages,
     /// How many mistakes were told.
@@ -99,29 +101,29 @@ fn tag<'a>(node: Node<'a, '_>) -> &'a str {
 }
 
 /// A link or joint whose names are not resolved yet.
-struct Draft<'a, 'i> {
+struct UrdfDraft<'a, 'i> {
     node: Node<'a, 'i>,
     name: String,
-    at: At,
+    at: LexemeIndex,
 }
 
-impl Reader<'_, '_> {
-    fn at(&mut self, offset: usize) -> At {
+impl UrdfReader<'_, '_> {
+    fn at(&mut self, offset: usize) -> LexemeIndex {
         let position = self.lines.position(offset);
         self.lexer.place(position)
     }
 
-    fn tell(&mut self, report: Report) {
+    fn tell(&mut self, report: LexemeMessage) {
         self.told += 1;
         self.messages.push(report);
     }
 
     /// Tells of a mistake at an element. Places are looked for only as long as anyone reads them.
-    fn wrong(&mut self, node: Node<'_, '_>, report: impl FnOnce(At) -> Report) {
+    fn wrong(&mut self, node: Node<'_, '_>, report: impl FnOnce(LexemeIndex) -> LexemeMessage) {
         self.wrong_at(node.range().start, report);
     }
 
-    fn wrong_at(&mut self, offset: usize, report: impl FnOnce(At) -> Report) {
+    fn wrong_at(&mut self, offset: usize, report: impl FnOnce(LexemeIndex) -> LexemeMessage) {
         if self.told < MOST {
             let at = self.at(offset);
             self.tell(report(at));
@@ -146,7 +148,7 @@ impl Reader<'_, '_> {
         }
         let (names, joint_names) = (numbered(&links), numbered(&joints));
         let read_links = links.iter().map(|draft| self.link(draft)).collect();
-        let read_joints: Vec<Option<Joint>> = joints
+        let read_joints: Vec<Option<UrdfJoint>> = joints
             .iter()
             .map(|draft| self.joint(draft, &names, &joint_names))
             .collect();
@@ -166,7 +168,7 @@ impl Reader<'_, '_> {
     }
 
     /// The links or the joints of a robot, each name once.
-    fn drafts<'a, 'i>(&mut self, robot: Node<'a, 'i>, kind: &str) -> Vec<Draft<'a, 'i>> {
+    fn drafts<'a, 'i>(&mut self, robot: Node<'a, 'i>, kind: &str) -> Vec<UrdfDraft<'a, 'i>> {
         let (mut drafts, mut first) = (Vec::new(), BTreeMap::new());
         for node in elements(robot).filter(|node| tag(*node) == kind) {
             let Some(name) = self.name(node) else {
@@ -177,7 +179,7 @@ impl Reader<'_, '_> {
                 Some(earlier) => self.tell(say::twice(at, kind, &name, *earlier)),
                 None => {
                     first.insert(name.clone(), at);
-                    drafts.push(Draft { node, name, at });
+                    drafts.push(UrdfDraft { node, name, at });
                 }
             }
         }
@@ -287,20 +289,20 @@ impl Reader<'_, '_> {
         self.numbers(node, &attribute)
     }
 
-    fn origin(&mut self, node: Option<Node<'_, '_>>) -> Origin {
+    fn origin(&mut self, node: Option<Node<'_, '_>>) -> UrdfOrigin {
         let Some(node) = node else {
-            return Origin::default();
+            return UrdfOrigin::default();
         };
         self.attributes(node, &["xyz", "rpy"]);
-        Origin {
+        UrdfOrigin {
             xyz: self.triple(node, "xyz").unwrap_or_default(),
             rpy: self.triple(node, "rpy").unwrap_or_default(),
         }
     }
 
-    fn link(&mut self, draft: &Draft<'_, '_>) -> Link {
+    fn link(&mut self, draft: &UrdfDraft<'_, '_>) -> UrdfLink {
         let [inertial] = self.children(draft.node, ["inertial"]);
-        Link {
+        UrdfLink {
             name: draft.name.clone(),
             at: draft.at,
             inertial: inertial.and_then(|node| self.inertial(&draft.name, node)),
@@ -309,10 +311,10 @@ impl Reader<'_, '_> {
     }
 
     /// The simple solids of a link, which then are no longer what is left out.
-    fn shapes(&mut self, link: Node<'_, '_>) -> Vec<Geometry> {
+    fn shapes(&mut self, link: Node<'_, '_>) -> Vec<UrdfGeometry> {
         for kind in ["visual", "collision"] {
             let drawn = elements(link).filter(|node| tag(*node) == kind);
-            let shapes: Vec<Geometry> = drawn.filter_map(geometry).collect();
+            let shapes: Vec<UrdfGeometry> = drawn.filter_map(geometry).collect();
             if !shapes.is_empty() {
                 if let Some(count) = self.unread.get_mut(kind) {
                     *count = count.saturating_sub(shapes.len());
@@ -356,10 +358,10 @@ impl Reader<'_, '_> {
 
     fn joint(
         &mut self,
-        draft: &Draft<'_, '_>,
+        draft: &UrdfDraft<'_, '_>,
         links: &BTreeMap<&str, usize>,
         joints: &BTreeMap<&str, usize>,
-    ) -> Option<Joint> {
+    ) -> Option<UrdfJoint> {
         let node = draft.node;
         let known = [
             "origin", "parent", "child", "axis", "limit", "dynamics", "mimic",
@@ -375,16 +377,21 @@ impl Reader<'_, '_> {
             self.attributes(end, &["link"]);
             self.reference(end, "link", links)
         });
-        let turns = matches!(kind, Some(Kind::Hinge | Kind::Prismatic | Kind::Planar));
+        let turns = matches!(
+            kind,
+            Some(UrdfJointKind::Hinge | UrdfJointKind::Prismatic | UrdfJointKind::Planar)
+        );
         let axis = self.axis(&draft.name, axis, turns);
         let limit = self.limit(limit);
         let dynamics = self.dynamics(&draft.name, dynamics);
         let mimic = match mimic {
             // What does not move follows nothing.
-            Some(node) if kind != Some(Kind::Fixed) => Some(self.mimic(draft, node, joints)?),
+            Some(node) if kind != Some(UrdfJointKind::Fixed) => {
+                Some(self.mimic(draft, node, joints)?)
+            }
             _ => None,
         };
-        Some(Joint {
+        Some(UrdfJoint {
             name: draft.name.clone(),
             at: draft.at,
             kind: kind?,
@@ -398,18 +405,18 @@ impl Reader<'_, '_> {
         })
     }
 
-    fn kind(&mut self, draft: &Draft<'_, '_>) -> Option<Kind> {
+    fn kind(&mut self, draft: &UrdfDraft<'_, '_>) -> Option<UrdfJointKind> {
         let node = draft.node;
         let Some(attribute) = node.attribute_node("type") else {
             self.wrong(node, |at| say::no_attribute(at, "joint", "type"));
             return None;
         };
         let word = attribute.value().trim();
-        let found = Kind::TYPES.iter().find(|(name, _)| *name == word);
+        let found = UrdfJointKind::TYPES.iter().find(|(name, _)| *name == word);
         if found.is_none() {
             let name = &draft.name;
             self.wrong_at(attribute.range().start, |at| {
-                let types = Kind::TYPES.map(|(name, _)| name);
+                let types = UrdfJointKind::TYPES.map(|(name, _)| name);
                 say::joint_type(at, name, word, &types)
             });
         }
@@ -454,15 +461,15 @@ impl Reader<'_, '_> {
         Some(axis)
     }
 
-    fn limit(&mut self, node: Option<Node<'_, '_>>) -> Limit {
+    fn limit(&mut self, node: Option<Node<'_, '_>>) -> UrdfLimit {
         let Some(node) = node else {
-            return Limit::default();
+            return UrdfLimit::default();
         };
         let [lower, upper, effort, velocity] =
             ["lower", "upper", "effort", "velocity"].map(|name| self.number(node, name));
         // An end that is not said is zero.
         let said = lower.is_some() || upper.is_some();
-        Limit {
+        UrdfLimit {
             range: said.then(|| [lower.unwrap_or(0.0), upper.unwrap_or(0.0)]),
             effort,
             velocity,
@@ -489,7 +496,7 @@ impl Reader<'_, '_> {
 
     fn mimic(
         &mut self,
-        draft: &Draft<'_, '_>,
+        draft: &UrdfDraft<'_, '_>,
         node: Node<'_, '_>,
         joints: &BTreeMap<&str, usize>,
     ) -> Option<Mimic> {
@@ -514,7 +521,7 @@ impl Reader<'_, '_> {
     }
 }
 
-fn numbered<'d>(drafts: &'d [Draft<'_, '_>]) -> BTreeMap<&'d str, usize> {
+fn numbered<'d>(drafts: &'d [UrdfDraft<'_, '_>]) -> BTreeMap<&'d str, usize> {
     let names = drafts.iter().map(|draft| draft.name.as_str());
     names
         .enumerate()
@@ -523,7 +530,7 @@ fn numbered<'d>(drafts: &'d [Draft<'_, '_>]) -> BTreeMap<&'d str, usize> {
 }
 
 /// The solid of a `<visual>` or a `<collision>`; `None` of a mesh, and of what is not written as the format has it: pictures stop no run.
-fn geometry(node: Node<'_, '_>) -> Option<Geometry> {
+fn geometry(node: Node<'_, '_>) -> Option<UrdfGeometry> {
     let inside = |name: &str| elements(node).find(|child| tag(*child) == name);
     let shape = elements(inside("geometry")?).next()?;
     let solid = Solid::ALL
@@ -542,11 +549,11 @@ fn geometry(node: Node<'_, '_>) -> Option<Geometry> {
         Some(origin) if origin.has_attribute(name) => list(origin, name)?.try_into().ok(),
         _ => Some([0.0; 3]),
     };
-    let origin = Origin {
+    let origin = UrdfOrigin {
         xyz: place("xyz")?,
         rpy: place("rpy")?,
     };
-    fits.then_some(Geometry {
+    fits.then_some(UrdfGeometry {
         solid,
         sizes,
         origin,

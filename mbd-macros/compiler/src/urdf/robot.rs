@@ -3,7 +3,7 @@
 use mbd_scene::solids::Solid;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::lexeme::At;
+use crate::lexeme::LexemeIndex;
 use crate::resolve::fold::sin_cos;
 
 /// A robot.
@@ -12,9 +12,9 @@ pub struct Robot {
     /// Its name; empty where the file gives none.
     pub name: String,
     /// Its links, in the order of the file.
-    pub links: Vec<Link>,
+    pub links: Vec<UrdfLink>,
     /// Its joints, in the order of the file.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<UrdfJoint>,
     /// The link that carries all others.
     pub root: usize,
     /// What the file holds beside links and joints, by the name of its elements, and how many.
@@ -23,60 +23,60 @@ pub struct Robot {
 
 /// A rigid link.
 #[derive(Debug)]
-pub struct Link {
+pub struct UrdfLink {
     /// Its name in the file.
     pub name: String,
     /// Its element.
-    pub at: At,
+    pub at: LexemeIndex,
     /// Mass and inertia, if any.
     pub inertial: Option<Inertial>,
     /// What it looks like, as far as that is put together of simple solids.
-    pub shapes: Vec<Geometry>,
+    pub shapes: Vec<UrdfGeometry>,
 }
 
 /// The `<geometry>` of a `<visual>`, or of a `<collision>` where no `<visual>` is simple.
 #[derive(Clone, Debug)]
-pub struct Geometry {
+pub struct UrdfGeometry {
     /// What it is.
     pub solid: Solid,
     /// Its sizes [m], positive.
     pub sizes: Vec<f64>,
     /// Its place and axes in those of the link.
-    pub origin: Origin,
+    pub origin: UrdfOrigin,
 }
 
 /// `<inertial>`.
 #[derive(Clone, Debug)]
 pub struct Inertial {
     /// The centre of mass, and the axes of the inertia, in those of the link.
-    pub origin: Origin,
+    pub origin: UrdfOrigin,
     /// Mass [kg], not negative.
     pub mass: f64,
     /// About the centre of mass in the axes of `origin` [kg·m²].
     pub inertia: Matrix3<f64>,
     /// Its element `<inertia>`.
-    pub at: At,
+    pub at: LexemeIndex,
 }
 
 /// A joint between two links.
 #[derive(Debug)]
-pub struct Joint {
+pub struct UrdfJoint {
     /// Its name in the file.
     pub name: String,
     /// Its element.
-    pub at: At,
+    pub at: LexemeIndex,
     /// What it allows.
-    pub kind: Kind,
+    pub kind: UrdfJointKind,
     /// The link it hangs on.
     pub parent: usize,
     /// The link it carries; its frame is that of the joint where all coordinates are zero.
     pub child: usize,
     /// The joint's frame in that of the parent.
-    pub origin: Origin,
+    pub origin: UrdfOrigin,
     /// The axis in the joint's frame, of any length but zero.
     pub axis: [f64; 3],
     /// The range of its coordinate and what drives it.
-    pub limit: Limit,
+    pub limit: UrdfLimit,
     /// Damping [N·s/m or N·m·s/rad] and friction [N or N·m], not negative.
     pub dynamics: [f64; 2],
     /// The joint whose coordinate it follows.
@@ -85,7 +85,7 @@ pub struct Joint {
 
 /// What a joint allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum UrdfJointKind {
     /// `revolute`, `continuous`
     Hinge,
     /// `prismatic`
@@ -100,36 +100,36 @@ pub enum Kind {
     Spherical,
 }
 
-impl Kind {
+impl UrdfJointKind {
     /// The types of a URDF.
-    pub const TYPES: [(&str, Kind); 8] = [
-        ("revolute", Kind::Hinge),
-        ("continuous", Kind::Hinge),
-        ("prismatic", Kind::Prismatic),
-        ("fixed", Kind::Fixed),
-        ("floating", Kind::Free),
-        ("planar", Kind::Planar),
-        ("spherical", Kind::Spherical),
-        ("ball", Kind::Spherical),
+    pub const TYPES: [(&str, UrdfJointKind); 8] = [
+        ("revolute", UrdfJointKind::Hinge),
+        ("continuous", UrdfJointKind::Hinge),
+        ("prismatic", UrdfJointKind::Prismatic),
+        ("fixed", UrdfJointKind::Fixed),
+        ("floating", UrdfJointKind::Free),
+        ("planar", UrdfJointKind::Planar),
+        ("spherical", UrdfJointKind::Spherical),
+        ("ball", UrdfJointKind::Spherical),
     ];
 
     /// The keyword of the joint in a declaration.
     pub fn keyword(self) -> &'static str {
         match self {
-            Kind::Hinge => "hinge",
-            Kind::Prismatic => "prismatic",
-            Kind::Fixed => "rigid",
-            Kind::Free => "free",
-            Kind::Planar => "planar",
-            Kind::Spherical => "spherical",
+            UrdfJointKind::Hinge => "hinge",
+            UrdfJointKind::Prismatic => "prismatic",
+            UrdfJointKind::Fixed => "rigid",
+            UrdfJointKind::Free => "free",
+            UrdfJointKind::Planar => "planar",
+            UrdfJointKind::Spherical => "spherical",
         }
     }
 
     /// The name of its only coordinate, its unit, and the unit of the effort along it.
     pub fn coordinate(self) -> Option<(&'static str, &'static str, &'static str)> {
         match self {
-            Kind::Hinge => Some(("angle", "rad", "N*m")),
-            Kind::Prismatic => Some(("slide", "m", "N")),
+            UrdfJointKind::Hinge => Some(("angle", "rad", "N*m")),
+            UrdfJointKind::Prismatic => Some(("slide", "m", "N")),
             _ => None,
         }
     }
@@ -137,7 +137,7 @@ impl Kind {
 
 /// `<limit>`: what is not said is `None`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Limit {
+pub struct UrdfLimit {
     /// Lower and upper end of the coordinate [rad or m].
     pub range: Option<[f64; 2]>,
     /// The largest effort of its drive [N·m or N].
@@ -156,19 +156,19 @@ pub struct Mimic {
     /// [rad or m]
     pub offset: f64,
     /// Its element.
-    pub at: At,
+    pub at: LexemeIndex,
 }
 
 /// `<origin>`: a place with axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Origin {
+pub struct UrdfOrigin {
     /// Where it is [m].
     pub xyz: [f64; 3],
     /// Roll, pitch, yaw about the fixed axes x, y, z [rad].
     pub rpy: [f64; 3],
 }
 
-impl Origin {
+impl UrdfOrigin {
     /// R = Rz(yaw) Ry(pitch) Rx(roll), with true zeros at quarter turns.
     pub fn rotation(&self) -> Matrix3<f64> {
         let [(sr, cr), (sp, cp), (sy, cy)] = self.rpy.map(sin_cos);

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use super::options::Options;
+use super::options::RobotOptions;
 use super::{gravity, translate};
-use crate::lexeme::{Kind, Lexeme, Lexer, Places, Region};
+use crate::lexeme::{Lexeme, LexemeKind, Lexer, Places, Region};
 use crate::messages::{Messages, urdf as say};
 use crate::syntax::item::items as read_items;
-use crate::syntax::{Cursor, Item, Model, Value, Word};
+use crate::syntax::{Cursor, Item, ModelSyntax, ValueSyntax, Word};
 
 /// Fields that say more about another, and have no meaning without it: what is said for all joints leaves the others alone.
 const ABOUT: [(&str, &str); 3] = [
@@ -35,7 +35,7 @@ pub struct File {
 
 /// The file that the item `urdf` of a model names, read relative to `folder`; `None` without such an item.
 pub fn take(
-    model: &Model<'_>,
+    model: &ModelSyntax<'_>,
     folder: &Path,
     places: &mut Places,
     messages: &mut Messages,
@@ -44,7 +44,7 @@ pub fn take(
     let value = item.clause(":")?;
     let [
         Lexeme {
-            kind: Kind::Text(path),
+            kind: LexemeKind::Text(path),
             at,
         },
     ] = value.lexemes
@@ -62,7 +62,7 @@ pub fn take(
         notes: Vec::new(),
     };
     // Mistakes in them are told where the fields are used, in `joined`.
-    let options = Options::of(item, &mut Messages::default());
+    let options = RobotOptions::of(item, &mut Messages::default());
     let text = match text(&folder.join(path)) {
         Ok(text) => text,
         Err(why) => {
@@ -105,18 +105,22 @@ pub fn items<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Vec<Item<'a>
         (Some(first), Some(last)) => Region::from(first.at).to(last.at.into()),
         _ => Region::START,
     };
-    read_items(Cursor::new(Value { lexemes, at }), false, messages)
+    read_items(Cursor::new(ValueSyntax { lexemes, at }), false, messages)
 }
 
 impl File {
     /// The model with the items of the file, and what it adds to them.
-    pub fn joined<'a>(&'a self, model: Model<'a>, messages: &mut Messages) -> Model<'a> {
+    pub fn joined<'a>(
+        &'a self,
+        model: ModelSyntax<'a>,
+        messages: &mut Messages,
+    ) -> ModelSyntax<'a> {
         let mut model = model;
         let mut robot = items(&self.lexemes, messages);
         let place = model.items.iter().position(|item| item.word.text == "urdf");
         let place = place.unwrap_or(0);
         let item = model.items.remove(place);
-        let options = Options::of(&item, messages);
+        let options = RobotOptions::of(&item, messages);
         for joint in robot.iter_mut().filter(|item| item.word.text == "joint") {
             let kind = joint.clause(":").and_then(|kind| kind.lexemes.first());
             let kind = kind.map(Lexeme::shown);
@@ -166,7 +170,7 @@ impl File {
 }
 
 /// Refuses what adds to a robot where there is none.
-pub fn nothing_to_extend(model: &mut Model<'_>, messages: &mut Messages) {
+pub fn nothing_to_extend(model: &mut ModelSyntax<'_>, messages: &mut Messages) {
     for item in model.items.iter().filter(|item| item.word.text == "extend") {
         messages.push(say::nothing_to_extend(item.name_at()));
     }

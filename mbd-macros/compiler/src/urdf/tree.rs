@@ -2,33 +2,33 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::robot::{Inertial, Kind, Origin, Robot};
+use super::robot::{Inertial, Robot, UrdfJointKind, UrdfOrigin};
 use crate::check::moments_of_a_part;
-use crate::messages::{Report, urdf as say};
+use crate::messages::{LexemeMessage, urdf as say};
 
 /// Links without freedom among each other.
 #[derive(Debug)]
-pub struct Group {
+pub struct RigidGroup {
     /// Its links, the one that a joint carries first.
-    pub members: Vec<Member>,
+    pub members: Vec<GroupMember>,
     /// The joint that carries it; `None` for the group of the root.
     pub joint: Option<usize>,
 }
 
 /// A link of a group.
 #[derive(Clone, Copy, Debug)]
-pub struct Member {
+pub struct GroupMember {
     /// The link.
     pub link: usize,
     /// Its frame in that of the first link of the group.
-    pub placed: Placed,
+    pub placed: PlacedFrame,
 }
 
 /// A place with axes, in those of the first link of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Placed {
+pub enum PlacedFrame {
     /// As the file says.
-    Given(Origin),
+    Given(UrdfOrigin),
     /// Behind several origins.
     Composed {
         /// Where it is [m].
@@ -38,19 +38,19 @@ pub enum Placed {
     },
 }
 
-impl Placed {
+impl PlacedFrame {
     /// The frame of the group itself.
-    const HERE: Placed = Placed::Given(Origin {
+    const HERE: PlacedFrame = PlacedFrame::Given(UrdfOrigin {
         xyz: [0.0; 3],
         rpy: [0.0; 3],
     });
 
     /// What `origin` says in this frame.
-    pub fn then(self, origin: Origin) -> Placed {
+    pub fn then(self, origin: UrdfOrigin) -> PlacedFrame {
         match self {
-            Placed::HERE => Placed::Given(origin),
-            before if origin == Origin::default() => before,
-            before => Placed::Composed {
+            PlacedFrame::HERE => PlacedFrame::Given(origin),
+            before if origin == UrdfOrigin::default() => before,
+            before => PlacedFrame::Composed {
                 position: before.position() + before.rotation() * origin.position(),
                 rotation: before.rotation() * origin.rotation(),
             },
@@ -60,23 +60,23 @@ impl Placed {
     /// Where it is [m].
     pub fn position(self) -> Vector3<f64> {
         match self {
-            Placed::Given(origin) => origin.position(),
-            Placed::Composed { position, .. } => position,
+            PlacedFrame::Given(origin) => origin.position(),
+            PlacedFrame::Composed { position, .. } => position,
         }
     }
 
     /// Its axes.
     pub fn rotation(self) -> Matrix3<f64> {
         match self {
-            Placed::Given(origin) => origin.rotation(),
-            Placed::Composed { rotation, .. } => rotation,
+            PlacedFrame::Given(origin) => origin.rotation(),
+            PlacedFrame::Composed { rotation, .. } => rotation,
         }
     }
 }
 
 /// Mass, centre of mass and inertia of a body.
 #[derive(Clone, Debug)]
-pub struct Lump {
+pub struct MassProperties {
     /// [kg]
     pub mass: f64,
     /// In the frame of the group [m].
@@ -86,7 +86,7 @@ pub struct Lump {
 }
 
 /// Finds the root. A robot that is no tree is told: links carried twice, several roots, circles.
-pub fn mistakes(robot: &mut Robot) -> Vec<Report> {
+pub fn mistakes(robot: &mut Robot) -> Vec<LexemeMessage> {
     let mut reports = Vec::new();
     let mut carried: Vec<Option<usize>> = vec![None; robot.links.len()];
     for (index, joint) in robot.joints.iter().enumerate() {
@@ -129,7 +129,7 @@ pub fn mistakes(robot: &mut Robot) -> Vec<Report> {
 }
 
 /// The bodies of a robot, each after the one it hangs on: whatever the order of the file, all that follows is the same.
-pub fn groups(robot: &Robot) -> Vec<Group> {
+pub fn groups(robot: &Robot) -> Vec<RigidGroup> {
     let mut on: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
     for (index, joint) in robot.joints.iter().enumerate() {
         on[joint.parent].push(index);
@@ -138,9 +138,9 @@ pub fn groups(robot: &Robot) -> Vec<Group> {
     let mut reached = vec![false; robot.links.len()];
     let mut groups = Vec::new();
     while let Some((first, joint)) = open.pop() {
-        let mut members = vec![Member {
+        let mut members = vec![GroupMember {
             link: first,
-            placed: Placed::HERE,
+            placed: PlacedFrame::HERE,
         }];
         reached[first] = true;
         let mut carried = Vec::new();
@@ -153,7 +153,7 @@ pub fn groups(robot: &Robot) -> Vec<Group> {
                     continue;
                 }
                 match joint.kind {
-                    Kind::Fixed => members.push(Member {
+                    UrdfJointKind::Fixed => members.push(GroupMember {
                         link: joint.child,
                         placed: member.placed.then(joint.origin),
                     }),
@@ -162,7 +162,7 @@ pub fn groups(robot: &Robot) -> Vec<Group> {
             }
         }
         open.extend(carried.into_iter().rev());
-        groups.push(Group { members, joint });
+        groups.push(RigidGroup { members, joint });
     }
     groups
 }
@@ -179,18 +179,18 @@ fn rotated(inertial: &Inertial, rotation: Matrix3<f64>) -> Matrix3<f64> {
 }
 
 /// The mass of a group as one body, moments by Steiner; `None` if it has none.
-pub fn lump(robot: &Robot, group: &Group) -> Option<Lump> {
+pub fn lump(robot: &Robot, group: &RigidGroup) -> Option<MassProperties> {
     let parts = group.members.iter().filter_map(|member| {
         let inertial = robot.links[member.link].inertial.as_ref()?;
         let placed = member.placed.then(inertial.origin);
         let massless = inertial.mass == 0.0 && inertial.inertia == Matrix3::zeros();
-        (!massless).then(|| Lump {
+        (!massless).then(|| MassProperties {
             mass: inertial.mass,
             center: placed.position(),
             inertia: rotated(inertial, placed.rotation()),
         })
     });
-    let parts: Vec<Lump> = parts.collect();
+    let parts: Vec<MassProperties> = parts.collect();
     if let [only] = &parts[..] {
         return Some(only.clone());
     }
@@ -205,7 +205,7 @@ pub fn lump(robot: &Robot, group: &Group) -> Option<Lump> {
         let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
         part.inertia + steiner * part.mass
     });
-    Some(Lump {
+    Some(MassProperties {
         mass,
         center,
         inertia: inertia.sum(),
@@ -213,7 +213,7 @@ pub fn lump(robot: &Robot, group: &Group) -> Option<Lump> {
 }
 
 /// The links that move and whose inertia no rigid body has: a principal moment is negative, or exceeds the sum of the other two.
-pub fn impossible(robot: &Robot, groups: &[Group], free: bool) -> Vec<Report> {
+pub fn impossible(robot: &Robot, groups: &[RigidGroup], free: bool) -> Vec<LexemeMessage> {
     let moving = groups.iter().skip(usize::from(!free));
     let links = moving.flat_map(|group| &group.members);
     let links = links.map(|member| &robot.links[member.link]);

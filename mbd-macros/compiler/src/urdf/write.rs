@@ -6,38 +6,40 @@ use mbd_scene::Axis;
 use mbd_scene::solids::Solid;
 use nalgebra::{Matrix3, Vector3};
 
-use super::names::Names;
-use super::robot::{Joint, Kind, Limit, Robot};
-use super::tree::{Group, Placed, lump};
+use super::names::RobotNames;
+use super::robot::{Robot, UrdfJoint, UrdfJointKind, UrdfLimit};
+use super::tree::{PlacedFrame, RigidGroup, lump};
 use crate::check::moments_of_a_part;
-use crate::lexeme::At;
-use crate::messages::{Report, urdf as say};
+use crate::lexeme::LexemeIndex;
+use crate::messages::{LexemeMessage, urdf as say};
 use crate::resolve::letter;
 
 /// The rate over which friction is smoothed, which a URDF does not say: of angles and of slides.
-const FRICTION_RATE: [(Kind, &str); 2] =
-    [(Kind::Hinge, "0.01 rad/s"), (Kind::Prismatic, "0.001 m/s")];
+const FRICTION_RATE: [(UrdfJointKind, &str); 2] = [
+    (UrdfJointKind::Hinge, "0.01 rad/s"),
+    (UrdfJointKind::Prismatic, "0.001 m/s"),
+];
 
 /// The text of an item, and the element it comes from.
-pub type Fragment = (At, String);
+pub type Fragment = (LexemeIndex, String);
 
 /// Writes the items of a robot.
-pub struct Writer<'r> {
+pub struct UrdfWriter<'r> {
     /// The robot.
     pub robot: &'r Robot,
     /// Its bodies.
-    pub groups: &'r [Group],
+    pub groups: &'r [RigidGroup],
     /// What everything is called.
-    pub names: &'r Names,
+    pub names: &'r RobotNames,
     /// Whether the root is a body that flies.
     pub free: bool,
     /// Whether inertias that no rigid body has are let through.
     pub unchecked: bool,
 }
 
-impl Writer<'_> {
+impl UrdfWriter<'_> {
     /// All items: the frames of the world, bodies, joints; or what a moving body lacks.
-    pub fn items(&self) -> Result<Vec<Fragment>, Vec<Report>> {
+    pub fn items(&self) -> Result<Vec<Fragment>, Vec<LexemeMessage>> {
         let (mut items, mut wrong) = (Vec::new(), Vec::new());
         for (index, group) in self.groups.iter().enumerate() {
             if index == 0 && !self.free {
@@ -73,13 +75,13 @@ impl Writer<'_> {
     }
 
     /// The frames of the links at rest, and of the joints on them.
-    fn world(&self, group: &Group) -> Fragment {
+    fn world(&self, group: &RigidGroup) -> Fragment {
         let frames = self.frames(group, 0);
         let at = self.robot.links[self.robot.root].at;
         (at, format!("world {{ {} }}", frames.join(", ")))
     }
 
-    fn body(&self, group: &Group) -> Result<Fragment, Report> {
+    fn body(&self, group: &RigidGroup) -> Result<Fragment, LexemeMessage> {
         let link = &self.robot.links[group.members[0].link];
         let name = &self.names.links[group.members[0].link];
         let lump = lump(self.robot, group).ok_or_else(|| say::no_mass(link.at, &link.name))?;
@@ -103,16 +105,17 @@ impl Writer<'_> {
     }
 
     /// The frames of a group: of its links from the `first`, and of the joints on them.
-    fn frames(&self, group: &Group, first: usize) -> Vec<String> {
+    fn frames(&self, group: &RigidGroup, first: usize) -> Vec<String> {
         let links = group.members.iter().skip(first);
         let mut frames: Vec<String> = links
             .map(|member| frame(&self.names.links[member.link], member.placed))
             .collect();
         for (joint, name) in self.robot.joints.iter().zip(&self.names.joints) {
-            let on = |member: &&super::tree::Member| member.link == joint.parent;
-            if let (Some(member), false) =
-                (group.members.iter().find(on), joint.kind == Kind::Fixed)
-            {
+            let on = |member: &&super::tree::GroupMember| member.link == joint.parent;
+            if let (Some(member), false) = (
+                group.members.iter().find(on),
+                joint.kind == UrdfJointKind::Fixed,
+            ) {
                 frames.push(frame(name, member.placed.then(joint.origin)));
             }
         }
@@ -120,7 +123,7 @@ impl Writer<'_> {
     }
 
     /// The shapes of the links of a group.
-    fn shapes(&self, group: &Group) -> Option<String> {
+    fn shapes(&self, group: &RigidGroup) -> Option<String> {
         let shapes = group.members.iter().flat_map(|member| {
             let shapes = self.robot.links[member.link].shapes.iter();
             shapes.map(|shape| {
@@ -142,7 +145,7 @@ impl Writer<'_> {
 
     /// Where a link's joints are: the body it belongs to.
     fn owner(&self, link: usize) -> &str {
-        let holds = |group: &&Group| group.members.iter().any(|member| member.link == link);
+        let holds = |group: &&RigidGroup| group.members.iter().any(|member| member.link == link);
         let group = self
             .groups
             .iter()
@@ -154,7 +157,7 @@ impl Writer<'_> {
         }
     }
 
-    fn joint(&self, index: usize, joint: &Joint) -> Fragment {
+    fn joint(&self, index: usize, joint: &UrdfJoint) -> Fragment {
         let name = &self.names.joints[index];
         let mut text = doc(joint);
         let _ = write!(
@@ -165,7 +168,7 @@ impl Writer<'_> {
             self.owner(joint.child),
         );
         let mut fields = Vec::new();
-        if !matches!(joint.kind, Kind::Free | Kind::Spherical) {
+        if !matches!(joint.kind, UrdfJointKind::Free | UrdfJointKind::Spherical) {
             fields.push(format!("axis: {}", letter(Axis(joint.axis))));
         }
         let [damping, friction] = joint.dynamics;
@@ -192,7 +195,7 @@ impl Writer<'_> {
     }
 
     /// The gear of a joint that mimics another.
-    fn gear(&self, index: usize, joint: &Joint) -> Result<Option<Fragment>, Report> {
+    fn gear(&self, index: usize, joint: &UrdfJoint) -> Result<Option<Fragment>, LexemeMessage> {
         let Some(mimic) = joint.mimic else {
             return Ok(None);
         };
@@ -215,7 +218,7 @@ impl Writer<'_> {
     }
 }
 
-impl Joint {
+impl UrdfJoint {
     /// Whether its limits are a range.
     pub fn is_limited(&self) -> bool {
         self.limit.range.is_some_and(|[low, high]| low < high)
@@ -223,11 +226,11 @@ impl Joint {
 }
 
 /// What the file says of a joint that is no law of its motion.
-fn doc(joint: &Joint) -> String {
+fn doc(joint: &UrdfJoint) -> String {
     let Some((_, unit, effort)) = joint.kind.coordinate() else {
         return String::new();
     };
-    let Limit {
+    let UrdfLimit {
         range,
         effort: largest,
         velocity,
@@ -269,21 +272,21 @@ fn inertia(of: &Matrix3<f64>, unchecked: bool) -> String {
     text
 }
 
-fn frame(name: &str, placed: Placed) -> String {
+fn frame(name: &str, placed: PlacedFrame) -> String {
     format!("frame {name}{}", place(placed))
 }
 
 /// Where something is, and its axes.
-fn place(placed: Placed) -> String {
+fn place(placed: PlacedFrame) -> String {
     let at = vector(placed.position());
     let rotated = match placed {
-        Placed::Given(origin) if origin.rpy == [0.0; 3] => String::new(),
-        Placed::Given(origin) => {
+        PlacedFrame::Given(origin) if origin.rpy == [0.0; 3] => String::new(),
+        PlacedFrame::Given(origin) => {
             let [roll, pitch, yaw] = origin.rpy;
             format!(" rotated rpy({roll:?}, {pitch:?}, {yaw:?})")
         }
-        Placed::Composed { rotation, .. } if rotation == Matrix3::identity() => String::new(),
-        Placed::Composed { rotation, .. } => {
+        PlacedFrame::Composed { rotation, .. } if rotation == Matrix3::identity() => String::new(),
+        PlacedFrame::Composed { rotation, .. } => {
             let rows = [0, 1, 2].map(|row| vector(rotation.row(row).transpose()));
             format!(" rotated matrix({})", rows.join(", "))
         }

@@ -17,13 +17,13 @@ use crate::campaign::{Campaign, Resources};
 use crate::failure::Failure;
 use crate::histories::{self, Chosen};
 use crate::page::Page;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::results::Results;
 use crate::run::Settings;
-use crate::summary::Summary;
+use crate::summary::CampaignSummary;
 
 pub use program::main;
-pub use source::Source;
+pub use source::ResultSource;
 pub use told::text;
 
 /// What to disperse, and where the results go.
@@ -67,7 +67,7 @@ pub fn campaign(
     args: &CampaignArgs,
     model: Arc<dyn Model<f64>>,
     settings: Settings,
-    source: &dyn Fn(&Path) -> Source,
+    source: &dyn Fn(&Path) -> ResultSource,
 ) -> Result<String, Failure> {
     let has_lanes = model.beside().is_some();
     let campaign = Campaign::read(&args.file, model, settings)?;
@@ -88,7 +88,7 @@ pub fn campaign(
         &folder,
         (shard, args.resume),
         resources,
-        &mut Progress::new(),
+        &mut ProgressLine::new(),
     )?;
     source(&args.file).write(&folder)?;
     let told = format!(
@@ -145,7 +145,7 @@ fn in_lanes(done: &Done, lanes: Option<usize>, has_lanes: bool) -> String {
 /// What the results of a folder say.
 struct Gathered {
     results: Results,
-    summary: Summary,
+    summary: CampaignSummary,
     envelopes: Vec<crate::envelopes::Envelope>,
 }
 
@@ -155,7 +155,7 @@ impl Gathered {
         let envelopes = blocks::gather(&args.folder, args.shards)?;
         let results = Results::read(&args.folder)?;
         Ok(Gathered {
-            summary: Summary::of(&results),
+            summary: CampaignSummary::of(&results),
             results,
             envelopes,
         })
@@ -187,11 +187,11 @@ pub fn gather(args: &GatherArgs) -> Result<String, Failure> {
 /// written without them.
 pub fn report(
     args: &GatherArgs,
-    reopen: &dyn Fn(&Source) -> Result<Campaign, Failure>,
+    reopen: &dyn Fn(&ResultSource) -> Result<Campaign, Failure>,
 ) -> Result<String, Failure> {
     let folder = &args.folder;
     let gathered = Gathered::of(args)?;
-    let source = Source::read(folder);
+    let source = ResultSource::read(folder);
     let results = &gathered.results;
     let chosen = results.manifest.told.histories.of(results);
     let kept = keep_histories(folder, results, &chosen, &|| {
@@ -248,6 +248,6 @@ fn keep_histories(
         &missing,
         (folder, &command),
         all_cores(),
-        &mut Progress::new(),
+        &mut ProgressLine::new(),
     )
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use clap::{Args, Parser, Subcommand};
 use mbd_runtime::{Model, ParamError};
 
-use super::{CampaignArgs, GatherArgs, Source, campaign, gather, report};
+use super::{CampaignArgs, GatherArgs, ResultSource, campaign, gather, report};
 use crate::campaign::Campaign;
 use crate::failure::Failure;
 use crate::results::head;
@@ -20,17 +20,17 @@ use mbd_report::files;
 #[command(
     after_help = "Exit codes: 0 ok, 1 usage, 2 model, params or campaign file invalid, 3 a requirement is not shown, 4 results are missing."
 )]
-struct Cli {
+struct CampaignCli {
     #[command(subcommand)]
-    command: Command,
+    command: CampaignCommand,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CampaignCommand {
     /// List the params: name, value, unit, range, what it is.
     List,
     /// Run one case of a campaign file again: its row, and its history as a file.
-    Run(RunArgs),
+    Run(CaseArgs),
     /// Run a campaign, or a shard of it.
     Campaign(CampaignArgs),
     /// Put the results of all shards together and tell what they say.
@@ -40,7 +40,7 @@ enum Command {
 }
 
 #[derive(Args, Debug)]
-struct RunArgs {
+struct CaseArgs {
     /// The campaign file.
     file: PathBuf,
     /// The case; 0 is the nominal.
@@ -116,25 +116,25 @@ fn answer(
     arguments: impl IntoIterator<Item = OsString>,
     model: &dyn Model<f64>,
 ) -> Result<String, Failure> {
-    let cli = match Cli::try_parse_from(arguments) {
+    let cli = match CampaignCli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => return Err(Failure::Usage(error.to_string())),
         Err(help) => return Ok(help.to_string()),
     };
     match cli.command {
-        Command::List => Ok(params(model)),
-        Command::Run(args) => run(&args, model.share()),
-        Command::Campaign(args) => {
+        CampaignCommand::List => Ok(params(model)),
+        CampaignCommand::Run(args) => run(&args, model.share()),
+        CampaignCommand::Campaign(args) => {
             let program = std::env::args().next().unwrap_or_default();
-            let source = |file: &Path| Source {
+            let source = |file: &Path| ResultSource {
                 command: format!("{program} run {}", file.display()),
                 scene: None,
                 campaign: file.to_owned(),
             };
             campaign(&args, model.share(), Settings::default(), &source)
         }
-        Command::Gather(args) => gather(&args),
-        Command::Report(args) => report(&args, &|source| {
+        CampaignCommand::Gather(args) => gather(&args),
+        CampaignCommand::Report(args) => report(&args, &|source| {
             Campaign::read(&source.campaign, model.share(), Settings::default())
         }),
     }
@@ -158,7 +158,7 @@ fn params(model: &dyn Model<f64>) -> String {
     lines.collect()
 }
 
-fn run(args: &RunArgs, model: Arc<dyn Model<f64>>) -> Result<String, Failure> {
+fn run(args: &CaseArgs, model: Arc<dyn Model<f64>>) -> Result<String, Failure> {
     let campaign = Campaign::read(&args.file, model, Settings::default())?;
     let invalid = |error: crate::run::PlanError| {
         Failure::Invalid(format!("{}: {error}", args.file.display()))

@@ -14,7 +14,7 @@ const NAME: &str = "source.json";
 /// Where the results of a folder are from. Files are named as they were typed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Source {
+pub struct ResultSource {
     /// The command that repeats a case, without its number.
     pub command: String,
     /// The scene, where it is not the one model of the program.
@@ -23,7 +23,7 @@ pub struct Source {
     pub campaign: PathBuf,
 }
 
-impl Source {
+impl ResultSource {
     /// Puts it into a folder.
     ///
     /// # Errors

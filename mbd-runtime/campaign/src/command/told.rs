@@ -2,7 +2,7 @@
 
 use crate::footprint::Footprint;
 use crate::results::Results;
-use crate::summary::{CONFIDENCE, Summary, Told, Verdict};
+use crate::summary::{CONFIDENCE, CampaignSummary, RequirementVerdict, Told};
 use crate::table::{heading, percent};
 
 /// Digits behind the point of parts in percent: 0.135 has three.
@@ -10,7 +10,7 @@ const PLACES: usize = 4;
 
 /// A summary as a text.
 #[must_use]
-pub fn text(results: &Results, summary: &Summary) -> String {
+pub fn text(results: &Results, summary: &CampaignSummary) -> String {
     let mut text = format!(
         "{}: {} cases beside the nominal; percentiles by order statistics, with intervals of {:.0} % confidence\n",
         results.manifest.model,
@@ -117,7 +117,7 @@ fn metric(results: &Results, told: &Told) -> String {
     }
 }
 
-impl Verdict {
+impl RequirementVerdict {
     /// The requirement and what became of it, in one sentence.
     #[must_use]
     pub fn sentence(&self, name: &str, unit: &str) -> String {

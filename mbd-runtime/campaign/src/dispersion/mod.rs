@@ -13,12 +13,12 @@ use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::number::number;
-use crate::run::{Plan, Settings};
-use crate::sampling::{Distribution, Sampling, Spread};
+use crate::run::{RunPlan, Settings};
+use crate::sampling::{CaseSampling, Distribution, UnitSamples};
 use correlation::Correlation;
-pub use name::{Known, Target};
+pub use name::{Dispersible, DispersionTarget};
 pub use written::{
-    Written, WrittenEnvelopes, WrittenFootprint, WrittenHistories, WrittenMetric,
+    CampaignFile, WrittenEnvelopes, WrittenFootprint, WrittenHistories, WrittenMetric,
     WrittenRequirement,
 };
 
@@ -31,10 +31,10 @@ const ATTEMPTS: u32 = 10_000;
 #[derive(Clone, Debug)]
 pub struct Varied {
     /// What it is, with its nominal value.
-    pub known: Known,
+    pub known: Dispersible,
     /// How it is distributed.
     pub distribution: Distribution,
-    spread: Spread,
+    spread: UnitSamples,
 }
 
 /// A sum that draws keep within bounds.
@@ -54,7 +54,7 @@ pub struct Dispersions {
     /// How many cases there are beside the nominal.
     pub cases: u64,
     /// How they are spread.
-    pub sampling: Sampling,
+    pub sampling: CaseSampling,
     /// The numbers, in the order of their names.
     pub varied: Vec<Varied>,
     correlations: Vec<Correlation>,
@@ -67,9 +67,9 @@ impl Dispersions {
     /// # Errors
     /// The first setting that cannot be used.
     pub fn new(
-        written: &Written,
+        written: &CampaignFile,
         (scene, layout): (&Scene, &Layout),
-        run: (&Plan, &Settings),
+        run: (&RunPlan, &Settings),
         folder: &Path,
     ) -> Result<Self, PlanError> {
         let sampling = sampling(written)?;
@@ -96,7 +96,7 @@ impl Dispersions {
             }
         }
         for (_, read, setting) in &distributions {
-            if read.grid != (sampling == Sampling::Grid) {
+            if read.grid != (sampling == CaseSampling::Grid) {
                 let text =
                     "`dist = \"grid\"` goes with `sampling = \"grid\"`, and nothing else does";
                 return Err(wrong(setting, text));
@@ -123,7 +123,7 @@ impl Dispersions {
                     .file
                     .map_or(known.name.clone(), |file| format!("file {file}"));
                 Varied {
-                    spread: Spread::new(sampling, written.seed, &stream, (dimension, cases)),
+                    spread: UnitSamples::new(sampling, written.seed, &stream, (dimension, cases)),
                     distribution: read.distribution,
                     known,
                 }
@@ -153,10 +153,10 @@ impl Dispersions {
         })
     }
 
-    fn read_correlations(&mut self, written: &Written) -> Result<(), PlanError> {
+    fn read_correlations(&mut self, written: &CampaignFile) -> Result<(), PlanError> {
         for (number, correlated) in written.correlated.iter().enumerate() {
             let setting = format!("correlated[{number}]");
-            if self.sampling == Sampling::Grid {
+            if self.sampling == CaseSampling::Grid {
                 return Err(wrong(
                     setting,
                     "the values of a grid are combined, not drawn: leave this out",
@@ -184,10 +184,14 @@ impl Dispersions {
         Ok(())
     }
 
-    fn read_constraints(&mut self, written: &Written, known: &[Known]) -> Result<(), PlanError> {
+    fn read_constraints(
+        &mut self,
+        written: &CampaignFile,
+        known: &[Dispersible],
+    ) -> Result<(), PlanError> {
         for (index, constraint) in written.constraint.iter().enumerate() {
             let setting = format!("constraint[{index}]");
-            if self.sampling != Sampling::Random {
+            if self.sampling != CaseSampling::Random {
                 return Err(wrong(
                     setting,
                     "draws that break a constraint are drawn again, which goes with `sampling = \"random\"` alone",
@@ -252,7 +256,7 @@ impl Dispersions {
                 .map(|varied| varied.known.nominal)
                 .collect());
         }
-        if self.sampling == Sampling::Grid {
+        if self.sampling == CaseSampling::Grid {
             return Ok(self.combination(case - 1));
         }
         for attempt in 0..ATTEMPTS {
@@ -314,7 +318,7 @@ impl Dispersions {
     /// Sets the params among the dispersed numbers.
     pub fn set_params(&self, values: &[f64], params: &mut [f64]) {
         for (varied, value) in self.varied.iter().zip(values) {
-            if let Target::Param(at) = varied.known.target {
+            if let DispersionTarget::Param(at) = varied.known.target {
                 params[at] = *value;
             }
         }
@@ -326,19 +330,19 @@ impl Dispersions {
     /// A start that cannot be.
     pub fn plan(
         &self,
-        nominal: (&Plan, &Settings),
+        nominal: (&RunPlan, &Settings),
         (scene, layout): (&Scene, &Layout),
         values: &[f64],
-    ) -> Result<Plan, PlanError> {
+    ) -> Result<RunPlan, PlanError> {
         let (plan, settings) = nominal;
         let mut plan = plan.clone();
         self.set_params(values, &mut plan.params);
         let mut start: Option<Table> = None;
         for (varied, value) in self.varied.iter().zip(values) {
             match &varied.known.target {
-                Target::Param(_) => {}
-                Target::Input(at) => plan.inputs[*at] = *value,
-                Target::Start(name) => {
+                DispersionTarget::Param(_) => {}
+                DispersionTarget::Input(at) => plan.inputs[*at] = *value,
+                DispersionTarget::Start(name) => {
                     let table = start.get_or_insert_with(|| settings.start.clone());
                     place(table, name, *value);
                 }
@@ -383,13 +387,13 @@ fn place(table: &mut Table, name: &str, value: f64) {
     }
 }
 
-fn sampling(written: &Written) -> Result<Sampling, PlanError> {
+fn sampling(written: &CampaignFile) -> Result<CaseSampling, PlanError> {
     let Some(word) = &written.sampling else {
-        return Ok(Sampling::Random);
+        return Ok(CaseSampling::Random);
     };
-    let found = Sampling::WORDS.iter().find(|(known, _)| known == word);
+    let found = CaseSampling::WORDS.iter().find(|(known, _)| known == word);
     found.map(|(_, sampling)| *sampling).ok_or_else(|| {
-        let words = Sampling::WORDS.map(|(word, _)| word);
+        let words = CaseSampling::WORDS.map(|(word, _)| word);
         let near = mbd_runtime::scene::similar::did_you_mean(word, words);
         wrong(
             "sampling",
@@ -402,12 +406,12 @@ fn sampling(written: &Written) -> Result<Sampling, PlanError> {
 }
 
 fn cases<'d>(
-    written: &Written,
-    sampling: Sampling,
+    written: &CampaignFile,
+    sampling: CaseSampling,
     distributions: impl Iterator<Item = &'d Distribution>,
 ) -> Result<u64, PlanError> {
     let cases = match (sampling, written.cases) {
-        (Sampling::Grid, None) => {
+        (CaseSampling::Grid, None) => {
             let mut counts = distributions.map(|distribution| match distribution {
                 Distribution::Listed(list) => list.len() as u64,
                 _ => 1,
@@ -415,7 +419,7 @@ fn cases<'d>(
             let product = counts.try_fold(1_u64, u64::checked_mul);
             product.ok_or_else(|| wrong("sampling", "this grid has too many combinations"))?
         }
-        (Sampling::Grid, Some(_)) => {
+        (CaseSampling::Grid, Some(_)) => {
             return Err(wrong(
                 "cases",
                 "a grid has as many cases as combinations: leave this out",

@@ -6,11 +6,11 @@ use toml::Value;
 
 use crate::run::names::{PlanError, unknown};
 use crate::run::plan::coordinate_unit;
-use crate::run::{Plan, Settings};
+use crate::run::{RunPlan, Settings};
 
 /// Where a dispersed number goes.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Target {
+pub enum DispersionTarget {
     /// A param, by index.
     Param(usize),
     /// What the start is said in: a coordinate of the state or of a joint, by name.
@@ -21,11 +21,11 @@ pub enum Target {
 
 /// Something that can be dispersed: where it goes, its unit, and its nominal value [SI].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Known {
+pub struct Dispersible {
     /// Its name, as the results have it.
     pub name: String,
     /// Where it goes.
-    pub target: Target,
+    pub target: DispersionTarget,
     /// Its unit.
     pub unit: String,
     /// SI value of one such unit.
@@ -35,12 +35,16 @@ pub struct Known {
 }
 
 /// Everything that can be dispersed in a scene that is run as planned.
-pub fn known(scene: &Scene, layout: &Layout, (plan, settings): (&Plan, &Settings)) -> Vec<Known> {
+pub fn known(
+    scene: &Scene,
+    layout: &Layout,
+    (plan, settings): (&RunPlan, &Settings),
+) -> Vec<Dispersible> {
     let params = scene.params.iter().zip(&plan.params).enumerate();
-    let mut all: Vec<Known> = params
-        .map(|(index, (param, nominal))| Known {
+    let mut all: Vec<Dispersible> = params
+        .map(|(index, (param, nominal))| Dispersible {
             name: param.name.clone(),
-            target: Target::Param(index),
+            target: DispersionTarget::Param(index),
             unit: param.unit.text.clone(),
             factor: param.unit.factor,
             nominal: *nominal,
@@ -65,9 +69,9 @@ pub fn known(scene: &Scene, layout: &Layout, (plan, settings): (&Plan, &Settings
             let place = slots.at + component;
             let axis = ["x", "y", "z"].get(component).filter(|_| slots.len > 1);
             let axis = axis.map_or(String::new(), |axis| format!(".{axis}"));
-            all.push(Known {
+            all.push(Dispersible {
                 name: format!("inputs.{}{axis}", input.name),
-                target: Target::Input(place),
+                target: DispersionTarget::Input(place),
                 unit: input.unit.text.clone(),
                 factor: input.unit.factor,
                 nominal: plan.inputs.get(place).copied().unwrap_or(0.0),
@@ -77,13 +81,13 @@ pub fn known(scene: &Scene, layout: &Layout, (plan, settings): (&Plan, &Settings
     all
 }
 
-fn start(name: String, unit: &str, nominal: f64) -> Known {
-    Known {
+fn start(name: String, unit: &str, nominal: f64) -> Dispersible {
+    Dispersible {
         name: format!("start.{name}"),
         unit: unit.to_owned(),
         factor: 1.0,
         nominal,
-        target: Target::Start(name),
+        target: DispersionTarget::Start(name),
     }
 }
 
@@ -107,12 +111,16 @@ fn written(settings: &Settings, name: &str) -> f64 {
 }
 
 /// Something by its name.
-pub fn find<'k>(known: &'k [Known], setting: &str, name: &str) -> Result<&'k Known, PlanError> {
+pub fn find<'k>(
+    known: &'k [Dispersible],
+    setting: &str,
+    name: &str,
+) -> Result<&'k Dispersible, PlanError> {
     let found = known.iter().find(|known| known.name == name);
     found.ok_or_else(|| {
-        let part = |of: &&Known| match name.split_once('.') {
+        let part = |of: &&Dispersible| match name.split_once('.') {
             Some((part @ ("start" | "inputs"), _)) => of.name.starts_with(&format!("{part}.")),
-            _ => matches!(of.target, Target::Param(_)),
+            _ => matches!(of.target, DispersionTarget::Param(_)),
         };
         let alike = known.iter().filter(part);
         unknown(setting, name, alike.map(|known| known.name.as_str()))

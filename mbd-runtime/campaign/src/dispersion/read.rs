@@ -6,7 +6,7 @@ use std::path::Path;
 use mbd_compiler::read_number;
 use toml::{Table, Value};
 
-use super::name::Known;
+use super::name::Dispersible;
 use super::written::WrittenDistribution;
 use crate::run::names::{PlanError, wrong};
 use crate::run::number::number;
@@ -44,7 +44,12 @@ pub struct Read {
 }
 
 /// Reads a distribution of something; files lie in `folder`.
-pub fn read(setting: &str, table: &Table, known: &Known, folder: &Path) -> Result<Read, PlanError> {
+pub fn read(
+    setting: &str,
+    table: &Table,
+    known: &Dispersible,
+    folder: &Path,
+) -> Result<Read, PlanError> {
     let written: WrittenDistribution = Value::Table(table.clone())
         .try_into()
         .map_err(|error: toml::de::Error| wrong(setting, error.message()))?;
@@ -69,7 +74,7 @@ pub fn read(setting: &str, table: &Table, known: &Known, folder: &Path) -> Resul
         );
         return Err(wrong(setting, text));
     }
-    let reader = Reader {
+    let reader = DispersionReader {
         setting,
         known,
         written: &written,
@@ -97,13 +102,13 @@ pub fn read(setting: &str, table: &Table, known: &Known, folder: &Path) -> Resul
     })
 }
 
-struct Reader<'r> {
+struct DispersionReader<'r> {
     setting: &'r str,
-    known: &'r Known,
+    known: &'r Dispersible,
     written: &'r WrittenDistribution,
 }
 
-impl Reader<'_> {
+impl DispersionReader<'_> {
     fn wrong(&self, text: impl Into<String>) -> PlanError {
         wrong(self.setting, text)
     }

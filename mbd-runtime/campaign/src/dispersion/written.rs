@@ -49,7 +49,7 @@ use toml::{Table, Value};
 /// A campaign file.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
-pub struct Written {
+pub struct CampaignFile {
     /// What all random numbers come from.
     #[serde(default)]
     pub seed: u64,

@@ -32,13 +32,13 @@ fn header(envelopes: &Envelopes, cases: usize) -> Vec<u8> {
 
 /// The numbers of the cases of a block, while they come in.
 #[derive(Clone, Debug, Default)]
-pub struct Block {
+pub struct CaseBlock {
     /// Case after case.
     numbers: Vec<f64>,
     cases: usize,
 }
 
-impl Block {
+impl CaseBlock {
     /// Adds a case; one that has no history has no numbers.
     pub fn push(&mut self, envelopes: &Envelopes, numbers: Option<&[f64]>) {
         match numbers {

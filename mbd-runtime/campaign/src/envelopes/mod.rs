@@ -12,9 +12,9 @@ use crate::columns;
 use crate::dispersion::WrittenEnvelopes;
 use crate::run::names::wrong;
 use crate::run::number::positive;
-use crate::run::{Plan, PlanError};
+use crate::run::{PlanError, RunPlan};
 
-pub use block::{Block, path};
+pub use block::{CaseBlock, path};
 pub use told::{Envelope, LINES, table, told};
 
 /// The instants of a run where the file says nothing.
@@ -42,7 +42,7 @@ impl Envelopes {
     /// The first setting that cannot be used.
     pub fn new(
         written: &WrittenEnvelopes,
-        (model, plan): (&dyn Model<f64>, &Plan),
+        (model, plan): (&dyn Model<f64>, &RunPlan),
         content: &mut Content,
     ) -> Result<Self, PlanError> {
         if written.columns.is_empty() {

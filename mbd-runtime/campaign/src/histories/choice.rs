@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use crate::dispersion::WrittenHistories;
-use crate::metric::Metric;
+use crate::metric::CampaignMetric;
 use crate::results::Results;
 use crate::run::PlanError;
 use crate::run::names::wrong;
@@ -36,7 +36,7 @@ pub struct Chosen {
 
 /// Which end of a metric is looked for.
 #[derive(Clone, Copy, Debug)]
-enum End {
+enum MetricEnd {
     Worst,
     Largest,
     Smallest,
@@ -49,7 +49,7 @@ impl Choice {
     /// The first setting that cannot be used.
     pub fn new(
         written: &WrittenHistories,
-        metrics: &[Metric],
+        metrics: &[CampaignMetric],
         last: u64,
     ) -> Result<Self, PlanError> {
         let ends = [
@@ -94,9 +94,9 @@ impl Choice {
     pub fn of(&self, results: &Results) -> Vec<Chosen> {
         let mut chosen: BTreeMap<u64, Vec<String>> = BTreeMap::new();
         let ends = [
-            (End::Worst, &self.worst),
-            (End::Largest, &self.largest),
-            (End::Smallest, &self.smallest),
+            (MetricEnd::Worst, &self.worst),
+            (MetricEnd::Largest, &self.largest),
+            (MetricEnd::Smallest, &self.smallest),
         ];
         for (end, counts) in ends {
             for (name, count) in counts {
@@ -153,12 +153,12 @@ fn at_random(count: u64, manifest: &crate::Manifest) -> Vec<u64> {
     all.into_iter().map(|(_, case)| case).collect()
 }
 
-impl End {
+impl MetricEnd {
     fn word(self) -> &'static str {
         match self {
-            End::Worst => "worst",
-            End::Largest => "largest",
-            End::Smallest => "smallest",
+            MetricEnd::Worst => "worst",
+            MetricEnd::Largest => "largest",
+            MetricEnd::Smallest => "smallest",
         }
     }
 
@@ -170,10 +170,10 @@ impl End {
         };
         let require = results.manifest.metrics[at].require;
         let far_out = |value: f64| match self {
-            End::Largest => -value,
-            End::Smallest => value,
+            MetricEnd::Largest => -value,
+            MetricEnd::Smallest => value,
             // How far it is inside; negative outside.
-            End::Worst => require.map_or(f64::NAN, |require| require.margin(value)),
+            MetricEnd::Worst => require.map_or(f64::NAN, |require| require.margin(value)),
         };
         let values = (1..).zip(results.metric(at));
         let mut all: Vec<(f64, u64)> = values

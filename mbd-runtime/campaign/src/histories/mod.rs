@@ -12,7 +12,7 @@ use std::thread;
 
 use crate::campaign::Campaign;
 use crate::failure::Failure;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::results::Results;
 use mbd_report::files;
 
@@ -65,7 +65,7 @@ pub fn write(
     chosen: &[&Chosen],
     (folder, replay): (&Path, &str),
     threads: usize,
-    progress: &mut Progress,
+    progress: &mut ProgressLine,
 ) -> Result<(), Failure> {
     files::make_folder(&folder.join(FOLDER)).map_err(|error| Failure::unwritten(&error))?;
     let waiting: Mutex<VecDeque<&Chosen>> = Mutex::new(chosen.iter().copied().collect());
@@ -120,7 +120,7 @@ fn write_one(
     let there = usize::try_from(case)
         .ok()
         .and_then(|case| results.rows.get(case));
-    let there = there.map(crate::Row::line).unwrap_or_default();
+    let there = there.map(crate::CaseRow::line).unwrap_or_default();
     if there != row.line() {
         return Err(invalid(format!(
             "case {case} flown again is not its row in {}: other equations, or another kind of processor\n  there {there}\n  here  {}",

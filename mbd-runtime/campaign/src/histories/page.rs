@@ -1,17 +1,17 @@
 //! The page of a case: what it was, how it ended, its run.
 
-use mbd_report::{Cell, Report, Run, Table, with_run};
+use mbd_report::{Cell, Report, ReportTable, Run, with_run};
 use mbd_runtime::Trajectory;
 
 use super::choice::Chosen;
 use crate::campaign::Campaign;
-use crate::results::Row;
+use crate::results::CaseRow;
 use crate::run::PlanError;
 
 /// The page of a case with its row and its history.
 pub fn page(
     campaign: &Campaign,
-    (row, history): (&Row, &Trajectory),
+    (row, history): (&CaseRow, &Trajectory),
     chosen: &Chosen,
     replay: &str,
 ) -> Result<Report, PlanError> {
@@ -40,9 +40,9 @@ pub fn page(
 }
 
 /// What was dispersed, and the metrics, beside those of the nominal.
-fn numbers(campaign: &Campaign, row: &Row) -> Table {
+fn numbers(campaign: &Campaign, row: &CaseRow) -> ReportTable {
     let manifest = campaign.manifest();
-    let mut table = Table::new("Dispersed numbers and metrics")
+    let mut table = ReportTable::new("Dispersed numbers and metrics")
         .column("name", "")
         .column("unit", "")
         .number("here", "", 6);

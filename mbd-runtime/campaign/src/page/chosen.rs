@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbd_report::{Cell, Report, Table};
+use mbd_report::{Cell, Report, ReportTable};
 
 use crate::histories::{self, Chosen, history_of, is_there, page_of};
 use crate::results::Results;
@@ -24,7 +24,7 @@ pub fn chosen(report: Report, (results, folder): (&Results, &Path), chosen: &[Ch
         return report;
     }
     let manifest = &results.manifest;
-    let mut table = Table::new("Chosen cases")
+    let mut table = ReportTable::new("Chosen cases")
         .column("case", "")
         .column("chosen as", "")
         .column("status", "")

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbd_report::{Cell, Report, Table};
+use mbd_report::{Cell, Report, ReportTable};
 
 use super::chosen::case;
 use crate::results::Results;
@@ -41,8 +41,8 @@ pub fn failed(
 }
 
 /// The first cases, with their pages where they have one.
-fn first(results: &Results, folder: &Path, failures: &Failures) -> Table {
-    let mut table = Table::new(format!("First cases of {}", failures.status))
+fn first(results: &Results, folder: &Path, failures: &Failures) -> ReportTable {
+    let mut table = ReportTable::new(format!("First cases of {}", failures.status))
         .column("case", "")
         .number("end", "s", 6)
         .column("why", "");
@@ -66,7 +66,7 @@ fn counted(cases: usize) -> String {
 }
 
 /// How failures are spread over the deciles of the dispersed number that they follow most.
-fn deciles(results: &Results, failures: &Failures) -> Option<Table> {
+fn deciles(results: &Results, failures: &Failures) -> Option<ReportTable> {
     let failing: Vec<f64> = results
         .rows
         .iter()
@@ -84,7 +84,7 @@ fn deciles(results: &Results, failures: &Failures) -> Option<Table> {
         .filter(|(x, _)| !x.is_nan())
         .collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut table = Table::new(format!("{} by deciles of {}", failures.status, column.name))
+    let mut table = ReportTable::new(format!("{} by deciles of {}", failures.status, column.name))
         .number("from", &column.unit, 5)
         .number("to", &column.unit, 5)
         .column("failed", "cases")

@@ -1,6 +1,6 @@
 //! What is told of a metric: percentiles, histogram, cumulated distribution, drivers.
 
-use mbd_report::{Cell, Figure, Look, Report, Series, Table};
+use mbd_report::{Cell, Figure, Look, Report, ReportTable, Series};
 
 use crate::results::Results;
 use crate::summary::Told;
@@ -88,8 +88,8 @@ fn histogram(sorted: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (x, y)
 }
 
-fn percentiles(told: &Told) -> Table {
-    let mut table = Table::new(format!("Percentiles of {}", told.name))
+fn percentiles(told: &Told) -> ReportTable {
+    let mut table = ReportTable::new(format!("Percentiles of {}", told.name))
         .number("below lie", "%", 6)
         .number("value", &told.unit, 5)
         .column("from", &told.unit)
@@ -111,8 +111,8 @@ fn percentiles(told: &Told) -> Table {
     }
 }
 
-fn drivers(results: &Results, told: &Told) -> Table {
-    let mut table = Table::new(format!("What drives {}", told.name))
+fn drivers(results: &Results, told: &Told) -> ReportTable {
+    let mut table = ReportTable::new(format!("What drives {}", told.name))
         .column("dispersed number", "")
         .number("rank correlation", "", 3)
         .number("share of the variance", "", 3);

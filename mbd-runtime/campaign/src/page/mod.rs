@@ -10,13 +10,13 @@ mod spread;
 use std::io;
 use std::path::Path;
 
-use mbd_report::{Cell, Figure, Report, Table, files};
+use mbd_report::{Cell, Figure, Report, ReportTable, files};
 
 use crate::envelopes::Envelope;
 use crate::histories::Chosen;
 use crate::results::Results;
-use crate::summary::{CONFIDENCE, Summary};
-use spread::Curves;
+use crate::summary::{CONFIDENCE, CampaignSummary};
+use spread::FootprintCurves;
 
 /// The page of a campaign, beside what its results say.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// A file cannot be written whole; the error names it.
-    pub fn write(&self, results: &Results, summary: &Summary) -> io::Result<Vec<String>> {
+    pub fn write(&self, results: &Results, summary: &CampaignSummary) -> io::Result<Vec<String>> {
         let mut names: Vec<String> = Vec::new();
         let mut picture = |kind: &str, name: &str, figure: &Figure<'_>| {
             let plain = |sign: char| if sign.is_alphanumeric() { sign } else { '_' };
@@ -59,7 +59,7 @@ impl Page<'_> {
         for footprint in &results.manifest.told.footprints {
             if let Some(spread) = footprint.of(results) {
                 let name = format!("{}_{}", footprint.x, footprint.y);
-                picture("footprint", &name, &Curves::of(&spread).figure())?;
+                picture("footprint", &name, &FootprintCurves::of(&spread).figure())?;
             }
         }
         self.html(results, summary)
@@ -69,7 +69,7 @@ impl Page<'_> {
 
     /// The page.
     #[must_use]
-    pub fn html(&self, results: &Results, summary: &Summary) -> Report {
+    pub fn html(&self, results: &Results, summary: &CampaignSummary) -> Report {
         let mut report = Report::new(format!("Campaign of {}", results.manifest.model))
             .section("Result")
             .paragraph(&opening(summary));
@@ -119,11 +119,11 @@ fn footprints(report: Report, results: &Results) -> Report {
         return report;
     }
     all.iter().fold(report.section("Footprint"), |report, own| {
-        spread::spread(report.figure(&Curves::of(own).figure()), own)
+        spread::spread(report.figure(&FootprintCurves::of(own).figure()), own)
     })
 }
 
-fn opening(summary: &Summary) -> String {
+fn opening(summary: &CampaignSummary) -> String {
     let failed: usize = summary
         .failures
         .iter()
@@ -142,8 +142,8 @@ fn opening(summary: &Summary) -> String {
     )
 }
 
-fn overview(summary: &Summary) -> Table {
-    let mut table = Table::new("Metrics")
+fn overview(summary: &CampaignSummary) -> ReportTable {
+    let mut table = ReportTable::new("Metrics")
         .column("metric", "")
         .column("unit", "")
         .number("nominal", "", 5)
@@ -175,8 +175,8 @@ fn overview(summary: &Summary) -> Table {
     table
 }
 
-fn dispersed(results: &Results) -> Table {
-    let mut table = Table::new("Dispersed numbers")
+fn dispersed(results: &Results) -> ReportTable {
+    let mut table = ReportTable::new("Dispersed numbers")
         .column("name", "")
         .column("unit", "")
         .number("nominal", "", 5)

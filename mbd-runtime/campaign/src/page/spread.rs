@@ -1,8 +1,8 @@
 //! Footprints.
 
-use mbd_report::{Cell, Figure, Look, Report, Series, Table};
+use mbd_report::{Cell, Figure, Look, Report, ReportTable, Series};
 
-use crate::footprint::Spread;
+use crate::footprint::FootprintStatistics;
 use crate::table::percent;
 
 /// Places on an ellipse.
@@ -11,7 +11,7 @@ const PLACES: usize = 120;
 const LOOKS: [Look; 4] = [Look::Dashed, Look::DashDot, Look::LongDash, Look::Dotted];
 
 /// The curves of a footprint, each its x and its y.
-pub struct Curves {
+pub struct FootprintCurves {
     title: String,
     axes: [[String; 2]; 2],
     cases: [Vec<f64>; 2],
@@ -24,9 +24,9 @@ fn apart(places: &[[f64; 2]]) -> [Vec<f64>; 2] {
     [0, 1].map(|k| places.iter().map(|place| place[k]).collect())
 }
 
-impl Curves {
+impl FootprintCurves {
     /// Those of a footprint.
-    pub fn of(spread: &Spread) -> Self {
+    pub fn of(spread: &FootprintStatistics) -> Self {
         let ellipses = spread.spot.iter().flat_map(|spot| {
             let ellipses = spread.ellipses.iter();
             ellipses.map(|ellipse| {
@@ -35,7 +35,7 @@ impl Curves {
             })
         });
         let [[x, _], [y, _]] = &spread.axes;
-        Curves {
+        FootprintCurves {
             title: format!("{y} over {x}"),
             axes: spread.axes.clone(),
             cases: apart(&spread.places),
@@ -73,7 +73,7 @@ impl Curves {
 }
 
 /// Adds what is told of a footprint in words.
-pub fn spread(report: Report, spread: &Spread) -> Report {
+pub fn spread(report: Report, spread: &FootprintStatistics) -> Report {
     let report = match spread.without {
         0 => report,
         n => report.paragraph(&format!(
@@ -86,11 +86,11 @@ pub fn spread(report: Report, spread: &Spread) -> Report {
     }
 }
 
-fn ellipses(spread: &Spread) -> Table {
+fn ellipses(spread: &FootprintStatistics) -> ReportTable {
     let [[x, x_unit], [y, y_unit]] = &spread.axes;
     let one_unit = x_unit == y_unit;
     let unit = if one_unit { x_unit.as_str() } else { "" };
-    let mut table = Table::new(format!("Ellipses of {y} over {x}"))
+    let mut table = ReportTable::new(format!("Ellipses of {y} over {x}"))
         .column("of normal cases", "")
         .column("inside", "cases")
         .column("of", "cases")

@@ -6,5 +6,5 @@ pub(crate) mod plan;
 mod settings;
 
 pub use names::PlanError;
-pub use plan::Plan;
+pub use plan::RunPlan;
 pub use settings::{Settings, split};

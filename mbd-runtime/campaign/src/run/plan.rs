@@ -17,7 +17,7 @@ use super::settings::Settings;
 
 /// Everything a run needs, in SI numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct RunPlan {
     /// End of the run [s].
     pub until: f64,
     /// Method, step, events.
@@ -49,20 +49,20 @@ const NUMBERS: f64 = 2e8;
 /// The relative tolerance of adaptive steps when nothing is given.
 const TOLERANCE: f64 = 1e-8;
 
-impl Plan {
+impl RunPlan {
     /// Checks settings against a scene.
     ///
     /// # Errors
     /// The first setting that cannot be used.
-    pub fn new(scene: &Scene, settings: &Settings) -> Result<Plan, PlanError> {
-        Plan::with_layout((scene, &Layout::new(scene)), settings)
+    pub fn new(scene: &Scene, settings: &Settings) -> Result<RunPlan, PlanError> {
+        RunPlan::with_layout((scene, &Layout::new(scene)), settings)
     }
 
     /// The same where somebody has the layout of the scene already.
     pub(crate) fn with_layout(
         (scene, layout): (&Scene, &Layout),
         settings: &Settings,
-    ) -> Result<Plan, PlanError> {
+    ) -> Result<RunPlan, PlanError> {
         let seconds = |name: &str, value: &Option<Value>| match value {
             Some(value) => positive(name, value, "s").map(Some),
             None => Ok(None),
@@ -90,7 +90,7 @@ impl Plan {
         {
             fits(scene, rows)?;
         }
-        Ok(Plan {
+        Ok(RunPlan {
             instants,
             figures: figures(scene, &settings.figures)?,
             until,
@@ -121,7 +121,7 @@ fn fits(scene: &Scene, rows: f64) -> Result<(), PlanError> {
     Err(wrong("every", text))
 }
 
-impl Plan {
+impl RunPlan {
     /// Another start, for the params that are planned now.
     pub(crate) fn place(
         &mut self,

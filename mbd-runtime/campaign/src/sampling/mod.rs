@@ -12,7 +12,7 @@ use sobol::{DIMENSIONS, Sobol};
 
 /// How the cases of a campaign are spread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sampling {
+pub enum CaseSampling {
     /// Every number by itself.
     #[default]
     Random,
@@ -24,44 +24,44 @@ pub enum Sampling {
     Grid,
 }
 
-impl Sampling {
+impl CaseSampling {
     /// The words in a file.
-    pub const WORDS: [(&'static str, Sampling); 4] = [
-        ("random", Sampling::Random),
-        ("latin", Sampling::Latin),
-        ("sobol", Sampling::Sobol),
-        ("grid", Sampling::Grid),
+    pub const WORDS: [(&'static str, CaseSampling); 4] = [
+        ("random", CaseSampling::Random),
+        ("latin", CaseSampling::Latin),
+        ("sobol", CaseSampling::Sobol),
+        ("grid", CaseSampling::Grid),
     ];
 
     /// The most numbers that can be dispersed, where there is such a limit.
     #[must_use]
     pub fn most(self) -> Option<usize> {
-        (self == Sampling::Sobol).then_some(DIMENSIONS)
+        (self == CaseSampling::Sobol).then_some(DIMENSIONS)
     }
 }
 
 /// The numbers in (0, 1) of one name.
 #[derive(Clone, Debug)]
-pub struct Spread {
+pub struct UnitSamples {
     draws: Draws,
     sobol: Option<Sobol>,
     strata: Option<u64>,
 }
 
-impl Spread {
+impl UnitSamples {
     /// Those of a name, the `dimension`-th of all (from 0), over so many cases.
     #[must_use]
     pub fn new(
-        sampling: Sampling,
+        sampling: CaseSampling,
         seed: u64,
         name: &str,
         (dimension, cases): (usize, u64),
     ) -> Self {
         let draws = Draws::new(seed, name);
-        Spread {
+        UnitSamples {
             draws,
-            sobol: (sampling == Sampling::Sobol).then(|| Sobol::new(dimension, draws)),
-            strata: (sampling == Sampling::Latin).then_some(cases),
+            sobol: (sampling == CaseSampling::Sobol).then(|| Sobol::new(dimension, draws)),
+            strata: (sampling == CaseSampling::Latin).then_some(cases),
         }
     }
 

@@ -13,7 +13,7 @@ use super::drawn::safe;
 use super::film::ellipsoid;
 use super::mechanism::upwards;
 use super::playback::rows;
-use super::stage::{Stage, Track};
+use super::stage::{RecordedScene, Track};
 use super::surface::Surface;
 use super::views::Run;
 use buffer::Buffer;
@@ -26,9 +26,9 @@ const POINT: f64 = 0.008;
 /// A run as the bytes of a `.glb` file; `None` where the history holds no motion.
 #[must_use]
 pub fn gltf(run: &Run<'_>) -> Option<Vec<u8>> {
-    let stage = Stage::new(run.scene, run.params, run.trajectory);
+    let stage = RecordedScene::new(run.scene, run.params, run.trajectory);
     let rows = moments(&stage);
-    let mut writer = Writer {
+    let mut writer = GltfWriter {
         size: size(&stage, &rows)?,
         stage: &stage,
         rows: &rows,
@@ -44,7 +44,7 @@ pub fn gltf(run: &Run<'_>) -> Option<Vec<u8>> {
 }
 
 /// The rows that are shown: no two at one time, none with a gap.
-fn moments(stage: &Stage<'_>) -> Vec<usize> {
+fn moments(stage: &RecordedScene<'_>) -> Vec<usize> {
     let times = stage.trajectory.times();
     let whole = |row: usize| {
         let mut tracks = stage.bodies.iter().chain(&stage.points).flatten();
@@ -68,7 +68,7 @@ fn moments(stage: &Stage<'_>) -> Vec<usize> {
 }
 
 /// How far everything extends at the first row [m]; `None` where nothing is anywhere.
-fn size(stage: &Stage<'_>, rows: &[usize]) -> Option<f64> {
+fn size(stage: &RecordedScene<'_>, rows: &[usize]) -> Option<f64> {
     let row = *rows.first()?;
     let tracks = stage.bodies.iter().chain(&stage.points).flatten();
     let mut places: Vec<Vector3<f64>> = tracks.filter_map(|track| track.position(row)).collect();
@@ -86,8 +86,8 @@ fn size(stage: &Stage<'_>, rows: &[usize]) -> Option<f64> {
     Some((high - low).norm().max(1e-3))
 }
 
-struct Writer<'a> {
-    stage: &'a Stage<'a>,
+struct GltfWriter<'a> {
+    stage: &'a RecordedScene<'a>,
     rows: &'a [usize],
     size: f64,
     buffer: Buffer,
@@ -100,7 +100,7 @@ struct Writer<'a> {
     times: Option<usize>,
 }
 
-impl Writer<'_> {
+impl GltfWriter<'_> {
     fn file(&mut self) -> Vec<u8> {
         let mut roots = Vec::new();
         for index in 0..self.stage.bodies.len() {

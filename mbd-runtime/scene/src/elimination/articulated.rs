@@ -16,18 +16,18 @@
 
 use nalgebra::Matrix3;
 
-use crate::elimination::system::System;
-use crate::{Below, Elimination, Part, Real, Step};
+use crate::elimination::system::BlockSystem;
+use crate::{Below, Elimination, EliminationStep, Part, Real};
 
 /// Most speeds of a body.
 const MOST: usize = 6;
 
 /// A node of the system that leaves: a body with its parent joint, or any node by itself.
 #[derive(Clone, Copy)]
-struct Node<'a> {
-    step: &'a Step,
+struct LeavingNode<'a> {
+    step: &'a EliminationStep,
     /// The parent joint of a body that leaves with it.
-    joint: Option<&'a Step>,
+    joint: Option<&'a EliminationStep>,
     /// Number of free columns: all unknowns of a node by itself.
     free: usize,
     /// Number of unknowns.
@@ -36,19 +36,19 @@ struct Node<'a> {
     axes: bool,
 }
 
-impl<'a> Node<'a> {
+impl<'a> LeavingNode<'a> {
     fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
         let step = plan.steps.get(index).filter(|step| !step.paired)?;
         let size = step.size;
         Some(match step.carrying {
-            Some(carrying) => Node {
+            Some(carrying) => LeavingNode {
                 step,
                 joint: plan.steps.get(index + 1),
                 free: carrying.free,
                 size,
                 axes: carrying.axes && size == MOST,
             },
-            None => Node {
+            None => LeavingNode {
                 step,
                 joint: None,
                 free: size,
@@ -59,8 +59,8 @@ impl<'a> Node<'a> {
     }
 
     /// A body and its parent joint.
-    fn pair(plan: &'a Elimination, body: usize) -> Option<(Self, &'a Step)> {
-        let node = Node::new(plan, body)?;
+    fn pair(plan: &'a Elimination, body: usize) -> Option<(Self, &'a EliminationStep)> {
+        let node = LeavingNode::new(plan, body)?;
         Some((node, node.joint?))
     }
 
@@ -113,10 +113,10 @@ pub(crate) enum Bank {
     Inverse,
 }
 
-/// Tells every number that [`System::solve`] reads of a factor.
+/// Tells every number that [`BlockSystem::solve`] reads of a factor.
 pub(crate) fn factored(plan: &Elimination, mut each: impl FnMut(Bank, usize)) {
     for index in 0..plan.steps.len() {
-        let Some(node) = Node::new(plan, index) else {
+        let Some(node) = LeavingNode::new(plan, index) else {
             continue;
         };
         if let Some(at) = node.axes_at() {
@@ -147,7 +147,7 @@ pub(crate) fn factored(plan: &Elimination, mut each: impl FnMut(Bank, usize)) {
     }
 }
 
-impl<S: Real> System<S> {
+impl<S: Real> BlockSystem<S> {
     /// A number of the factor.
     pub(crate) fn factored(&self, bank: Bank, at: usize) -> S {
         match bank {
@@ -193,7 +193,7 @@ impl<S: Real> System<S> {
         values: impl Iterator<Item = S>,
         least: Option<S>,
     ) {
-        let pair = Node::pair(plan, body).filter(|(node, _)| column < node.free);
+        let pair = LeavingNode::pair(plan, body).filter(|(node, _)| column < node.free);
         if let Some((node, joint)) = pair {
             let at = joint.diagonal + node.size * column;
             for (slot, value) in self.store[at..at + node.size].iter_mut().zip(values) {
@@ -206,19 +206,19 @@ impl<S: Real> System<S> {
 
     /// Sets T, the axes of the parent joint of the body of a step.
     pub fn set_axes(&mut self, plan: &Elimination, body: usize, axes: &Matrix3<S>) {
-        if let Some(at) = Node::new(plan, body).and_then(|node| node.axes_at()) {
+        if let Some(at) = LeavingNode::new(plan, body).and_then(|node| node.axes_at()) {
             self.store[at..at + 9].copy_from_slice(axes.as_slice());
         }
     }
 
     /// T, where the parent joint states axes.
-    fn axes(&self, node: &Node<'_>) -> Option<Matrix3<S>> {
+    fn axes(&self, node: &LeavingNode<'_>) -> Option<Matrix3<S>> {
         let at = node.axes_at()?;
         Some(Matrix3::from_column_slice(&self.store[at..at + 9]))
     }
 
     /// A free column, and what its pivot is at least; the unknown along which it is the only one, and the column is of length one.
-    fn column(&self, node: &Node<'_>, k: usize) -> ([S; MOST], S, Option<usize>) {
+    fn column(&self, node: &LeavingNode<'_>, k: usize) -> ([S; MOST], S, Option<usize>) {
         let mut h = [S::zero(); MOST];
         let Some(joint) = node.joint else {
             h[k] = S::one();
@@ -236,7 +236,7 @@ impl<S: Real> System<S> {
     /// Factorises K by (1) of [`crate::elimination::system`]. `enter` hears which part comes next.
     pub fn factor(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
-            let Some(node) = Node::new(plan, index) else {
+            let Some(node) = LeavingNode::new(plan, index) else {
                 continue;
             };
             enter(step.part);
@@ -265,7 +265,7 @@ impl<S: Real> System<S> {
     }
 
     /// The full diagonal block.
-    fn inertia_of(&self, node: &Node<'_>) -> [[S; MOST]; MOST] {
+    fn inertia_of(&self, node: &LeavingNode<'_>) -> [[S; MOST]; MOST] {
         let inside = |i: usize, j: usize| i.max(j) < node.size;
         let at = |i: usize, j: usize| self.store[node.row(i.max(j)) + i.min(j)];
         std::array::from_fn(|i| {
@@ -277,7 +277,7 @@ impl<S: Real> System<S> {
     fn release(
         &mut self,
         plan: &Elimination,
-        node: &Node<'_>,
+        node: &LeavingNode<'_>,
         k: usize,
         inertia: &mut [[S; MOST]; MOST],
     ) {
@@ -364,8 +364,8 @@ impl<S: Real> System<S> {
     fn hand_on(
         &mut self,
         plan: &Elimination,
-        node: &Node<'_>,
-        joint: &Step,
+        node: &LeavingNode<'_>,
+        joint: &EliminationStep,
         inertia: &[[S; MOST]; MOST],
     ) {
         let n = node.size;
@@ -415,13 +415,13 @@ impl<S: Real> System<S> {
     /// Solves for the right-hand side; the factor stays. `enter` hears which part comes next.
     pub fn solve(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
-            if let Some(node) = Node::new(plan, index) {
+            if let Some(node) = LeavingNode::new(plan, index) {
                 enter(step.part);
                 self.carry(plan, &node);
             }
         }
         for (index, step) in plan.steps.iter().enumerate().rev() {
-            if let Some(node) = Node::new(plan, index) {
+            if let Some(node) = LeavingNode::new(plan, index) {
                 enter(step.part);
                 self.find(plan, &node);
             }
@@ -429,7 +429,7 @@ impl<S: Real> System<S> {
     }
 
     /// Carries the right-hand side of a node to the others, by (2) and (4). ν is that of the joint.
-    fn carry(&mut self, plan: &Elimination, node: &Node<'_>) {
+    fn carry(&mut self, plan: &Elimination, node: &LeavingNode<'_>) {
         let (first, n) = (node.step.first, node.size);
         if let Some(axes) = self.axes(node) {
             turn(&mut self.right[first + 3..], &axes);
@@ -487,7 +487,7 @@ impl<S: Real> System<S> {
     }
 
     /// Finds the unknowns of a node from those of the others, by (1) and (2); leaves (5) with the joint.
-    fn find(&mut self, plan: &Elimination, node: &Node<'_>) {
+    fn find(&mut self, plan: &Elimination, node: &LeavingNode<'_>) {
         let (first, n) = (node.step.first, node.size);
         if let Some(joint) = node.joint {
             self.follow(plan, node, joint);
@@ -531,7 +531,7 @@ impl<S: Real> System<S> {
     }
 
     /// Writes (1) without H u, and (5).
-    fn follow(&mut self, plan: &Elimination, node: &Node<'_>, joint: &Step) {
+    fn follow(&mut self, plan: &Elimination, node: &LeavingNode<'_>, joint: &EliminationStep) {
         let (first, held, n) = (node.step.first, joint.first, node.size);
         let mut carried = [S::zero(); MOST];
         for below in &joint.below {
@@ -564,15 +564,15 @@ impl<S: Real> System<S> {
 
     /// The unknowns of the parent joint of the body of a step: ν.
     pub fn held_mut(&mut self, plan: &Elimination, body: usize) -> &mut [S] {
-        match Node::pair(plan, body) {
+        match LeavingNode::pair(plan, body) {
             Some((node, joint)) => &mut self.right[joint.first..joint.first + node.size],
             None => &mut [],
         }
     }
 
-    /// What the parent joint of the body of a step pushes it with, by (5), after [`System::solve`].
+    /// What the parent joint of the body of a step pushes it with, by (5), after [`BlockSystem::solve`].
     pub fn push(&self, plan: &Elimination, body: usize) -> &[S] {
-        match Node::pair(plan, body) {
+        match LeavingNode::pair(plan, body) {
             Some((node, joint)) => &self.push[joint.first..joint.first + node.size],
             None => &[],
         }

@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 
 use crate::elimination::assemble::Carriage;
 use crate::elimination::reference::Reference;
-use crate::elimination::system::System;
+use crate::elimination::system::BlockSystem;
 use crate::laws::GravityNumbers;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
@@ -34,7 +34,7 @@ pub struct Constraints<S: Real> {
     pub(super) rows: Vec<Rows<S>>,
     /// The rows of the system, where they are not all rows of the joint.
     pub(super) kept: Vec<Rows<S>>,
-    pub(super) system: System<S>,
+    pub(super) system: BlockSystem<S>,
     /// Axes and point of the unknowns of each body.
     pub(super) references: Vec<Option<Reference<S>>>,
     /// The linear acceleration of each body that the motion of what carries it brings along: a constant part of its unknowns, which acts on
@@ -95,7 +95,7 @@ impl<S: Real> Constraints<S> {
         Constraints {
             rows: vec![Rows::default(); layout.joints.len()],
             kept: vec![Rows::default(); layout.joints.len()],
-            system: System::new(&layout.elimination),
+            system: BlockSystem::new(&layout.elimination),
             references: vec![None; layout.bodies.len()],
             brought: vec![Vector3::zeros(); layout.bodies.len()],
             carriages: vec![None; layout.joints.len()],

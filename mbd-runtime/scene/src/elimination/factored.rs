@@ -6,7 +6,7 @@
 //! ν = N c,   y = Nᵀ (push − …)                   N: of a joint that carries its child, rows → its unknowns       (3)
 //! ```
 //!
-//! The list: what [`System::solve`](super::system::System::solve) reads, then body by body T (of a body that no joint holds the inverse of its
+//! The list: what [`BlockSystem::solve`](super::system::BlockSystem::solve) reads, then body by body T (of a body that no joint holds the inverse of its
 //! inertia), joint by joint N, then the margin of the factor.
 
 use nalgebra::Vector3;

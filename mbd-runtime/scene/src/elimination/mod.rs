@@ -10,4 +10,4 @@ mod system;
 pub(crate) use articulated::{factored, sparse_dot};
 pub(crate) use constraint::{Constraints, common_fall, enter, kept_parts, reaction};
 pub(crate) use factored::factored_len;
-pub(crate) use system::System;
+pub(crate) use system::BlockSystem;

@@ -17,11 +17,11 @@
 //! a number without unit, whatever the masses: 1 for rows at right angles, sin² for two rows at an angle, eps or less for dependent ones.
 //! Rows that leave by substitution have no pivot and do not count.
 
-use crate::{Elimination, Part, Real, Step};
+use crate::{Elimination, EliminationStep, Part, Real};
 
 /// The blocks and right-hand side of one system. Carries nothing from call to call.
 #[derive(Clone, Debug)]
-pub struct System<S: Real> {
+pub struct BlockSystem<S: Real> {
     /// K, then L D below the diagonal (unscaled columns).
     pub(super) store: Vec<S>,
     /// L below the diagonal.
@@ -44,10 +44,10 @@ pub struct System<S: Real> {
     grown: Vec<bool>,
 }
 
-impl<S: Real> System<S> {
+impl<S: Real> BlockSystem<S> {
     /// Room for one order of elimination.
     pub fn new(plan: &Elimination) -> Self {
-        System {
+        BlockSystem {
             store: vec![S::zero(); plan.store],
             scaled: vec![S::zero(); plan.store],
             pivot: vec![S::zero(); plan.unknowns],
@@ -98,7 +98,7 @@ impl<S: Real> System<S> {
         }
     }
 
-    /// The right-hand side of a step; after [`System::solve`] its unknowns.
+    /// The right-hand side of a step; after [`BlockSystem::solve`] its unknowns.
     pub fn unknowns_mut(&mut self, plan: &Elimination, step: usize) -> &mut [S] {
         match plan.steps.get(step) {
             Some(step) => &mut self.right[step.first..step.first + step.size],
@@ -150,7 +150,7 @@ impl<S: Real> System<S> {
     }
 
     /// Notes the diagonal elements of a joint that have grown since the last note: rows are about to be taken out of them.
-    fn note(&mut self, step: &Step) {
+    fn note(&mut self, step: &EliminationStep) {
         for p in 0..step.size {
             let place = step.first + p;
             if std::mem::replace(&mut self.grown[place], false) {
@@ -166,7 +166,7 @@ impl<S: Real> System<S> {
         }
     }
 
-    /// The smallest part of its element that other rows have left to the pivot of a row, after [`System::factor`], by (3).
+    /// The smallest part of its element that other rows have left to the pivot of a row, after [`BlockSystem::factor`], by (3).
     pub fn margin(&self, plan: &Elimination) -> S {
         let joints = plan.steps.iter();
         let joints = joints.filter(|step| matches!(step.part, Part::Joint(_)) && !step.paired);

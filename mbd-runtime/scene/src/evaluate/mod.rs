@@ -22,9 +22,9 @@ use crate::laws::{
     rate,
 };
 use crate::scalar::algebra::write;
-use crate::tree::Inertia;
+use crate::tree::SpatialInertia;
 use crate::{At, Layout, Quantity, Real, Scene};
-use solver::Solver;
+use solver::MotionSolver;
 
 /// Scratch of one evaluation: carries nothing from call to call.
 #[derive(Clone, Debug)]
@@ -37,9 +37,9 @@ pub struct Scratch<S: Real> {
     nodes: Vec<S>,
     still: Vec<S>,
     residual: Vec<S>,
-    moments: Vec<Inertia<S>>,
+    moments: Vec<SpatialInertia<S>>,
     assembly: AppliedForces<S>,
-    solver: Solver<S>,
+    solver: MotionSolver<S>,
 }
 
 impl<S: Real> Scratch<S> {
@@ -57,7 +57,7 @@ impl<S: Real> Scratch<S> {
             residual: Vec::new(),
             moments: Vec::new(),
             assembly: AppliedForces::new(layout),
-            solver: Solver::new(layout),
+            solver: MotionSolver::new(layout),
         }
     }
 }

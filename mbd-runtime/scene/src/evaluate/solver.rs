@@ -13,16 +13,16 @@ use crate::{Layout, Quantity, Real};
 
 /// The equations of motion of one scene. Carries nothing from call to call.
 #[derive(Clone, Debug)]
-pub(super) enum Solver<S: Real> {
+pub(super) enum MotionSolver<S: Real> {
     /// Every body by itself, joints as rows.
     Absolute(Box<Constraints<S>>),
     /// Bodies carried along a tree.
     Relative(Box<TreeSystem<S>>),
 }
 
-use Solver::{Absolute, Relative};
+use MotionSolver::{Absolute, Relative};
 
-impl<S: Real> Solver<S> {
+impl<S: Real> MotionSolver<S> {
     /// Room for the scene of a layout.
     pub fn new(layout: &Layout) -> Self {
         match layout.tree {
@@ -40,7 +40,7 @@ impl<S: Real> Solver<S> {
         }
     }
 
-    /// Writes ẋ, after [`Solver::accelerate`].
+    /// Writes ẋ, after [`MotionSolver::accelerate`].
     pub fn write_derivative(
         &self,
         evaluation: &Evaluation<'_, S>,
@@ -66,7 +66,7 @@ impl<S: Real> Solver<S> {
         }
     }
 
-    /// Writes multipliers or reactions, after [`Solver::accelerate`].
+    /// Writes multipliers or reactions, after [`MotionSolver::accelerate`].
     pub fn write_solved(
         &mut self,
         what: Quantity,
@@ -80,7 +80,7 @@ impl<S: Real> Solver<S> {
         }
     }
 
-    /// Power that prescribed motions put in through the joints [W], after [`Solver::accelerate`].
+    /// Power that prescribed motions put in through the joints [W], after [`MotionSolver::accelerate`].
     pub fn drive_power(
         &mut self,
         evaluation: &Evaluation<'_, S>,

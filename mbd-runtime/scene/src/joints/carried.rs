@@ -20,7 +20,7 @@ use crate::scalar::Few;
 
 /// A column of N.
 #[derive(Clone, Copy, Debug)]
-pub struct Held<S: Real> {
+pub struct HeldDirection<S: Real> {
     /// Its direction.
     pub column: Twist<S>,
     /// What it is multiplied by.
@@ -35,7 +35,7 @@ pub struct Carried<S: Real> {
     /// H, one column a freedom; that of a coordinate at the coordinate's number, seen by no motor but its own.
     pub free: Few<Twist<S>, 3>,
     /// N, one column a row, in the order of the rows.
-    pub held: Few<Held<S>, 6>,
+    pub held: Few<HeldDirection<S>, 6>,
     /// The axes of the angular parts, as columns, where they are not those of the child's end.
     pub axes: Option<Matrix3<S>>,
     /// N γ of the rows that are not `after`, besides what (1) brings along with the parent's motion, where there is a short form for it.
@@ -44,9 +44,9 @@ pub struct Carried<S: Real> {
     pub meets: bool,
 }
 
-impl<S: Real> Held<S> {
+impl<S: Real> HeldDirection<S> {
     fn new(column: Twist<S>, inverse: S) -> Self {
-        Held {
+        HeldDirection {
             column,
             inverse,
             after: false,
@@ -59,7 +59,7 @@ impl<S: Real> Carried<S> {
     pub(crate) fn new(meets: bool) -> Self {
         Carried {
             free: Few::new(Twist::zero()),
-            held: Few::new(Held::new(Twist::zero(), S::zero())),
+            held: Few::new(HeldDirection::new(Twist::zero(), S::zero())),
             axes: None,
             bias: None,
             meets,
@@ -73,7 +73,7 @@ impl<S: Real> Carried<S> {
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             carried
                 .held
-                .push(Held::new(Twist::slide(axis.vector()), S::one()));
+                .push(HeldDirection::new(Twist::slide(axis.vector()), S::one()));
         }
         carried
     }
@@ -84,7 +84,9 @@ impl<S: Real> Carried<S> {
         let mut carried = Carried::new(false);
         for axis in axes {
             let along = ends.parent.outward.apply(&ends.parent.axis(axis));
-            carried.held.push(Held::new(Twist::slide(along), S::one()));
+            carried
+                .held
+                .push(HeldDirection::new(Twist::slide(along), S::one()));
         }
         carried
     }
@@ -112,8 +114,8 @@ impl<S: Real> Carried<S> {
         let inverse = (S::one() / a.dot(&own)).label("inverse_cosine");
         let lean = own.map(|x| spin.square * x) - w.map(|x| own.dot(&w) * x);
         self.free.push(Twist::spin(own));
-        self.held.push(Held::new(Twist::spin(v), inverse));
-        self.held.push(Held::new(Twist::spin(-u), inverse));
+        self.held.push(HeldDirection::new(Twist::spin(v), inverse));
+        self.held.push(HeldDirection::new(Twist::spin(-u), inverse));
         self.bias = Some(Twist::spin(a.cross(&lean).map(|x| x * inverse)));
         self
     }
@@ -124,19 +126,19 @@ impl<S: Real> Carried<S> {
         let [a, b, c] = [(x, y), (y, z), (z, x)].map(|(a, b)| couple(ends, &a, &b));
         let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
         let inverse = (S::one() / a.dot(&bc)).label("inverse_product");
-        let columns = [bc, ca, ab].map(|column| Held::new(Twist::spin(column), inverse));
+        let columns = [bc, ca, ab].map(|column| HeldDirection::new(Twist::spin(column), inverse));
         self.held.extend(columns);
         self
     }
 
     /// One more row, which holds the child along `column` alone.
     pub fn hold(&mut self, column: Twist<S>, inverse: S) {
-        self.held.push(Held::new(column, inverse));
+        self.held.push(HeldDirection::new(column, inverse));
     }
 
     /// One more row, behind all others, that holds the child along `column`.
     pub fn hold_after(&mut self, column: Twist<S>, inverse: S) {
-        self.held.push(Held {
+        self.held.push(HeldDirection {
             column,
             inverse,
             after: true,

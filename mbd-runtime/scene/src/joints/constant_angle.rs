@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dimension::ANGLE;
 use super::motion::write;
-use super::{Axis, Field, Fields, Joint, Pose, Relative, Rule, Twist};
+use super::{Axis, Field, Fields, JointDefinition, Pose, Relative, Rule, Twist};
 use crate::rows::{Ends, Rows};
 use crate::{Formula, Real};
 use nalgebra::{Matrix3, Vector3};
@@ -48,7 +48,7 @@ impl ConstantAngle {
     }
 }
 
-impl Joint for ConstantAngle {
+impl JointDefinition for ConstantAngle {
     const FREEDOMS: usize = 5;
     const SUMMARY: &'static str =
         "two directions, one of the parent and one of the child, keep the `angle` between them";

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Carried, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rotation;
 use crate::rows::{Ends, Row, Rows, couple, perpendicular};
@@ -47,7 +47,7 @@ impl ConstantVelocity {
     }
 }
 
-impl Joint for ConstantVelocity {
+impl JointDefinition for ConstantVelocity {
     const FREEDOMS: usize = 2;
     const SUMMARY: &'static str = "a bend in any direction; the shafts along `axis` turn equally";
 

@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -23,7 +23,7 @@ pub struct Cylindrical {
     pub axis: Axis,
 }
 
-impl Joint for Cylindrical {
+impl JointDefinition for Cylindrical {
     const FREEDOMS: usize = 2;
     const SUMMARY: &'static str = "a translation along `axis` and a rotation about it";
 

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dimension::LENGTH;
 use super::motion::{attitude_columns, write};
-use super::{Axis, Field, Fields, Joint, Pose, Relative, Rule, Twist};
+use super::{Axis, Field, Fields, JointDefinition, Pose, Relative, Rule, Twist};
 use crate::rows::{Ends, Rows};
 use crate::{Formula, Real};
 use nalgebra::Vector3;
@@ -43,7 +43,7 @@ fn rod<S: Real>(at: &Relative<'_, S>) -> (Vector3<S>, Vector3<S>) {
     )
 }
 
-impl Joint for Distance {
+impl JointDefinition for Distance {
     const FREEDOMS: usize = 5;
     const COORDINATES: usize = 6;
     const SUMMARY: &'static str = "a massless rod of `length` between two points";

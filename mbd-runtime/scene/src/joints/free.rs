@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::attitude_columns;
-use super::{Fields, Joint, Pose, Relative, Twist};
+use super::{Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -19,7 +19,7 @@ use crate::rows::{Ends, Rows};
 #[serde(deny_unknown_fields)]
 pub struct Free {}
 
-impl Joint for Free {
+impl JointDefinition for Free {
     const FREEDOMS: usize = 6;
     const COORDINATES: usize = 7;
     const SUMMARY: &'static str = "everything is allowed";

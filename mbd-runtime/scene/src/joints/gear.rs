@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::dimension::ANGLE;
-use super::{Coupled, Field, Fields, Joint, Relation, Rule};
+use super::{Coupled, Field, Fields, JointDefinition, Relation, Rule};
 use crate::{Formula, Real};
 
 /// A gear between two joint coordinates: takes one freedom.
@@ -38,7 +38,7 @@ static OFFSET: Field = Field {
     rule: Rule::Finite,
 };
 
-impl Joint for Gear {
+impl JointDefinition for Gear {
     const FREEDOMS: usize = 5;
     const COORDINATES: usize = 0;
     const SUMMARY: &'static str =

@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -23,7 +23,7 @@ pub struct Hinge {
     pub axis: Axis,
 }
 
-impl Joint for Hinge {
+impl JointDefinition for Hinge {
     const FREEDOMS: usize = 1;
     const SUMMARY: &'static str = "one rotation about `axis`";
 

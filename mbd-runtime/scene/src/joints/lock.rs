@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Fields, Joint, Relation};
+use super::{Fields, JointDefinition, Relation};
 use crate::Real;
 
 /// A joint coordinate that an event locks: takes one freedom while it is attached.
@@ -21,7 +21,7 @@ pub struct Lock {
     pub couples: [(usize, usize); 1],
 }
 
-impl Joint for Lock {
+impl JointDefinition for Lock {
     const FREEDOMS: usize = 5;
     const COORDINATES: usize = 0;
     const SUMMARY: &'static str = "a coordinate of a joint stays where an event locked it";

@@ -9,7 +9,7 @@
 mod carried;
 mod joint_forces;
 
-pub use carried::{Carried, Held};
+pub use carried::{Carried, HeldDirection};
 pub use joint_forces::{
     CommandFilter, FILTER, FORCE, JointForceField, JointForces, MOTOR, MOTOR_ACCELERATION,
     MOTOR_RATE, Measured, NUMBERS, START, START_RATE, STOP_ORDER, STOPS, Side, in_order,
@@ -26,7 +26,7 @@ pub use crate::{Axis, Coordinate, Field, Fields, Measure, Pose, Relative, Rule, 
 use crate::{Formula, Real};
 
 /// What a joint must say about itself.
-pub trait Joint: Sized {
+pub trait JointDefinition: Sized {
     /// Freedoms: the number of speeds u.
     const FREEDOMS: usize;
     /// The number of joint coordinates q: one more than speeds for an attitude, which is a quaternion.
@@ -49,7 +49,7 @@ pub trait Joint: Sized {
         Vec::new()
     }
 
-    /// What it forbids between its two ends: adds 6 − freedoms rows. A coupling has none of its own: see [`Joint::couples`].
+    /// What it forbids between its two ends: adds 6 − freedoms rows. A coupling has none of its own: see [`JointDefinition::couples`].
     fn constrain<S: Real>(&self, _ends: &Ends<'_, S>, _rows: &mut Rows<S>) {}
 
     /// Of a coupling the coordinates of other joints that it relates by its one row: joint and number of the coordinate, first the one that
@@ -129,12 +129,12 @@ macro_rules! joints {
                 all_but_last(&[$(stringify!($keyword)),*]);
             /// One line a joint: keyword, freedoms, what it is.
             pub const CATALOGUE: &'static [(&'static str, usize, &'static str)] = all_but_last(&[
-                $((stringify!($keyword), <$name as Joint>::FREEDOMS, <$name as Joint>::SUMMARY)),*
+                $((stringify!($keyword), <$name as JointDefinition>::FREEDOMS, <$name as JointDefinition>::SUMMARY)),*
             ]);
 
-            /// Whether the rows of a joint use the axes of its parent end and of its child end: see [`Joint::AXES`].
+            /// Whether the rows of a joint use the axes of its parent end and of its child end: see [`JointDefinition::AXES`].
             pub const AXES: &'static [(&'static str, [bool; 2])] = all_but_last(&[
-                $((stringify!($keyword), <$name as Joint>::AXES)),*
+                $((stringify!($keyword), <$name as JointDefinition>::AXES)),*
             ]);
 
             /// Reads the joint of a keyword; `None` if there is none of that name.
@@ -157,7 +157,7 @@ macro_rules! joints {
             #[must_use]
             pub fn freedoms(&self) -> usize {
                 match self {
-                    $(JointLaw::$name(_) => <$name as Joint>::FREEDOMS,)*
+                    $(JointLaw::$name(_) => <$name as JointDefinition>::FREEDOMS,)*
                 }
             }
 
@@ -165,11 +165,11 @@ macro_rules! joints {
             #[must_use]
             pub fn coordinates(&self) -> usize {
                 match self {
-                    $(JointLaw::$name(_) => <$name as Joint>::COORDINATES,)*
+                    $(JointLaw::$name(_) => <$name as JointDefinition>::COORDINATES,)*
                 }
             }
 
-            /// Its numbers: see [`Joint::numbers`].
+            /// Its numbers: see [`JointDefinition::numbers`].
             #[must_use]
             pub fn numbers(&self) -> Vec<(&'static Field, &Formula)> {
                 match self {
@@ -177,21 +177,21 @@ macro_rules! joints {
                 }
             }
 
-            /// Its numbers, to be changed: see [`Joint::numbers_mut`].
+            /// Its numbers, to be changed: see [`JointDefinition::numbers_mut`].
             pub fn numbers_mut(&mut self) -> Vec<&mut Formula> {
                 match self {
                     $(JointLaw::$name(joint) => joint.numbers_mut(),)*
                 }
             }
 
-            /// Adds its rows: see [`Joint::constrain`].
+            /// Adds its rows: see [`JointDefinition::constrain`].
             pub fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
                 match self {
                     $(JointLaw::$name(joint) => joint.constrain(ends, rows),)*
                 }
             }
 
-            /// The coordinates that it relates: see [`Joint::couples`].
+            /// The coordinates that it relates: see [`JointDefinition::couples`].
             #[must_use]
             pub fn couples(&self) -> &[(usize, usize)] {
                 match self {
@@ -199,7 +199,7 @@ macro_rules! joints {
                 }
             }
 
-            /// Their relation: see [`Joint::relation`].
+            /// Their relation: see [`JointDefinition::relation`].
             #[must_use]
             pub fn relation<S: Real>(&self, numbers: &[S]) -> Option<Relation<S>> {
                 match self {
@@ -207,14 +207,14 @@ macro_rules! joints {
                 }
             }
 
-            /// H and N of its child's velocity: see [`Joint::carried`].
+            /// H and N of its child's velocity: see [`JointDefinition::carried`].
             pub fn carried<S: Real>(&self, ends: &Ends<'_, S>, own: bool) -> Option<Carried<S>> {
                 match self {
                     $(JointLaw::$name(joint) => joint.carried(ends, own),)*
                 }
             }
 
-            /// The same joint about z, and its axis: see [`Joint::about_z`].
+            /// The same joint about z, and its axis: see [`JointDefinition::about_z`].
             #[must_use]
             pub fn about_z(&self) -> Option<(Self, Axis)> {
                 match self {
@@ -224,35 +224,35 @@ macro_rules! joints {
                 }
             }
 
-            /// Frame 2 in frame 1: see [`Joint::motion`].
+            /// Frame 2 in frame 1: see [`JointDefinition::motion`].
             pub fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
                 match self {
                     $(JointLaw::$name(joint) => joint.motion(at),)*
                 }
             }
 
-            /// The columns of H: see [`Joint::subspace`].
+            /// The columns of H: see [`JointDefinition::subspace`].
             pub fn subspace<S: Real>(&self, at: &Relative<'_, S>, columns: &mut [Twist<S>]) {
                 match self {
                     $(JointLaw::$name(joint) => joint.subspace(at, columns),)*
                 }
             }
 
-            /// b: see [`Joint::bias`].
+            /// b: see [`JointDefinition::bias`].
             pub fn bias<S: Real>(&self, at: &Relative<'_, S>) -> Twist<S> {
                 match self {
                     $(JointLaw::$name(joint) => joint.bias(at),)*
                 }
             }
 
-            /// q̇ of the speeds: see [`Joint::rates`].
+            /// q̇ of the speeds: see [`JointDefinition::rates`].
             pub fn rates<S: Real>(&self, at: &Relative<'_, S>, rates: &mut [S]) {
                 match self {
                     $(JointLaw::$name(joint) => joint.rates(at, rates),)*
                 }
             }
 
-            /// Its measurable coordinate number `index`: see [`Joint::coordinate`].
+            /// Its measurable coordinate number `index`: see [`JointDefinition::coordinate`].
             #[must_use]
             pub fn coordinate(&self, index: usize) -> Option<Coordinate> {
                 match self {
@@ -260,7 +260,7 @@ macro_rules! joints {
                 }
             }
 
-            /// Whether its rows are on the branch it means: see [`Joint::branch`].
+            /// Whether its rows are on the branch it means: see [`JointDefinition::branch`].
             pub fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {
                 match self {
                     $(JointLaw::$name(joint) => joint.branch(ends),)*

@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -23,7 +23,7 @@ pub struct Planar {
     pub axis: Axis,
 }
 
-impl Joint for Planar {
+impl JointDefinition for Planar {
     const FREEDOMS: usize = 3;
     const SUMMARY: &'static str =
         "two translations in the plane normal to `axis` and a rotation about it";

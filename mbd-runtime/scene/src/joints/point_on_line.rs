@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::{attitude_columns, write};
-use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -23,7 +23,7 @@ pub struct PointOnLine {
     pub axis: Axis,
 }
 
-impl Joint for PointOnLine {
+impl JointDefinition for PointOnLine {
     const FREEDOMS: usize = 4;
     const COORDINATES: usize = 5;
     const SUMMARY: &'static str = "a point of the child stays on a line of the parent along `axis`";

@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::{attitude_columns, write};
-use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -23,7 +23,7 @@ pub struct PointOnPlane {
     pub axis: Axis,
 }
 
-impl Joint for PointOnPlane {
+impl JointDefinition for PointOnPlane {
     const FREEDOMS: usize = 5;
     const COORDINATES: usize = 6;
     const SUMMARY: &'static str =

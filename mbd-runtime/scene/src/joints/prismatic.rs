@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -30,7 +30,7 @@ impl Prismatic {
     }
 }
 
-impl Joint for Prismatic {
+impl JointDefinition for Prismatic {
     const FREEDOMS: usize = 1;
     const SUMMARY: &'static str = "one translation along `axis`";
 

@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Axis, Carried, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -19,7 +19,7 @@ use crate::rows::{Ends, Rows};
 #[serde(deny_unknown_fields)]
 pub struct Rigid {}
 
-impl Joint for Rigid {
+impl JointDefinition for Rigid {
     const FREEDOMS: usize = 0;
     const SUMMARY: &'static str = "a weld: nothing is allowed";
 

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::dimension::LENGTH;
 use super::motion::write;
 use super::{
-    Axis, Carried, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist,
+    Axis, Carried, Coordinate, Field, Fields, JointDefinition, Measure, Pose, Relative, Rule, Twist,
 };
 use crate::rows::{Ends, Rows, helix};
 use crate::{Formula, Real};
@@ -43,7 +43,7 @@ fn lead<S: Real>(pitch: S) -> S {
     (pitch * S::from_f64(1.0 / TAU)).label("lead")
 }
 
-impl Joint for Screw {
+impl JointDefinition for Screw {
     const FREEDOMS: usize = 1;
     const SUMMARY: &'static str = "a rotation about `axis` that advances by `pitch` a turn";
 

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::attitude_columns;
-use super::{Axis, Carried, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Fields, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
@@ -19,7 +19,7 @@ use crate::rows::{Ends, Rows};
 #[serde(deny_unknown_fields)]
 pub struct Spherical {}
 
-impl Joint for Spherical {
+impl JointDefinition for Spherical {
     const FREEDOMS: usize = 3;
     const COORDINATES: usize = 4;
     const SUMMARY: &'static str = "three rotations about a shared point";

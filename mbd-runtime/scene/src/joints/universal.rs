@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Carried, Coordinate, Fields, Joint, Measure, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, JointDefinition, Measure, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows, couple};
 
@@ -33,7 +33,7 @@ impl Default for Universal {
     }
 }
 
-impl Joint for Universal {
+impl JointDefinition for Universal {
     const FREEDOMS: usize = 2;
     const SUMMARY: &'static str =
         "two rotations about crossed `axes`, one of the parent, one of the child";

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{Energy, Fixed, Formula, Function, Place, Real, Scene, Triple};
+use crate::{EnergyKind, Fixed, Formula, Function, Place, Real, Scene, Triple};
 
 /// What the leaves of a formula are worth. Whatever a context does not know is NaN; the reader of a declaration has refused it before.
 pub trait Context<S: Real> {
@@ -167,9 +167,9 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::Orientation(body) => context.orientation(*body).map(Vector),
         Formula::Energy(energy) => context.energies().map(|[kinetic, potential]| {
             Scalar(match energy {
-                Energy::Kinetic => kinetic,
-                Energy::Potential => potential,
-                Energy::Total => kinetic + potential,
+                EnergyKind::Kinetic => kinetic,
+                EnergyKind::Potential => potential,
+                EnergyKind::Total => kinetic + potential,
             })
         }),
         Formula::MotorEffort(joint, index) => context.motor_effort(*joint, *index).map(Scalar),

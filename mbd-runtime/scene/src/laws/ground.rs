@@ -14,13 +14,13 @@ use crate::scalar::{OfTime, split};
 use crate::{Formula, Frame, FrameMotion, Jet, Real, Scene};
 
 /// What a prescribed motion may depend on: time, consts and params.
-struct Course<'a, S: Real> {
+struct GroundMotion<'a, S: Real> {
     scene: &'a Scene,
     params: &'a [S],
     time: S,
 }
 
-impl<S: Real> Context<OfTime<S>> for Course<'_, S> {
+impl<S: Real> Context<OfTime<S>> for GroundMotion<'_, S> {
     fn scene(&self) -> &Scene {
         self.scene
     }
@@ -41,7 +41,7 @@ impl<S: Real> Context<OfTime<S>> for Course<'_, S> {
 /// A formula of time with its two derivatives.
 pub fn course<S: Real>(formula: &Formula, scene: &Scene, numbers: &Numbers<S>, time: S) -> Jet<S> {
     let params = &numbers.params;
-    let course = Course {
+    let course = GroundMotion {
         scene,
         params,
         time,
@@ -57,7 +57,7 @@ pub fn ground<S: Real>(
     out: &mut Vec<Option<FrameMotion<S>>>,
 ) {
     let params = &numbers.params;
-    let course = Course {
+    let course = GroundMotion {
         scene,
         params,
         time,
@@ -67,7 +67,7 @@ pub fn ground<S: Real>(
     out.extend(scene.world_frames.iter().map(moves));
 }
 
-fn motion<S: Real>(frame: &Frame, course: &Course<'_, S>) -> FrameMotion<S> {
+fn motion<S: Real>(frame: &Frame, course: &GroundMotion<'_, S>) -> FrameMotion<S> {
     S::section(&frame.name);
     let [position, velocity, acceleration] = split(&triple(&frame.position, course));
     let mut motion = FrameMotion {

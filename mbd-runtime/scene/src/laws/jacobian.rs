@@ -15,14 +15,14 @@ use nalgebra::Vector3;
 
 use crate::laws::evaluation::Evaluation;
 use crate::layout::Slots;
-use crate::tree::Inertia;
+use crate::tree::SpatialInertia;
 use crate::{AngularVelocity, PointSlots, Real};
 
 /// Writes velocity and angular velocity of a frame of a body over the speeds (6 × n_v).
 pub(crate) fn frame<S: Real>(
     evaluation: &Evaluation<'_, S>,
     [body, frame]: [usize; 2],
-    moments: &mut Vec<Inertia<S>>,
+    moments: &mut Vec<SpatialInertia<S>>,
     out: &mut [S],
 ) {
     let numbers = evaluation.numbers.bodies.get(body);
@@ -30,10 +30,10 @@ pub(crate) fn frame<S: Real>(
         return out.fill(S::from_f64(f64::NAN));
     };
     start(evaluation, moments);
-    moments[body] = Inertia {
+    moments[body] = SpatialInertia {
         mass: S::one(),
         moment: in_link(evaluation, body, &place.position),
-        ..Inertia::none()
+        ..SpatialInertia::none()
     };
     hand_on(evaluation, moments);
     let (moving, turning) = out.split_at_mut(3 * evaluation.layout.nv);
@@ -43,17 +43,17 @@ pub(crate) fn frame<S: Real>(
 /// Writes the velocity of the centre of mass over the speeds (3 × n_v).
 pub(crate) fn centre_of_mass<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    moments: &mut Vec<Inertia<S>>,
+    moments: &mut Vec<SpatialInertia<S>>,
     out: &mut [S],
 ) {
     start(evaluation, moments);
     let mut whole = S::zero();
     for (index, body) in evaluation.numbers.bodies.iter().enumerate() {
         let centre = in_link(evaluation, index, &Vector3::zeros());
-        moments[index] = Inertia {
+        moments[index] = SpatialInertia {
             mass: body.mass,
             moment: centre.map(|x| body.mass * x),
-            ..Inertia::none()
+            ..SpatialInertia::none()
         };
         whole += body.mass;
     }
@@ -76,9 +76,9 @@ pub(crate) fn centre_of_mass<S: Real>(
     }
 }
 
-fn start<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut Vec<Inertia<S>>) {
+fn start<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut Vec<SpatialInertia<S>>) {
     moments.clear();
-    moments.resize(evaluation.numbers.bodies.len(), Inertia::none());
+    moments.resize(evaluation.numbers.bodies.len(), SpatialInertia::none());
 }
 
 /// A place of a body, in its axes from its centre of mass, from the origin of its link, in the axes of that.
@@ -89,7 +89,7 @@ fn in_link<S: Real>(evaluation: &Evaluation<'_, S>, body: usize, place: &Vector3
 }
 
 /// What links carry, from the leaves.
-fn hand_on<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut [Inertia<S>]) {
+fn hand_on<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut [SpatialInertia<S>]) {
     let Some(tree) = &evaluation.layout.tree else {
         return;
     };
@@ -105,7 +105,7 @@ fn hand_on<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut [Inertia<S>]) 
 /// Writes the rows of (2) and (3): those along the axes (3 × n_v), and those about them if asked for.
 fn write<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    moments: &[Inertia<S>],
+    moments: &[SpatialInertia<S>],
     moving: &mut [S],
     turning: Option<&mut [S]>,
 ) {
@@ -126,7 +126,7 @@ fn write<S: Real>(
             continue;
         }
         S::section(&evaluation.scene.bodies[link.body].name);
-        let Inertia { mass, moment, .. } = &moments[link.body];
+        let SpatialInertia { mass, moment, .. } = &moments[link.body];
         for (speed, column) in (link.slots.v..).zip(motion.columns.iter()) {
             let along = column.linear.map(|x| *mass * x) + column.angular.cross(moment);
             let about = column.angular.map(|x| *mass * x);
@@ -144,7 +144,7 @@ fn write<S: Real>(
 fn write_own<S: Real>(
     evaluation: &Evaluation<'_, S>,
     (body, slots): (usize, Slots),
-    Inertia { mass, moment, .. }: &Inertia<S>,
+    SpatialInertia { mass, moment, .. }: &SpatialInertia<S>,
     [moving, turning]: [&mut [S]; 2],
 ) {
     let (layout, motion) = (evaluation.layout, &evaluation.motions[body]);

@@ -161,10 +161,10 @@ fn share(nodes: [Option<usize>; 2], row: usize, column: usize) -> Option<bool> {
 }
 
 /// A line by index, the nodes at its ends and its J.
-type Stiffness<S> = (usize, [Option<usize>; 2], Matrix3<S>);
+type StiffnessBlock<S> = (usize, [Option<usize>; 2], Matrix3<S>);
 
 /// H + r I of a network and r.
-fn regularised<S: Real>(network: &Network, lines: &[Stiffness<S>]) -> (DMatrix<S>, S) {
+fn regularised<S: Real>(network: &Network, lines: &[StiffnessBlock<S>]) -> (DMatrix<S>, S) {
     let n = network.nodes.len();
     let mut h = DMatrix::from_element(3 * n, 3 * n, S::zero());
     for (_, nodes, block) in lines {
@@ -194,7 +194,11 @@ fn regularised<S: Real>(network: &Network, lines: &[Stiffness<S>]) -> (DMatrix<S
 }
 
 /// The lines of a network with their stiffness at the trial positions in `at`.
-fn stiffnesses<S: Real>(layout: &Layout, at: &At<'_, S>, network: &Network) -> Vec<Stiffness<S>> {
+fn stiffnesses<S: Real>(
+    layout: &Layout,
+    at: &At<'_, S>,
+    network: &Network,
+) -> Vec<StiffnessBlock<S>> {
     let of = |&index: &usize| pulled(layout, at, index).map(|line| (index, line.nodes, line.block));
     network.lines.iter().filter_map(of).collect()
 }
@@ -203,7 +207,7 @@ fn stiffnesses<S: Real>(layout: &Layout, at: &At<'_, S>, network: &Network) -> V
 fn anchor_blocks<'a, S: Real>(
     layout: &'a Layout,
     network: &'a Network,
-    lines: &'a [Stiffness<S>],
+    lines: &'a [StiffnessBlock<S>],
     r: S,
 ) -> impl Iterator<Item = (usize, Matrix3<S>)> + 'a {
     let owners = network
@@ -229,7 +233,11 @@ fn anchor_blocks<'a, S: Real>(
 }
 
 /// ∂p/∂p_i of a network, 3 nodes × 3 anchors, by (2).
-fn by_anchor<S: Real>(layout: &Layout, network: &Network, lines: &[Stiffness<S>]) -> DMatrix<S> {
+fn by_anchor<S: Real>(
+    layout: &Layout,
+    network: &Network,
+    lines: &[StiffnessBlock<S>],
+) -> DMatrix<S> {
     let (mut h, r) = regularised(network, lines);
     let width = 3 * network.anchors.len();
     let mut b = DMatrix::from_element(3 * network.nodes.len(), width, S::zero());

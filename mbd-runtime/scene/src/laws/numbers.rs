@@ -134,7 +134,7 @@ pub struct Numbers<S> {
     pub world_frames: Vec<FrameNumbers<S>>,
     /// Gravity.
     pub gravity: GravityNumbers<S>,
-    /// The numbers of each joint, in the order of [`Joint::numbers`](crate::joints::Joint::numbers).
+    /// The numbers of each joint, in the order of [`JointDefinition::numbers`](crate::joints::JointDefinition::numbers).
     pub joints: Vec<Vec<S>>,
     /// Per joint, the relation of the coordinates that it couples, if it couples any.
     pub couplings: Vec<Option<Coupling<S>>>,

@@ -92,7 +92,8 @@ pub fn velocities<S: Real>(
         let Some(&node) = network.nodes.first() else {
             continue;
         };
-        let leg = |(line, anchor): (usize, usize)| Leg::read(evaluation, line, anchor, &mean);
+        let leg =
+            |(line, anchor): (usize, usize)| LineAtState::read(evaluation, line, anchor, &mean);
         for leg in legs(layout, index).filter_map(leg) {
             let numbers = [leg.damping, leg.toward(leg.push)];
             let [damping, push] = numbers.map(|x| S::select(leg.carries, x, zero));
@@ -117,7 +118,7 @@ pub fn velocities<S: Real>(
 }
 
 /// A line of a `rate` node at a state.
-struct Leg<S: Real> {
+struct LineAtState<S: Real> {
     /// From its `from` end to its `to` end, as its tension is found.
     geometry: line::Geometry<S>,
     /// Whether that is from the node to the anchor: its direction is u, else −u.
@@ -128,7 +129,7 @@ struct Leg<S: Real> {
     carries: S::Mask,
 }
 
-impl<S: Real> Leg<S> {
+impl<S: Real> LineAtState<S> {
     /// `mean`: v̄.
     fn read(
         evaluation: &Evaluation<'_, S>,
@@ -150,7 +151,7 @@ impl<S: Real> Leg<S> {
             true => velocity - mean,
             false => mean - velocity,
         });
-        Some(Leg {
+        Some(LineAtState {
             outward,
             damping: element.numbers.damping,
             push: element.pull(geometry.stretch, opening),

@@ -13,32 +13,32 @@ use crate::laws::formula::{Context, Value, of_let, scalar};
 use crate::{Dual, Real, Scene};
 
 /// A number with its rate.
-type Moving<S> = Dual<S, 1>;
+type WithRate<S> = Dual<S, 1>;
 
 /// What a free length depends on, with the rates of (1).
 struct Winding<'e, 'a, S: Real>(&'e Evaluation<'a, S>);
 
-impl<S: Real> Context<Moving<S>> for Winding<'_, '_, S> {
+impl<S: Real> Context<WithRate<S>> for Winding<'_, '_, S> {
     fn scene(&self) -> &Scene {
         self.0.scene
     }
 
-    fn param(&self, index: usize) -> Option<Moving<S>> {
+    fn param(&self, index: usize) -> Option<WithRate<S>> {
         self.0.param(index).map(Dual::constant)
     }
 
-    fn named(&self, index: usize) -> Option<Value<Moving<S>>> {
+    fn named(&self, index: usize) -> Option<Value<WithRate<S>>> {
         of_let(index, self)
     }
 
-    fn input(&self, index: usize) -> Option<Value<Moving<S>>> {
+    fn input(&self, index: usize) -> Option<Value<WithRate<S>>> {
         Some(match Context::input(self.0, index)? {
             Value::Scalar(a) => Value::Scalar(Dual::constant(a)),
             Value::Vector(a) => Value::Vector(a.map(Dual::constant)),
         })
     }
 
-    fn state(&self, index: usize) -> Option<Moving<S>> {
+    fn state(&self, index: usize) -> Option<WithRate<S>> {
         let value = self.0.state(index)?;
         let rate = scalar(&self.0.scene.states.get(index)?.rate, self.0);
         Some(Dual {
@@ -47,7 +47,7 @@ impl<S: Real> Context<Moving<S>> for Winding<'_, '_, S> {
         })
     }
 
-    fn time(&self) -> Option<Moving<S>> {
+    fn time(&self) -> Option<WithRate<S>> {
         Some(Dual::variable(self.0.at.time, 0))
     }
 }

@@ -6,7 +6,7 @@ use crate::{Part, RowSet};
 
 /// A node of the system at its place in the order.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct EliminationStep {
     /// What it is.
     pub part: Part,
     /// First unknown.
@@ -66,7 +66,7 @@ pub struct Order {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Elimination {
     /// The nodes, first eliminated first.
-    pub steps: Vec<Step>,
+    pub steps: Vec<EliminationStep>,
     /// Number of unknowns.
     pub unknowns: usize,
     /// Length of the store of blocks.

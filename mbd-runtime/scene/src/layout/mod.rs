@@ -8,10 +8,10 @@ mod sizes;
 mod slots;
 mod tree;
 
-pub use elimination::{Below, Carrying, Dependent, Elimination, Order, Step};
+pub use elimination::{Below, Carrying, Dependent, Elimination, EliminationStep, Order};
 pub use repeats::{HeldMotor, Redundancy, Repeat};
 pub use slots::{
-    Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, LineEnd, LineSlots,
+    Anchor, DetachableJoint, FromSolution, InputSlots, InputSource, JointSlots, LineEnd, LineSlots,
     Network, Node, PointSlots, Slots, StopSlots,
 };
 pub use tree::{Grouped, Link, LinkAxes, Tree};
@@ -83,7 +83,7 @@ pub struct Layout {
     /// Which rows repeat others: those are left out of the system.
     pub redundancy: Redundancy,
     /// What of the solved system outputs, and what events, ask for.
-    pub asked: [Asked; 2],
+    pub asked: [FromSolution; 2],
     /// The system of bodies and joints, and the order in which it is solved.
     pub elimination: Elimination,
 }

@@ -3,7 +3,7 @@
 use crate::event::Detachable;
 use crate::joints::JointLaw;
 use crate::layout::{
-    Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, Layout, LineEnd,
+    Anchor, DetachableJoint, FromSolution, InputSlots, InputSource, JointSlots, Layout, LineEnd,
     LineSlots, Network, Node, PointSlots, Slots, StopSlots, Tree,
 };
 use crate::scalar::Few;
@@ -57,8 +57,8 @@ impl Layout {
             layout.locks += 1;
         }
         layout.asked = [
-            Asked::by(scene, scene.outputs.iter().map(|output| &output.value)),
-            Asked::by(scene, scene.events.iter().map(|event| &event.guard)),
+            FromSolution::by(scene, scene.outputs.iter().map(|output| &output.value)),
+            FromSolution::by(scene, scene.events.iter().map(|event| &event.guard)),
         ];
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout

@@ -1,6 +1,6 @@
 //! How long the list of every quantity is, and which quantities a scene has a use for.
 
-use crate::layout::{Asked, Layout, LineEnd, Network, Node};
+use crate::layout::{FromSolution, Layout, LineEnd, Network, Node};
 use crate::scene::NodeModel;
 use crate::{Differentiated, Quantity, Scene, Variable};
 
@@ -83,11 +83,11 @@ impl Layout {
 
     /// What of the solved system a quantity asks for: multipliers, reactions, accelerations.
     #[must_use]
-    pub fn asked(&self, what: Quantity) -> Asked {
+    pub fn asked(&self, what: Quantity) -> FromSolution {
         match what {
             Quantity::Outputs => self.asked[0],
             Quantity::Guards => self.asked[1],
-            _ => Asked::default(),
+            _ => FromSolution::default(),
         }
     }
 

@@ -40,7 +40,7 @@ impl JointSlots {
 
 /// What of the solved system a quantity asks for: it follows from the accelerations, so that they come first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Asked {
+pub struct FromSolution {
     /// Multipliers: efforts of motors.
     pub multipliers: bool,
     /// Reactions of joints.
@@ -49,10 +49,10 @@ pub struct Asked {
     pub accelerations: bool,
 }
 
-impl Asked {
+impl FromSolution {
     /// What some formulas ask for, and the lets that they name.
     pub(crate) fn by<'f>(scene: &Scene, formulas: impl Iterator<Item = &'f Formula>) -> Self {
-        let mut asked = Asked::default();
+        let mut asked = FromSolution::default();
         for formula in formulas {
             scene.walk(formula, &mut |part| match part {
                 Formula::MotorEffort(..) => asked.multipliers = true,

@@ -20,7 +20,7 @@ use crate::{Real, TINY, Table};
 pub struct OverTable(pub usize);
 
 /// One piece between two rows.
-struct Piece {
+struct TableSegment {
     /// x_k, y_k.
     start: [f64; 2],
     /// k_k.
@@ -30,7 +30,7 @@ struct Piece {
     to: Option<f64>,
 }
 
-impl Piece {
+impl TableSegment {
     /// o_k by (2).
     fn overlap<S: Real>(&self, stretch: S) -> S {
         let from = match self.from {
@@ -50,14 +50,14 @@ impl Piece {
 
 impl OverTable {
     /// The pieces of the table; none if it does not exist.
-    fn pieces<'t>(&self, tables: &'t [Table]) -> impl Iterator<Item = Piece> + 't {
+    fn pieces<'t>(&self, tables: &'t [Table]) -> impl Iterator<Item = TableSegment> + 't {
         let (x, y) = match tables.get(self.0) {
             Some(table) => (table.x.as_slice(), table.y.as_slice()),
             None => (&[][..], &[][..]),
         };
         let last = x.len().min(y.len()).saturating_sub(2);
         let pieces = x.windows(2).zip(y.windows(2)).enumerate();
-        pieces.map(move |(k, (x, y))| Piece {
+        pieces.map(move |(k, (x, y))| TableSegment {
             start: [x[0], y[0]],
             slope: (y[1] - y[0]) / (x[1] - x[0]),
             from: (k > 0).then_some(x[0]),

@@ -1,6 +1,6 @@
 //! Where nothing is given: all coordinates are zero, and what that cannot hold stays where it is.
 
-use super::{CLOSED, JointStart, Link, Placement};
+use super::{CLOSED, JointStart, Placement, PlacingJoint};
 use crate::{Part, Quantity};
 
 impl Placement<'_> {
@@ -60,7 +60,7 @@ impl Placement<'_> {
     }
 
     /// The part that a link starts from; `None`: the world.
-    fn from(&self, link: &Link) -> Option<Part> {
+    fn from(&self, link: &PlacingJoint) -> Option<Part> {
         let ends = &self.layout.joints.get(link.joint)?.ends;
         *ends.get(usize::from(link.to_parent))?
     }

@@ -146,7 +146,7 @@ pub enum PlacementError {
 
 /// A joint walked from the part that is placed to the one it places.
 #[derive(Clone, Copy)]
-struct Link {
+struct PlacingJoint {
     joint: usize,
     to: Part,
     to_parent: bool,
@@ -154,7 +154,7 @@ struct Link {
 
 /// Position, axes, velocity and angular velocity of a part or a frame, world axes.
 #[derive(Clone, Copy)]
-struct Moving {
+struct MovingFrame {
     position: Vector3<f64>,
     axes: Matrix3<f64>,
     velocity: Vector3<f64>,
@@ -167,7 +167,7 @@ struct Placement<'a> {
     numbers: Numbers<f64>,
     ground: Vec<Option<FrameMotion<f64>>>,
     time: f64,
-    links: Vec<Link>,
+    links: Vec<PlacingJoint>,
     /// Coordinates and speeds of every joint.
     q: Vec<Vec<f64>>,
     u: Vec<Vec<f64>>,
@@ -278,7 +278,7 @@ fn tree(
     layout: &Layout,
     given: &[JointStart],
     fixed: &[Part],
-) -> Result<Vec<Link>, PlacementError> {
+) -> Result<Vec<PlacingJoint>, PlacementError> {
     let asked = |joint: usize| given.iter().any(|start| start.joint == joint);
     // What flies from another body starts where that is.
     let flies = |joint: usize| {
@@ -335,7 +335,7 @@ fn tree(
         let to_parent = placed.contains(&child);
         let to = if to_parent { parent } else { child };
         if let Some(to) = to {
-            links.push(Link {
+            links.push(PlacingJoint {
                 joint,
                 to,
                 to_parent,
@@ -589,7 +589,7 @@ impl Placement<'_> {
     }
 
     /// Where a link puts the part it places.
-    fn placed(&self, link: &Link, state: &[f64]) -> Option<Moving> {
+    fn placed(&self, link: &PlacingJoint, state: &[f64]) -> Option<MovingFrame> {
         let joint = self.scene.joints.get(link.joint)?;
         let at = Relative {
             q: &self.q[link.joint],
@@ -613,7 +613,7 @@ impl Placement<'_> {
             let axes = from.axes * pose.rotation.transpose();
             let omega = from.omega - axes * angular;
             let arm = axes * pose.position;
-            Moving {
+            MovingFrame {
                 position: from.position - arm,
                 axes,
                 velocity: from.velocity - omega.cross(&arm) - axes * linear,
@@ -621,7 +621,7 @@ impl Placement<'_> {
             }
         } else {
             let arm = from.axes * pose.position;
-            Moving {
+            MovingFrame {
                 position: from.position + arm,
                 axes: from.axes * pose.rotation,
                 velocity: from.velocity + from.omega.cross(&arm) + from.axes * linear,
@@ -634,7 +634,7 @@ impl Placement<'_> {
             _ => Matrix3::identity(),
         };
         let arm = axes * point;
-        Some(Moving {
+        Some(MovingFrame {
             position: frame.position - arm,
             axes,
             velocity: frame.velocity - frame.omega.cross(&arm),
@@ -656,11 +656,11 @@ impl Placement<'_> {
     }
 
     /// A place of a joint in the world, as the state has it.
-    fn frame(&self, place: Place, state: &[f64]) -> Option<Moving> {
+    fn frame(&self, place: Place, state: &[f64]) -> Option<MovingFrame> {
         let (layout, directions) = (self.layout, self.layout.directions);
         match place {
             Place::World(frame) => Some(match self.ground.get(frame).copied().flatten() {
-                Some(motion) => Moving {
+                Some(motion) => MovingFrame {
                     position: motion.position,
                     axes: motion.rotation.unwrap_or_else(Matrix3::identity),
                     velocity: motion.velocity,
@@ -669,7 +669,7 @@ impl Placement<'_> {
                 None => {
                     let (position, axes) = self.place_of(place)?;
                     let still = Vector3::zeros();
-                    Moving {
+                    MovingFrame {
                         position,
                         axes,
                         velocity: still,
@@ -682,7 +682,7 @@ impl Placement<'_> {
                 let components = self.scene.angular_velocity;
                 let motion = BodyMotion::read(state, slots, layout.nq, directions, components);
                 let (point, axes) = self.place_of(place)?;
-                Some(Moving {
+                Some(MovingFrame {
                     position: motion.position + motion.arm(&point),
                     axes: motion.rotation * axes,
                     velocity: motion.velocity_of(&point),
@@ -690,7 +690,7 @@ impl Placement<'_> {
                 })
             }
             Place::Point(point) => match layout.points.get(point)? {
-                PointSlots::Mass(slots) => Some(Moving {
+                PointSlots::Mass(slots) => Some(MovingFrame {
                     position: directions.linear(state, slots.q),
                     axes: Matrix3::identity(),
                     velocity: directions.linear(state, layout.nq + slots.v),

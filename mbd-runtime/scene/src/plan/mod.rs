@@ -34,7 +34,9 @@ mod relative;
 use graph::EliminationGraph;
 use relative::relative;
 
-use crate::{Below, Carrying, Directions, Elimination, JointSlots, Order, Part, PointSlots, Step};
+use crate::{
+    Below, Carrying, Directions, Elimination, EliminationStep, JointSlots, Order, Part, PointSlots,
+};
 
 /// The parent joint of each body: the first that can carry it, unless the body carries itself through it.
 fn parent_joints(
@@ -237,7 +239,7 @@ impl Elimination {
                 targets: Vec::new(),
             });
             let below = below.collect();
-            self.steps.push(Step {
+            self.steps.push(EliminationStep {
                 part,
                 first: self.unknowns,
                 size,

@@ -3,10 +3,11 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::joints::JointLaw;
+use crate::random::SplitMix64;
 use crate::redundancy::configuration::Configuration;
 use crate::redundancy::length;
 use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
-use crate::redundancy::tree::{Group, Link};
+use crate::redundancy::tree::{LoopGroup, WalkedJoint};
 use crate::rows::{Row, Rows};
 use crate::scalar::orthogonal::dot;
 use crate::{Detachable, Layout, Part, Pose, Relative, Scene, Twist};
@@ -53,7 +54,7 @@ pub struct MotorRow {
 }
 
 /// A consistent state, linearised.
-pub struct State {
+pub struct LinearisedState {
     /// Per closing joint, the rows in the form of the system over the speeds of the tree, each divided by its size.
     pub closing: Vec<Vec<DVector<f64>>>,
     /// Per closing joint, the rows on their parts.
@@ -72,16 +73,16 @@ pub struct State {
 struct Assembly<'a> {
     scene: &'a Scene,
     layout: &'a Layout,
-    group: &'a Group,
+    group: &'a LoopGroup,
     configuration: Configuration<'a>,
     length: f64,
     rows: Rows<f64>,
     spare: Rows<f64>,
-    random: Random,
+    random: SplitMix64,
 }
 
 /// Looks for consistent states of a group. Fewer than asked for where its loops do not close.
-pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
+pub fn states(scene: &Scene, layout: &Layout, group: &LoopGroup) -> Vec<LinearisedState> {
     let configuration = Configuration::new(scene, layout);
     let joints = group.links.iter().map(|link| link.joint);
     let arms = joints
@@ -104,7 +105,7 @@ pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
         configuration,
         rows: Rows::default(),
         spare: Rows::default(),
-        random: Random(0x9e37_79b9_7f4a_7c15),
+        random: SplitMix64(0x9e37_79b9_7f4a_7c15),
     };
     let mut found = Vec::new();
     for attempt in 0..ATTEMPTS {
@@ -128,9 +129,7 @@ impl Assembly<'_> {
         for link in &self.group.links {
             let joint = self.scene.joints.get(link.joint)?;
             let numbers = self.configuration.numbers.joints.get(link.joint)?;
-            let q = self
-                .random
-                .coordinates(&joint.law, numbers, reach, self.length);
+            let q = random_coordinates(&mut self.random, &joint.law, numbers, reach, self.length);
             let at = Relative {
                 q: &q,
                 u: &[],
@@ -350,7 +349,7 @@ impl Assembly<'_> {
     /// Rows and hold of every link.
     fn holds(&mut self) -> Option<Vec<(Vec<JointRow>, Hold)>> {
         let group = self.group;
-        let hold = |link: &Link| {
+        let hold = |link: &WalkedJoint| {
             self.configuration.rows(link.joint, &mut self.rows);
             let (to, directions) = ((link.to, link.to_parent), self.layout.directions);
             let hold = Hold::new(&self.rows, to, directions, self.length)?;
@@ -413,7 +412,7 @@ impl Assembly<'_> {
         joints.all(|joint| self.configuration.on_branch(joint))
     }
 
-    fn linearise(&mut self) -> Option<State> {
+    fn linearise(&mut self) -> Option<LinearisedState> {
         let motions = self.sensitivities()?;
         let links = self.holds()?;
         let group = self.group;
@@ -445,7 +444,7 @@ impl Assembly<'_> {
         let count = motions.first().map_or(0, DMatrix::ncols);
         let as_a_whole = self.root_speeds();
         let rank = crate::redundancy::choice::rank(closing.iter().flatten());
-        Some(State {
+        Some(LinearisedState {
             closing,
             closing_rows,
             motors,
@@ -473,52 +472,38 @@ fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> V
     rows.rows().iter().map(row).collect()
 }
 
-/// The same numbers in every run: splitmix64.
-pub(super) struct Random(pub u64);
-
-impl Random {
-    /// In −1 … 1.
-    fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+/// Joint coordinates at random: angles within `reach` [rad], translations within a length, attitudes rotated by about `reach`.
+pub(super) fn random_coordinates(
+    random: &mut SplitMix64,
+    law: &JointLaw,
+    numbers: &[f64],
+    reach: f64,
+    length: f64,
+) -> Vec<f64> {
+    let mut q: Vec<f64> = (0..law.coordinates())
+        .map(|_| reach * random.number())
+        .collect();
+    let mut scalars = q.len();
+    if let Some(attitude) = law.attitude() {
+        scalars = attitude.start;
+        q[scalars] = 1.0;
+        let attitude = &mut q[attitude];
+        let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
+        attitude.iter_mut().for_each(|x| *x /= size);
     }
-
-    /// Joint coordinates: angles within `reach` [rad], translations within a length, attitudes rotated by about `reach`.
-    pub fn coordinates(
-        &mut self,
-        law: &JointLaw,
-        numbers: &[f64],
-        reach: f64,
-        length: f64,
-    ) -> Vec<f64> {
-        let mut q: Vec<f64> = (0..law.coordinates())
-            .map(|_| reach * self.number())
-            .collect();
-        let mut scalars = q.len();
-        if let Some(attitude) = law.attitude() {
-            scalars = attitude.start;
-            q[scalars] = 1.0;
-            let attitude = &mut q[attitude];
-            let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
-            attitude.iter_mut().for_each(|x| *x /= size);
+    let mut columns = vec![Twist::zero(); law.freedoms()];
+    law.subspace(
+        &Relative {
+            q: &q,
+            u: &[],
+            numbers,
+        },
+        &mut columns,
+    );
+    for (x, column) in q.iter_mut().take(scalars).zip(&columns) {
+        if column.angular.norm() == 0.0 {
+            *x *= length;
         }
-        let mut columns = vec![Twist::zero(); law.freedoms()];
-        law.subspace(
-            &Relative {
-                q: &q,
-                u: &[],
-                numbers,
-            },
-            &mut columns,
-        );
-        for (x, column) in q.iter_mut().take(scalars).zip(&columns) {
-            if column.angular.norm() == 0.0 {
-                *x *= length;
-            }
-        }
-        q
     }
+    q
 }

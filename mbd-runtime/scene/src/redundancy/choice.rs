@@ -2,9 +2,9 @@
 
 use nalgebra::DVector;
 
-use crate::redundancy::assembly::{JointRow, MotorRow, State};
+use crate::redundancy::assembly::{JointRow, LinearisedState, MotorRow};
 use crate::redundancy::local::PartMotion;
-use crate::redundancy::tree::Group;
+use crate::redundancy::tree::LoopGroup;
 use crate::scalar::orthogonal::{dot, subtract, take_out};
 use crate::{HeldMotor, Part, Repeat, RowSet};
 
@@ -54,7 +54,7 @@ pub fn rank<'a>(rows: impl Iterator<Item = &'a DVector<f64>>) -> usize {
 
 /// What a row of a span is.
 #[derive(Clone, Copy)]
-enum Source {
+enum SpanRow {
     /// A row of a closing joint, by place and number.
     Closing(usize, usize),
     /// The row of a motor.
@@ -62,16 +62,16 @@ enum Source {
 }
 
 /// The joints of a group that lose rows, and its motors that have nothing to drive.
-pub fn repeats(group: &Group, states: &[State]) -> (Vec<Repeat>, Vec<HeldMotor>) {
+pub fn repeats(group: &LoopGroup, states: &[LinearisedState]) -> (Vec<Repeat>, Vec<HeldMotor>) {
     // Assemblies that move count before those that do not, then those that hold most.
     let best = states.iter().map(|s| (s.freedoms > 0, s.rank)).max();
-    let states: Vec<&State> = states
+    let states: Vec<&LinearisedState> = states
         .iter()
         .filter(|s| Some((s.freedoms > 0, s.rank)) == best)
         .collect();
     let mut spans = vec![Span::default(); states.len()];
     // The kept rows, in the order of the spans.
-    let mut kept: Vec<Source> = Vec::new();
+    let mut kept: Vec<SpanRow> = Vec::new();
     let mut repeats = Vec::new();
     for (place, &joint) in group.closing.iter().enumerate() {
         let rows = states
@@ -94,7 +94,7 @@ pub fn repeats(group: &Group, states: &[State]) -> (Vec<Repeat>, Vec<HeldMotor>)
                 .find(|(_, new)| *new >= AS_GOOD * most && *new > NEW);
             let Some(&(row, _)) = next else { break };
             set.0 |= 1 << row;
-            kept.push(Source::Closing(place, row));
+            kept.push(SpanRow::Closing(place, row));
             for (state, span) in states.iter().zip(&mut spans) {
                 span.add(&state.closing[place][row]);
             }
@@ -116,7 +116,7 @@ pub fn repeats(group: &Group, states: &[State]) -> (Vec<Repeat>, Vec<HeldMotor>)
         .iter()
         .flat_map(|s| s.motors.iter().enumerate())
     {
-        let row = |state: &State| state.motors.get(index).map(|motor| motor.line.clone());
+        let row = |state: &LinearisedState| state.motors.get(index).map(|motor| motor.line.clone());
         let rows: Vec<DVector<f64>> = states.iter().filter_map(|state| row(state)).collect();
         let news = rows.iter().zip(&spans);
         let news: Vec<f64> = news.map(|(row, span)| span.rest(row).0.norm()).collect();
@@ -124,7 +124,7 @@ pub fn repeats(group: &Group, states: &[State]) -> (Vec<Repeat>, Vec<HeldMotor>)
         if news.iter().all(|new| *new <= NEW) {
             held.extend(held_motor(group, &states, &spans, &kept, motor));
         } else if news.iter().all(|new| *new > NEW) {
-            kept.push(Source::Motor(index));
+            kept.push(SpanRow::Motor(index));
             for (row, span) in rows.iter().zip(&mut spans) {
                 span.add(row);
             }
@@ -135,10 +135,10 @@ pub fn repeats(group: &Group, states: &[State]) -> (Vec<Repeat>, Vec<HeldMotor>)
 
 /// A motor whose row is made of others, and the joints that hold its coordinate.
 fn held_motor(
-    group: &Group,
-    states: &[&State],
+    group: &LoopGroup,
+    states: &[&LinearisedState],
     spans: &[Span],
-    kept: &[Source],
+    kept: &[SpanRow],
     motor: &MotorRow,
 ) -> Option<HeldMotor> {
     let (state, span) = (states.first()?, spans.first()?);
@@ -156,10 +156,10 @@ fn held_motor(
 
 /// The joints whose rows the lost rows of a closing joint repeat: those that carry the self-stress.
 fn partners(
-    group: &Group,
-    state: &State,
+    group: &LoopGroup,
+    state: &LinearisedState,
     span: &Span,
-    kept: &[Source],
+    kept: &[SpanRow],
     place: usize,
     set: RowSet,
 ) -> Vec<usize> {
@@ -190,7 +190,7 @@ struct Forces {
 }
 
 impl Forces {
-    fn new(group: &Group) -> Self {
+    fn new(group: &LoopGroup) -> Self {
         let links = group.links.iter().map(|link| link.to);
         let parts = group.roots.iter().copied().chain(links);
         Forces {
@@ -223,21 +223,21 @@ impl Forces {
     /// Adds the rows of a span in these parts; the joints that carry what is in balance then, those of motors among them, in order.
     fn balance(
         mut self,
-        group: &Group,
-        state: &State,
-        kept: &[Source],
+        group: &LoopGroup,
+        state: &LinearisedState,
+        kept: &[SpanRow],
         made: &[f64],
     ) -> Vec<usize> {
         let mut carried = Vec::new();
         for (&source, &part) in kept.iter().zip(made) {
             match source {
-                Source::Closing(place, row) => {
+                SpanRow::Closing(place, row) => {
                     let rows = state.closing_rows.get(place);
                     if let Some(row) = rows.and_then(|rows| rows.get(row)) {
                         self.put(row, part, Some(place));
                     }
                 }
-                Source::Motor(index) => {
+                SpanRow::Motor(index) => {
                     if let Some(motor) = state.motors.get(index) {
                         self.put(&motor.row, part, None);
                         carried.push((motor.joint, part.abs()));
@@ -256,7 +256,7 @@ impl Forces {
     }
 
     /// Lets the joints of the tree carry the forces, from the outermost inwards. Every joint and the size of the force in it.
-    fn carry(mut self, group: &Group, state: &State) -> Vec<(usize, f64)> {
+    fn carry(mut self, group: &LoopGroup, state: &LinearisedState) -> Vec<(usize, f64)> {
         let mut carried: Vec<(usize, f64)> = Vec::new();
         for (link, (rows, hold)) in group.links.iter().zip(&state.links).rev() {
             let on = self.parts.iter().find(|(part, _)| *part == link.to);

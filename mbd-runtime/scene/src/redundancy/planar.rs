@@ -6,7 +6,8 @@
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
-use crate::redundancy::assembly::Random;
+use crate::random::SplitMix64;
+use crate::redundancy::assembly::random_coordinates;
 use crate::redundancy::configuration::Configuration;
 use crate::rows::{Columns, Row, Rows};
 use crate::scalar::orthogonal::take_out;
@@ -50,7 +51,7 @@ pub fn in_plane(scene: &Scene, layout: &Layout) -> Vec<RowSet> {
 fn align(configuration: &mut Configuration<'_>, index: usize, joint: &Joint, rotated: f64) {
     let numbers = configuration.numbers.joints.get(index).cloned();
     let numbers = numbers.unwrap_or_default();
-    let q = Random(0).coordinates(&joint.law, &numbers, 0.0, 1.0);
+    let q = random_coordinates(&mut SplitMix64(0), &joint.law, &numbers, 0.0, 1.0);
     let at = Relative {
         q: &q,
         u: &[],

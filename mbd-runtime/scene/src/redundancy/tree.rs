@@ -4,7 +4,7 @@ use crate::{Layout, Part, Tree};
 
 /// A joint walked from the part that is placed to the one it places.
 #[derive(Clone, Copy, Debug)]
-pub struct Link {
+pub struct WalkedJoint {
     /// The joint.
     pub joint: usize,
     /// The part that is placed already; `None` for the world.
@@ -17,20 +17,20 @@ pub struct Link {
 
 /// Parts on loops that are tied together by joints, the world apart.
 #[derive(Clone, Debug, Default)]
-pub struct Group {
+pub struct LoopGroup {
     /// Parts that move freely: one of each piece that no joint of the tree ties to the world. Couplings alone tie pieces to each other.
     pub roots: Vec<Part>,
     /// The joints of the tree, in the order of the walk.
-    pub links: Vec<Link>,
+    pub links: Vec<WalkedJoint>,
     /// The joints that close loops, in order of declaration.
     pub closing: Vec<usize>,
 }
 
 /// The groups of a scene that have loops. The tree takes joints in the order of declaration, so that the last one closes the loop; those of a
 /// given tree before the others.
-pub fn groups(layout: &Layout, given: Option<&Tree>) -> Vec<Group> {
+pub fn groups(layout: &Layout, given: Option<&Tree>) -> Vec<LoopGroup> {
     let graph = JointGraph::new(layout, given);
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<LoopGroup> = Vec::new();
     let mut seen = vec![false; graph.parts.len()];
     for start in 1..graph.parts.len() {
         if graph.core[start] && !seen[start] {
@@ -39,7 +39,7 @@ pub fn groups(layout: &Layout, given: Option<&Tree>) -> Vec<Group> {
     }
     for edge in graph.edges.iter().filter(|edge| !edge.tree) {
         let part = edge.nodes.iter().find_map(|&node| graph.parts[node]);
-        let own = |group: &&mut Group| part.is_some_and(|part| group.holds(part));
+        let own = |group: &&mut LoopGroup| part.is_some_and(|part| group.holds(part));
         if let Some(group) = groups.iter_mut().find(own) {
             group.closing.push(edge.joint);
         }
@@ -48,13 +48,13 @@ pub fn groups(layout: &Layout, given: Option<&Tree>) -> Vec<Group> {
     groups
 }
 
-impl Group {
+impl LoopGroup {
     fn holds(&self, part: Part) -> bool {
         self.roots.contains(&part) || self.links.iter().any(|link| link.to == part)
     }
 }
 
-struct Edge {
+struct JointEdge {
     joint: usize,
     /// What it sits on: parent and child first, each once; 0 is the world.
     nodes: Vec<usize>,
@@ -65,7 +65,7 @@ struct Edge {
 struct JointGraph {
     /// The world, then every part that joints hold.
     parts: Vec<Option<Part>>,
-    edges: Vec<Edge>,
+    edges: Vec<JointEdge>,
     /// Whether a part lies on a loop, or between two.
     core: Vec<bool>,
 }
@@ -105,7 +105,7 @@ impl JointGraph {
                     }
                 }
             }
-            edges.push(Edge {
+            edges.push(JointEdge {
                 joint,
                 nodes,
                 tree: placing && a != b,
@@ -142,7 +142,7 @@ impl JointGraph {
     }
 
     /// Everything the tree reaches from a part without passing through the world; by breadth, from the world where it touches it.
-    fn walk(&self, start: usize, seen: &mut [bool]) -> Group {
+    fn walk(&self, start: usize, seen: &mut [bool]) -> LoopGroup {
         let mut members = vec![start];
         seen[start] = true;
         let mut next = 0;
@@ -157,7 +157,7 @@ impl JointGraph {
                 }
             }
         }
-        let mut group = Group::default();
+        let mut group = LoopGroup::default();
         let mut placed = vec![false; self.parts.len()];
         // From the world, then from a part of every piece that it does not reach.
         for root in std::iter::once(0).chain(members.iter().copied()) {
@@ -177,7 +177,7 @@ impl JointGraph {
                             continue;
                         }
                         if let Some(part) = self.parts[to] {
-                            group.links.push(Link {
+                            group.links.push(WalkedJoint {
                                 joint: edge.joint,
                                 from: self.parts[from],
                                 to: part,

@@ -24,18 +24,18 @@ use super::ends::Ends;
 use crate::{Axis, Coordinate, Measure, Real};
 
 /// An angle while it is measured: C and S, the rows C Φ(S) − S Φ(C) and C Φ(C) + S Φ(S) at these, and 1/ρ.
-struct Turning<S: Real> {
+struct MeasuredAngle<S: Real> {
     products: [S; 2],
     behind: Row<S>,
     ahead: Row<S>,
     inverse: S,
 }
 
-impl<S: Real> Turning<S> {
+impl<S: Real> MeasuredAngle<S> {
     fn new(ends: &Ends<'_, S>, cosine: &[Axis; 2], sine: &[Axis; 2]) -> Self {
         let [x, y] = [cosine, sine].map(|[a, b]| ends.cosine(a, b));
         let [behind, ahead] = rotated_rows(ends, cosine, sine, (y, x));
-        Turning {
+        MeasuredAngle {
             products: [x, y],
             behind,
             ahead,
@@ -82,7 +82,7 @@ impl<S: Real> Ends<'_, S> {
         let rate = match &coordinate.measure {
             Measure::Slide(axis) => self.way_rate(axis),
             Measure::Angle { cosine, sine } => {
-                let swept = Turning::new(self, cosine, sine).parent();
+                let swept = MeasuredAngle::new(self, cosine, sine).parent();
                 swept.dot(&self.spin().difference)
             }
             Measure::Thread { axis, pitch } => self.way_rate(axis) / self.lead(*pitch),
@@ -95,7 +95,7 @@ impl<S: Real> Ends<'_, S> {
         match &coordinate.measure {
             Measure::Slide(axis) => in_plane(self, axis),
             Measure::Angle { cosine, sine } => {
-                Turning::new(self, cosine, sine).row(&self.spin().difference)
+                MeasuredAngle::new(self, cosine, sine).row(&self.spin().difference)
             }
             Measure::Thread { axis, pitch } => {
                 in_plane(self, axis).scaled(S::one() / self.lead(*pitch))

@@ -14,13 +14,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::inertia::Inertia;
+use super::inertia::SpatialInertia;
 use super::kinematics::LinkMotion;
 use crate::{Real, Twist};
 
 /// A column that has been eliminated.
 #[derive(Clone, Copy, Debug)]
-struct Free<S: Real> {
+struct EliminatedColumn<S: Real> {
     /// U.
     push: Twist<S>,
     /// 1/D.
@@ -42,19 +42,19 @@ pub(super) struct Articulated<S: Real> {
     angular: Matrix3<S>,
     /// p.
     push: Twist<S>,
-    columns: [Free<S>; 6],
+    columns: [EliminatedColumn<S>; 6],
 }
 
 impl<S: Real> Articulated<S> {
     /// A body by itself, and what it asks for at rest.
-    pub fn of(rigid: &Inertia<S>, push: Twist<S>) -> Self {
+    pub fn of(rigid: &SpatialInertia<S>, push: Twist<S>) -> Self {
         Articulated {
             mass: rigid.mass,
             linear: Matrix3::zeros(),
             mixed: -rigid.moment.cross_matrix(),
             angular: rigid.inertia,
             push,
-            columns: [Free {
+            columns: [EliminatedColumn {
                 push: Twist::zero(),
                 inverse: S::zero(),
                 work: S::zero(),
@@ -84,7 +84,7 @@ impl<S: Real> Articulated<S> {
             let pivot = column.dot(&push).label("D");
             let inverse = S::one() / pivot;
             let work = force - column.dot(&self.push);
-            self.columns[k] = Free {
+            self.columns[k] = EliminatedColumn {
                 push,
                 inverse,
                 work,

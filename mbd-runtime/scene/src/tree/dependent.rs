@@ -22,7 +22,7 @@ pub(super) struct DependentSpeeds<S> {
     /// û of (2), n_v numbers.
     pub rates: Vec<S>,
     /// What is known of each.
-    known: Vec<Known<S>>,
+    known: Vec<DependentSpeed<S>>,
     /// Their rows of M as they were before (3), n_v numbers each.
     mass: Vec<S>,
     /// Their columns of all rows likewise, n_c numbers each.
@@ -33,7 +33,7 @@ pub(super) struct DependentSpeeds<S> {
 
 /// What is known of one dependent speed.
 #[derive(Clone, Copy, Debug)]
-struct Known<S> {
+struct DependentSpeed<S> {
     /// 1/f_d.
     inverse: S,
     /// c_s, in the order of the sources.
@@ -45,7 +45,7 @@ struct Known<S> {
 /// The sources of a dependent speed, each with its c.
 fn led<'a, S: Real>(
     dependent: &'a Dependent,
-    known: &Known<S>,
+    known: &DependentSpeed<S>,
 ) -> impl Iterator<Item = (usize, S)> + use<'a, S> {
     let speeds = dependent.sources.iter().map(|&(speed, _)| speed);
     speeds.zip(known.leads)
@@ -54,7 +54,7 @@ fn led<'a, S: Real>(
 impl<S: Real> DependentSpeeds<S> {
     pub fn new(layout: &Layout) -> Self {
         let count = layout.elimination.dependents.len();
-        let nothing = Known {
+        let nothing = DependentSpeed {
             inverse: S::zero(),
             leads: [S::zero(); MOST_COUPLED - 1],
             left: S::zero(),
@@ -72,7 +72,7 @@ impl<S: Real> DependentSpeeds<S> {
     fn each<'a>(
         &'a mut self,
         plan: &'a Elimination,
-    ) -> impl DoubleEndedIterator<Item = (&'a Dependent, &'a mut Known<S>)> {
+    ) -> impl DoubleEndedIterator<Item = (&'a Dependent, &'a mut DependentSpeed<S>)> {
         plan.dependents.iter().zip(&mut self.known)
     }
 

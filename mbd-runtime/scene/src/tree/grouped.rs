@@ -10,7 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::inertia::Inertia;
+use super::inertia::SpatialInertia;
 use super::link_axes::as_seen;
 use super::turn::Turn;
 use crate::joints::JointLaw;
@@ -24,23 +24,23 @@ impl Grouped {
     pub(super) fn of(law: &JointLaw, axes: Option<&LinkAxes>) -> Self {
         let (seen, _) = as_seen(law, axes);
         let law = seen.as_ref().unwrap_or(law);
-        let is_free = |part: &Inertia<f64>| TRIED.iter().all(|at| obeys(law, part, at));
+        let is_free = |part: &SpatialInertia<f64>| TRIED.iter().all(|at| obeys(law, part, at));
         let unit = |axis: usize| Vector3::from_fn(|row, _| f64::from(u8::from(row == axis)));
-        let inertia = |inertia: Matrix3<f64>| Inertia {
+        let inertia = |inertia: Matrix3<f64>| SpatialInertia {
             inertia,
-            ..Inertia::none()
+            ..SpatialInertia::none()
         };
         let any = Matrix3::new(1.0, 0.2, 0.3, 0.2, 1.4, 0.1, 0.3, 0.1, 1.9);
         let across = |axis: usize| Matrix3::from_diagonal(&(Vector3::repeat(1.0) - unit(axis)));
         Grouped {
-            mass: is_free(&Inertia {
+            mass: is_free(&SpatialInertia {
                 mass: 1.0,
-                ..Inertia::none()
+                ..SpatialInertia::none()
             }),
             moment: [0, 1, 2].map(|axis| {
-                is_free(&Inertia {
+                is_free(&SpatialInertia {
                     moment: unit(axis),
-                    ..Inertia::none()
+                    ..SpatialInertia::none()
                 })
             }),
             inertia: is_free(&inertia(any)),
@@ -49,8 +49,8 @@ impl Grouped {
     }
 
     /// Takes them out of an inertia.
-    pub(super) fn take_out<S: Real>(&self, own: &mut Inertia<S>) -> Inertia<S> {
-        let mut out = Inertia::none();
+    pub(super) fn take_out<S: Real>(&self, own: &mut SpatialInertia<S>) -> SpatialInertia<S> {
+        let mut out = SpatialInertia::none();
         if self.mass {
             std::mem::swap(&mut own.mass, &mut out.mass);
         }
@@ -73,7 +73,7 @@ impl Grouped {
 }
 
 /// (1) for one part at one place.
-fn obeys(law: &JointLaw, part: &Inertia<f64>, at: &[f64; 4]) -> bool {
+fn obeys(law: &JointLaw, part: &SpatialInertia<f64>, at: &[f64; 4]) -> bool {
     let small = |difference: f64| difference.abs() < 1e-9;
     let mut q = vec![0.0; law.coordinates()];
     q.iter_mut()
@@ -99,7 +99,7 @@ fn obeys(law: &JointLaw, part: &Inertia<f64>, at: &[f64; 4]) -> bool {
     let pose = law.motion(&relative);
     let mut columns = vec![Twist::zero(); law.freedoms()];
     law.subspace(&relative, &mut columns);
-    let mut moved = Inertia::none();
+    let mut moved = SpatialInertia::none();
     moved.take(part, &Turn::by(pose.rotation), &pose.position);
     let same = small(moved.mass - part.mass)
         && (moved.moment - part.moment).iter().all(|x| small(*x))

@@ -22,7 +22,7 @@ use crate::{Real, Twist};
 
 /// Mass, first moment and inertia about the origin of a link, its axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Inertia<S: Real> {
+pub(crate) struct SpatialInertia<S: Real> {
     /// m [kg].
     pub mass: S,
     /// h [kg m].
@@ -31,13 +31,13 @@ pub(crate) struct Inertia<S: Real> {
     pub inertia: Matrix3<S>,
 }
 
-impl<S: Real> Inertia<S> {
+impl<S: Real> SpatialInertia<S> {
     /// That of the body of a link.
     fn of(body: &BodyNumbers<S>, link: &LinkMotion<S>) -> Self {
         let c = &link.centre;
         let about_centre = link.body * body.inertia * link.body.transpose();
         let square = c.dot(c);
-        Inertia {
+        SpatialInertia {
             mass: body.mass,
             moment: labelled(
                 c.map(|x| body.mass * x),
@@ -52,7 +52,7 @@ impl<S: Real> Inertia<S> {
 
     /// Nothing.
     pub fn none() -> Self {
-        Inertia {
+        SpatialInertia {
             mass: S::zero(),
             moment: Vector3::zeros(),
             inertia: Matrix3::zeros(),
@@ -108,7 +108,7 @@ impl<S: Real> TreeSystem<S> {
     pub(super) fn read_inertias(&mut self, evaluation: &Evaluation<'_, S>) {
         for (index, link) in links(evaluation.layout).iter().enumerate() {
             let body = &evaluation.numbers.bodies[link.body];
-            self.inertias[index] = Inertia::of(body, &evaluation.links[index]);
+            self.inertias[index] = SpatialInertia::of(body, &evaluation.links[index]);
         }
     }
 

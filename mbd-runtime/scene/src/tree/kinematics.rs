@@ -163,7 +163,7 @@ fn frame_of<S: Real>(
 }
 
 /// The scene of one instant, as far as links need it.
-struct Instant<'a, S: Real> {
+struct LinkInstant<'a, S: Real> {
     scene: &'a Scene,
     layout: &'a Layout,
     numbers: &'a Numbers<S>,
@@ -181,7 +181,7 @@ pub(crate) fn read<'a, S: Real>(
     links: &mut [LinkMotion<S>],
     motions: &mut [BodyMotion<S>],
 ) {
-    let instant = Instant {
+    let instant = LinkInstant {
         scene,
         layout,
         numbers,
@@ -213,7 +213,7 @@ pub(crate) fn read<'a, S: Real>(
     }
 }
 
-impl<S: Real> Instant<'_, S> {
+impl<S: Real> LinkInstant<'_, S> {
     /// The link that a joint carries.
     fn carried(&self, link: &Link, joint: usize, links: &[LinkMotion<S>]) -> Option<LinkMotion<S>> {
         let declared = self.scene.joints.get(joint)?;

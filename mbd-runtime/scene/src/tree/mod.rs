@@ -18,7 +18,7 @@ mod system;
 mod turn;
 
 pub(crate) use factored::factored_len;
-pub(crate) use inertia::Inertia;
+pub(crate) use inertia::SpatialInertia;
 pub(crate) use kinematics::{LinkMotion, read};
 pub(crate) use link_axes::lay_axes;
 pub(crate) use maps::Absolute;

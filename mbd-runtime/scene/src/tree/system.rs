@@ -13,9 +13,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::articulated::Articulated;
 use super::assemble::{applied, falling};
 use super::dependent::DependentSpeeds;
-use super::inertia::Inertia;
+use super::inertia::SpatialInertia;
 use super::rows::TreeRows;
-use crate::elimination::{System, common_fall, enter};
+use crate::elimination::{BlockSystem, common_fall, enter};
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::point_gravity;
@@ -24,15 +24,15 @@ use crate::{AngularVelocity, Layout, Link, Part, PointSlots, Quantity, Real, Rel
 /// Scratch of one scene. Carries nothing from call to call.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeSystem<S: Real> {
-    pub(super) system: System<S>,
+    pub(super) system: BlockSystem<S>,
     pub(super) rows: TreeRows<S>,
     pub(super) dependent: DependentSpeeds<S>,
     /// Accelerations of the links, less the common fall.
     pub(super) accelerations: Vec<Twist<S>>,
     /// What the joints must push the links with.
     pub(super) pushes: Vec<Twist<S>>,
-    pub(super) inertias: Vec<Inertia<S>>,
-    pub(super) composites: Vec<Inertia<S>>,
+    pub(super) inertias: Vec<SpatialInertia<S>>,
+    pub(super) composites: Vec<SpatialInertia<S>>,
     pub(super) articulated: Vec<Articulated<S>>,
     /// n_v numbers: generalised forces, speeds or accelerations in the components of the links.
     pub(super) along: Vec<S>,
@@ -95,14 +95,14 @@ impl<S: Real> TreeSystem<S> {
     pub fn new(layout: &Layout) -> Self {
         let count = links(layout).len();
         TreeSystem {
-            system: System::new(&layout.elimination),
+            system: BlockSystem::new(&layout.elimination),
             rows: TreeRows::new(layout),
             dependent: DependentSpeeds::new(layout),
             accelerations: vec![Twist::zero(); count],
             pushes: vec![Twist::zero(); count],
-            inertias: vec![Inertia::none(); count],
-            composites: vec![Inertia::none(); count],
-            articulated: vec![Articulated::of(&Inertia::none(), Twist::zero()); count],
+            inertias: vec![SpatialInertia::none(); count],
+            composites: vec![SpatialInertia::none(); count],
+            articulated: vec![Articulated::of(&SpatialInertia::none(), Twist::zero()); count],
             along: vec![S::zero(); layout.nv],
             rates: vec![S::zero(); layout.nv],
             multipliers: vec![S::zero(); layout.nc],

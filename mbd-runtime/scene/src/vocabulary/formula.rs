@@ -94,7 +94,7 @@ impl Function {
 
 /// Energies of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Energy {
+pub enum EnergyKind {
     /// Of motion.
     Kinetic,
     /// Of gravity, lines, springs and stops.
@@ -103,17 +103,21 @@ pub enum Energy {
     Total,
 }
 
-impl Energy {
+impl EnergyKind {
     /// Every energy.
-    pub const ALL: [Energy; 3] = [Energy::Kinetic, Energy::Potential, Energy::Total];
+    pub const ALL: [EnergyKind; 3] = [
+        EnergyKind::Kinetic,
+        EnergyKind::Potential,
+        EnergyKind::Total,
+    ];
 
     /// How it is called in a declaration, behind `energy.`.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
-            Energy::Kinetic => "kinetic",
-            Energy::Potential => "potential",
-            Energy::Total => "total",
+            EnergyKind::Kinetic => "kinetic",
+            EnergyKind::Potential => "potential",
+            EnergyKind::Total => "total",
         }
     }
 }
@@ -147,7 +151,7 @@ pub enum Formula {
     /// times the angle of the state, which counts turns.
     Orientation(usize),
     /// An energy of the whole scene [J]. It holds what every line and joint stores, so that no force may contain it.
-    Energy(Energy),
+    Energy(EnergyKind),
     /// Tension of a line [N], ≥ 0 for a `line`, either sign for a `spring`.
     Tension(usize),
     /// Length of a line, from end to end [m].

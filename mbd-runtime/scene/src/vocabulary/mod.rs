@@ -22,7 +22,7 @@ pub use cost::Cost;
 pub use coupling::{Coupled, MOST_COUPLED, Relation};
 pub use dimension::{Dimension, Unit};
 pub use field::{Field, Fields, Rule};
-pub use formula::{Energy, Fixed, Formula, Function, Place};
+pub use formula::{EnergyKind, Fixed, Formula, Function, Place};
 pub use motion::{FrameMotion, Pose, Relative, Twist};
 pub use part::Part;
 pub use plane::{Directions, Plane};

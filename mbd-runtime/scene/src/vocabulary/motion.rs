@@ -88,7 +88,7 @@ pub struct Relative<'a, S> {
     pub q: &'a [S],
     /// Speeds.
     pub u: &'a [S],
-    /// Numbers of the joint, in the order of [`crate::joints::Joint::numbers`].
+    /// Numbers of the joint, in the order of [`crate::joints::JointDefinition::numbers`].
     pub numbers: &'a [S],
 }
 

@@ -43,7 +43,7 @@ mod estimate;
 mod race;
 
 pub use estimate::Accurate;
-pub use race::{Advice, Entry, Failed, Race, trade};
+pub use race::{Advice, Entry, FailedSetting, Race, trade};
 
 /// Places in the window at which a run is compared.
 const SAMPLES: usize = 200;

@@ -47,7 +47,7 @@ impl fmt::Display for Entry {
 
 /// A setting that gave no answer.
 #[derive(Clone, Debug)]
-pub struct Failed {
+pub struct FailedSetting {
     /// The name of the variant.
     pub name: String,
     /// The integrator with its step or tolerance.
@@ -70,7 +70,7 @@ pub struct Race {
     /// What gave an answer, in the order of the race.
     pub entries: Vec<Entry>,
     /// What gave none.
-    pub failed: Vec<Failed>,
+    pub failed: Vec<FailedSetting>,
 }
 
 /// Races methods with their steps and tolerances over variants of a model. The references are runs of the first variant at the tightest
@@ -236,7 +236,7 @@ impl Race {
                     error.cause,
                     StepError::TooManySteps { .. } | StepError::Unsupported { .. }
                 );
-                self.failed.push(Failed {
+                self.failed.push(FailedSetting {
                     name: variant.name.clone(),
                     method,
                     cause: error.cause,

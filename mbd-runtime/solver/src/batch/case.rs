@@ -18,7 +18,7 @@ use crate::supply::Inputs;
 pub struct Case<T = f64> {
     pub(super) number: usize,
     pub(super) params: Option<Vec<T>>,
-    pub(super) inputs: Option<Held<T>>,
+    pub(super) inputs: Option<HeldInputs<T>>,
     pub(super) state: Option<(f64, Vec<T>)>,
     pub(super) joints: Vec<(String, f64)>,
     pub(super) nodes: Option<Vec<T>>,
@@ -26,7 +26,7 @@ pub struct Case<T = f64> {
 
 /// Inputs that are held: the model they belong to, where that is known, and their numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Held<T> {
+pub(super) struct HeldInputs<T> {
     pub of: Option<(&'static str, [usize; 2])>,
     pub numbers: Vec<T>,
 }
@@ -48,7 +48,7 @@ impl<T: Float> Case<T> {
     /// Inputs that are held over the whole run.
     #[must_use]
     pub fn inputs<I: Inputs<T>>(mut self, inputs: &I) -> Self {
-        self.inputs = Some(Held {
+        self.inputs = Some(HeldInputs {
             of: I::MODEL,
             numbers: inputs.numbers().as_ref().to_vec(),
         });

@@ -36,7 +36,7 @@ pub(super) struct Flights<'b, T: Scalar> {
 }
 
 /// A case under way.
-struct Flight<T: Scalar> {
+struct FlyingCase<T: Scalar> {
     case: Case<T>,
     /// Its run, once it has begun; it stays where it stops.
     run: Option<(Simulation<T>, Course)>,
@@ -66,7 +66,7 @@ impl<T: Scalar> Flights<'_, T> {
             width => T::together(&*self.model, width),
         };
         let beside = if together.is_some() { self.beside } else { 1 };
-        let mut flights: Vec<Option<Flight<T>>> = (0..beside).map(|_| None).collect();
+        let mut flights: Vec<Option<FlyingCase<T>>> = (0..beside).map(|_| None).collect();
         // A history is as large as a run: each is used again.
         let mut histories: Vec<Trajectory> = Vec::with_capacity(beside);
         let mut go_on = |_| !(desk.stops() || cancelled());
@@ -106,13 +106,13 @@ impl<T: Scalar> Flights<'_, T> {
         &self,
         (number, mut case): (usize, Case<T>),
         history: Option<Trajectory>,
-    ) -> Flight<T> {
+    ) -> FlyingCase<T> {
         case.number = number;
         let (sampling, content) = &self.record;
         let fresh = || Trajectory::new(&*self.model, sampling.clone(), *content);
         let mut history = history.unwrap_or_else(fresh);
         history.clear();
-        Flight {
+        FlyingCase {
             case,
             run: None,
             history,
@@ -124,7 +124,7 @@ impl<T: Scalar> Flights<'_, T> {
     /// Begins a flight, or tries its next step; all of them where it is alone.
     fn advance(
         &self,
-        flight: &mut Flight<T>,
+        flight: &mut FlyingCase<T>,
         once: bool,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Advance {
@@ -194,7 +194,7 @@ impl<T: Scalar> Flights<'_, T> {
     }
 }
 
-impl<T: Scalar> Runs<T> for Vec<Option<Flight<T>>> {
+impl<T: Scalar> Runs<T> for Vec<Option<FlyingCase<T>>> {
     fn lane(&mut self, lane: usize) -> Option<Lane<'_, T>> {
         let flight = self.get_mut(lane)?.as_mut()?;
         let (run, course) = flight.run.as_mut()?;
@@ -202,14 +202,14 @@ impl<T: Scalar> Runs<T> for Vec<Option<Flight<T>>> {
     }
 }
 
-impl<T: Scalar> Flight<T> {
+impl<T: Scalar> FlyingCase<T> {
     /// The result of a flight that ended, `None` where it was given up, and its history.
     fn land<R>(
         self,
         ended: Result<(), Why>,
         judge: &impl Fn(&Case<T>, &Trajectory) -> R,
     ) -> (Option<Finished<R, T>>, Trajectory) {
-        let Flight {
+        let FlyingCase {
             case,
             run,
             history,

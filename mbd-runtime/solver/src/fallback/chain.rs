@@ -6,7 +6,7 @@ use super::dense::Dense;
 
 /// How the rows are solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(crate) enum Strategy {
+pub(crate) enum RowStrategy {
     /// As emitted.
     #[default]
     Emitted,
@@ -20,8 +20,8 @@ pub(crate) enum Strategy {
 
 /// What is held for a step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Held {
-    pub strategy: Strategy,
+pub(super) struct HeldRows {
+    pub strategy: RowStrategy,
     pub rows: Vec<usize>,
     /// Whether every stage of the step takes these rows: one of them could not be solved otherwise.
     pub whole_step: bool,
@@ -34,8 +34,8 @@ pub(super) struct Held {
 /// What a run needs to go on solving its rows as it did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SavedStrategy {
-    held: Held,
-    base: Strategy,
+    held: HeldRows,
+    base: RowStrategy,
     lasting: bool,
 }
 
@@ -43,13 +43,13 @@ pub(crate) struct SavedStrategy {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fallback {
     /// Of the step that is tried.
-    pub(super) now: Held,
+    pub(super) now: HeldRows,
     /// Of the step after it.
-    pub(super) next: Held,
+    pub(super) next: HeldRows,
     /// Whether the stage to come is the first of the step after.
     pub(super) at_end: bool,
     /// The strategy of a run away from singular states.
-    pub(super) base: Strategy,
+    pub(super) base: RowStrategy,
     /// What the last factor left to its smallest pivot; NaN when there was none since the last step.
     pub margin: f64,
     pub(super) dense: Dense,
@@ -67,17 +67,17 @@ pub(crate) struct Fallback {
     /// Room for rows chosen in a projection.
     pub(super) spare: Vec<usize>,
     /// The worst strategy used.
-    pub worst: Strategy,
+    pub worst: RowStrategy,
     /// Decimal digits that uneven masses cost on the strategy of the run.
     pub lost_digits: u64,
 }
 
 impl Fallback {
-    pub(super) fn held(&self) -> &Held {
+    pub(super) fn held(&self) -> &HeldRows {
         if self.at_end { &self.next } else { &self.now }
     }
 
-    pub(super) fn held_mut(&mut self) -> &mut Held {
+    pub(super) fn held_mut(&mut self) -> &mut HeldRows {
         if self.at_end {
             &mut self.next
         } else {
@@ -114,7 +114,7 @@ impl Fallback {
 
     /// Writes what the step to come is solved with, in the room that is there.
     pub(crate) fn save(&self, to: &mut SavedStrategy) {
-        let Held {
+        let HeldRows {
             strategy,
             rows,
             whole_step,
@@ -122,7 +122,7 @@ impl Fallback {
             near,
         } = &self.now;
         to.held.rows.clone_from(rows);
-        to.held = Held {
+        to.held = HeldRows {
             rows: std::mem::take(&mut to.held.rows),
             strategy: *strategy,
             whole_step: *whole_step,

@@ -3,7 +3,7 @@
 use mbd_scene::Float;
 use mbd_scene::laws::Numbers;
 
-use super::chain::{Held, Strategy};
+use super::chain::{HeldRows, RowStrategy};
 use super::limits::{LOSS, RATIO, TOO_MUCH};
 use crate::error::StepError;
 use crate::system::System;
@@ -24,7 +24,8 @@ impl<T: Float> System<T> {
         let (nq, nv) = (self.model.layout().nq, self.model.layout().nv);
         let ratio = self.mass_ratio();
         let even = ratio.is_nan() || ratio <= RATIO;
-        if self.model.layout().nc == 0 || self.fallback.now.strategy != Strategy::Emitted || even {
+        if self.model.layout().nc == 0 || self.fallback.now.strategy != RowStrategy::Emitted || even
+        {
             return Ok(());
         }
         let mut rows = std::mem::take(&mut self.fallback.spare);
@@ -56,10 +57,10 @@ impl<T: Float> System<T> {
         // Where the whole matrix does not settle either, it is no witness.
         if emitted > 0.5 * promised && unsettled < 0.1 * emitted {
             loss = unsettled.max(sensitive);
-            self.fallback.base = Strategy::Whole;
-            self.fallback.worst = Strategy::Whole;
-            self.fallback.next = Held {
-                strategy: Strategy::Whole,
+            self.fallback.base = RowStrategy::Whole;
+            self.fallback.worst = RowStrategy::Whole;
+            self.fallback.next = HeldRows {
+                strategy: RowStrategy::Whole,
                 rows,
                 whole_step: true,
                 ..self.fallback.now

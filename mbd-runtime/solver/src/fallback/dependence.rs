@@ -17,7 +17,7 @@ pub(crate) struct Dependence {
 }
 
 /// A direction of the rows so far, and the rows it is made of.
-struct Direction {
+struct RowDirection {
     unit: Vec<f64>,
     made: Vec<f64>,
 }
@@ -30,7 +30,7 @@ pub(crate) fn dependent<T: Float>(
     values: &[T],
     new_from: f64,
 ) -> Dependence {
-    let mut directions: Vec<Direction> = Vec::new();
+    let mut directions: Vec<RowDirection> = Vec::new();
     let mut found = Dependence::default();
     let mut involved = vec![false; values.len()];
     for (index, row) in jacobian.chunks_exact(columns.max(1)).enumerate() {
@@ -47,7 +47,7 @@ pub(crate) fn dependent<T: Float>(
         let new = dot(&rest, &rest).sqrt();
         if new > new_from * whole {
             let scale = |list: Vec<f64>| list.into_iter().map(|x| x / new).collect();
-            directions.push(Direction {
+            directions.push(RowDirection {
                 unit: scale(rest),
                 made: scale(made),
             });

@@ -22,7 +22,7 @@ use crate::moving::moving;
 use crate::system::System;
 
 /// Limits of multipliers and accelerations at a state where rows lose rank.
-struct Limit {
+struct SingularLimit {
     multipliers: Vec<f64>,
     accelerations: Vec<f64>,
 }
@@ -119,7 +119,7 @@ impl<T: Float> System<T> {
         }
         self.fallback.spare = rows;
         match self.find_limit(time, state, &forced) {
-            Some(Limit {
+            Some(SingularLimit {
                 multipliers,
                 accelerations,
             }) => [multipliers.clone(), multipliers, accelerations],
@@ -129,7 +129,7 @@ impl<T: Float> System<T> {
 
     /// λ and v̇ by (1), for accelerations `forced` by rows chosen at the state; `None` where they have no limit.
     #[cold]
-    fn find_limit(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<Limit> {
+    fn find_limit(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<SingularLimit> {
         let model = self.model.clone();
         let layout = model.layout();
         // Forces at equilibrium points do not follow a state that is only looked at.
@@ -158,11 +158,11 @@ impl<T: Float> System<T> {
     }
 
     /// (1) for one δ; `None` where rows lose rank at the neighbouring states, too.
-    fn limit(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Limit> {
+    fn limit(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<SingularLimit> {
         let model = self.model.clone();
         let layout = model.layout();
         let (near, far) = (4.0 / 6.0, -1.0 / 6.0);
-        let mut sum = Limit {
+        let mut sum = SingularLimit {
             multipliers: vec![0.0; layout.nc],
             accelerations: vec![0.0; layout.nv],
         };
@@ -217,7 +217,7 @@ impl<T: Float> System<T> {
     }
 
     /// λ and v̇ at (2).
-    fn after(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Limit> {
+    fn after(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<SingularLimit> {
         let model = self.model.clone();
         let layout = model.layout();
         let time = time + step;
@@ -238,7 +238,7 @@ impl<T: Float> System<T> {
         accelerations.truncate(layout.nv);
         let mut all = multipliers.iter().chain(&accelerations);
         let found = self.is_regular() && all.all(|x| x.is_finite());
-        found.then_some(Limit {
+        found.then_some(SingularLimit {
             multipliers,
             accelerations,
         })

@@ -17,8 +17,8 @@
 
 use mbd_scene::{Float, Quantity};
 
-use self::chain::Held;
-pub(crate) use self::chain::{Fallback, SavedStrategy, Strategy};
+use self::chain::HeldRows;
+pub(crate) use self::chain::{Fallback, RowStrategy, SavedStrategy};
 use self::dense::Dense;
 pub(crate) use self::dependence::{Dependence, dependent};
 pub(crate) use self::limits::NEW;
@@ -57,19 +57,19 @@ impl<T: Float> System<T> {
     /// Part of a row that is new in rows that are independent.
     pub(crate) fn new_from(&self) -> f64 {
         // Where masses and not a position ask for another strategy, a row is left out only if it cannot be told from others.
-        let lasting = self.fallback.lasting || self.fallback.base != Strategy::Emitted;
+        let lasting = self.fallback.lasting || self.fallback.base != RowStrategy::Emitted;
         self.trusted_from(lasting).sqrt()
     }
 
     /// Whether the strategy of the run solves without the emitted elimination.
     pub(crate) fn solves_chosen(&self) -> bool {
-        self.fallback.base == Strategy::Chosen
+        self.fallback.base == RowStrategy::Chosen
     }
 
     /// Takes another strategy for the whole run: the rows that were kept are not enough.
     #[cold]
     pub(crate) fn choose_always(&mut self) {
-        self.fallback.base = Strategy::Chosen;
+        self.fallback.base = RowStrategy::Chosen;
     }
 
     /// Decides how the rows of the step that starts at a projected state are solved.
@@ -88,7 +88,7 @@ impl<T: Float> System<T> {
         if self.fallback.margin >= self.trusted_from(false) {
             self.fallback.lasting = false;
         }
-        if self.is_regular() && self.fallback.base == Strategy::Emitted {
+        if self.is_regular() && self.fallback.base == RowStrategy::Emitted {
             return;
         }
         self.pick_anew(time, state);
@@ -96,12 +96,13 @@ impl<T: Float> System<T> {
 
     #[cold]
     fn pick_anew(&mut self, time: f64, state: &[T]) {
-        let strategy = self.fallback.base.max(Strategy::Chosen);
+        let strategy = self.fallback.base.max(RowStrategy::Chosen);
         self.read_dense(time, state);
         let mut rows = std::mem::take(&mut self.fallback.next.rows);
         self.fallback.dense.choose(&mut rows);
-        let whole_step = strategy == Strategy::Whole || self.fallback.base == Strategy::Chosen;
-        self.fallback.next = Held {
+        let whole_step =
+            strategy == RowStrategy::Whole || self.fallback.base == RowStrategy::Chosen;
+        self.fallback.next = HeldRows {
             strategy,
             rows,
             whole_step,
@@ -114,7 +115,7 @@ impl<T: Float> System<T> {
     /// The rows of the step that is tried cannot be solved as they are: chooses them anew at its start. False if that was done before.
     #[cold]
     pub(crate) fn escalate(&mut self, time: f64, state: &[T]) -> bool {
-        if self.fallback.now.strategy != Strategy::Emitted || self.model.layout().nc == 0 {
+        if self.fallback.now.strategy != RowStrategy::Emitted || self.model.layout().nc == 0 {
             return false;
         }
         let state = state.get(..self.nx).unwrap_or_default();
@@ -137,8 +138,8 @@ impl<T: Float> System<T> {
         (self.fallback.anew, self.fallback.regularised) = (false, false);
         let held = self.fallback.held();
         match held.strategy {
-            Strategy::Emitted if self.fallback.at_end || !held.near => Ok(()),
-            Strategy::Emitted => self.check_stage(time, state),
+            RowStrategy::Emitted if self.fallback.at_end || !held.near => Ok(()),
+            RowStrategy::Emitted => self.check_stage(time, state),
             _ => self.accelerate_anew(time, state, rates),
         }
     }
@@ -188,10 +189,10 @@ impl<T: Float> System<T> {
             if left > LEFT_INSIDE {
                 return Err(self.singular(time, state));
             }
-            self.fallback.worst = Strategy::Regularised;
+            self.fallback.worst = RowStrategy::Regularised;
             self.fallback.regularised = true;
             self.counters.rows_regularised = self.counters.rows_regularised.saturating_add(1);
-        } else if held.strategy == Strategy::Whole {
+        } else if held.strategy == RowStrategy::Whole {
             dense.accelerate_whole(&held.rows);
         } else {
             dense.factor(&held.rows);

@@ -27,14 +27,14 @@ use crate::node::eigen::eigen;
 pub(crate) struct FreeMotion {
     /// Where in the state what moves along a straight line is, and its speed; angles of a plane among them.
     straight: Vec<(Range<usize>, Range<usize>)>,
-    turning: Vec<Turning>,
+    turning: Vec<TurningBody>,
     /// Whether angular velocities are components in body axes.
     body_axes: bool,
 }
 
 /// A body that turns in space.
 #[derive(Clone, Debug)]
-struct Turning {
+struct TurningBody {
     attitude: Range<usize>,
     spin: Range<usize>,
     /// Inertia about the centre of mass and its inverse, body axes.
@@ -58,7 +58,7 @@ impl FreeMotion {
             match part.part {
                 Part::Body(body) if layout.directions.plane.is_none() => {
                     let body = &numbers.bodies[body];
-                    turning.push(Turning::new(body, part.attitude, part.spin));
+                    turning.push(TurningBody::new(body, part.attitude, part.spin));
                 }
                 _ => straight.push((part.attitude, part.spin)),
             }
@@ -127,7 +127,7 @@ fn matrix(quaternion: &Quaternion<f64>) -> Matrix3<f64> {
     )
 }
 
-impl Turning {
+impl TurningBody {
     fn new(body: &BodyNumbers<f64>, attitude: Range<usize>, spin: Range<usize>) -> Self {
         let inertia = body.inertia;
         let off = |i, j| inertia[(i, j)] != 0.0 || inertia[(j, i)] != 0.0;
@@ -138,7 +138,7 @@ impl Turning {
         } else {
             (inertia.diagonal(), None)
         };
-        Turning {
+        TurningBody {
             attitude,
             spin,
             inertia,

@@ -71,7 +71,7 @@ impl Scales {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum NormKind {
     Position,
     Rotation,
     Angle,
@@ -84,8 +84,8 @@ enum Kind {
 
 /// Some numbers of the state that have one size.
 #[derive(Clone, Debug)]
-struct Block {
-    kind: Kind,
+struct NormBlock {
+    kind: NormKind,
     at: Range<usize>,
     /// Whose they are.
     owner: Option<Part>,
@@ -96,7 +96,7 @@ struct Block {
 /// The norm of one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorNorm {
-    blocks: Vec<Block>,
+    blocks: Vec<NormBlock>,
     /// Relative tolerance.
     pub tolerance: f64,
     scales: Scales,
@@ -116,7 +116,7 @@ impl ErrorNorm {
         let mut blocks = Vec::new();
         let mut block = |kind, at: Range<usize>, owner, scale| {
             if !at.is_empty() {
-                blocks.push(Block {
+                blocks.push(NormBlock {
                     kind,
                     at,
                     owner,
@@ -126,29 +126,29 @@ impl ErrorNorm {
         };
         for part in moving(layout) {
             let attitude = match part.has_quaternion() {
-                true => Kind::Rotation,
-                false => Kind::Angle,
+                true => NormKind::Rotation,
+                false => NormKind::Angle,
             };
             let owner = Some(part.part);
             let [length, angle] = resolution(&part);
-            block(Kind::Position, part.position, owner, length);
+            block(NormKind::Position, part.position, owner, length);
             block(attitude, part.attitude, owner, angle);
-            block(Kind::Velocity, part.velocity, owner, scales.speed);
-            block(Kind::AngularVelocity, part.spin, owner, scales.rate);
+            block(NormKind::Velocity, part.velocity, owner, scales.speed);
+            block(NormKind::AngularVelocity, part.spin, owner, scales.rate);
         }
         for node in &layout.nodes {
             if let Some(z) = node.z.map(|z| layout.nq + layout.nv + z) {
                 let owner = Some(Part::Point(node.point));
-                block(Kind::Position, z..z + 3, owner, scales.length);
+                block(NormKind::Position, z..z + 3, owner, scales.length);
             }
         }
         (0..layout.ns).for_each(|state| {
             let at = layout.states() + state;
             let start = starts.get(state).map_or(0.0, |start| start.abs());
             let scale = if start > 0.0 { start } else { scales.state };
-            block(Kind::State(state), at..at + 1, None, scale);
+            block(NormKind::State(state), at..at + 1, None, scale);
         });
-        (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None, scales.energy));
+        (layout.nx()..length).for_each(|at| block(NormKind::Work, at..at + 1, None, scales.energy));
         ErrorNorm {
             blocks,
             tolerance,
@@ -183,7 +183,9 @@ impl ErrorNorm {
             false => 1.0,
         };
         for block in &self.blocks {
-            if let (Kind::State(_), Some(weight)) = (block.kind, weights.get_mut(block.at.start)) {
+            if let (NormKind::State(_), Some(weight)) =
+                (block.kind, weights.get_mut(block.at.start))
+            {
                 *weight = T::from_f64(energy / block.scale.powi(2));
             }
         }
@@ -196,7 +198,7 @@ impl ErrorNorm {
 
     /// The block with the largest Σ weight x², by number.
     pub(crate) fn heaviest<T: Float>(&self, weights: &[T], list: &[T]) -> usize {
-        let size = |block: &Block| {
+        let size = |block: &NormBlock| {
             let own = weights.iter().zip(list);
             let own = own.skip(block.at.start).take(block.at.len());
             own.fold(0.0, |sum, (w, x)| sum + w.to_f64() * x.to_f64().powi(2))
@@ -223,30 +225,30 @@ impl ErrorNorm {
         };
         let owner = block.owner.map(|part| part_name(scene, part));
         let what = match block.kind {
-            Kind::Position => "position",
-            Kind::Rotation | Kind::Angle => "rotation",
-            Kind::Velocity => "velocity",
-            Kind::AngularVelocity => "angular velocity",
-            Kind::State(state) => {
+            NormKind::Position => "position",
+            NormKind::Rotation | NormKind::Angle => "rotation",
+            NormKind::Velocity => "velocity",
+            NormKind::AngularVelocity => "angular velocity",
+            NormKind::State(state) => {
                 let state = scene.states.get(state);
                 return state.map_or_else(|| "state".into(), |state| state.name.clone());
             }
-            Kind::Work => "work",
+            NormKind::Work => "work",
         };
         format!("{what} of {}", owner.unwrap_or("the run"))
     }
 }
 
-impl Block {
+impl NormBlock {
     fn measure<T: Float>(&self, error: &[T], old: &[T], new: &[T]) -> f64 {
         match self.kind {
-            Kind::Position | Kind::Angle => self.mean(error) / self.scale,
-            Kind::Rotation => {
+            NormKind::Position | NormKind::Angle => self.mean(error) / self.scale,
+            NormKind::Rotation => {
                 let [old, error] = [old, error].map(|list| pick(list, self.at.start));
                 tangent(old, error) / self.scale
             }
-            Kind::Velocity | Kind::AngularVelocity => self.speed(error, old, new),
-            Kind::State(_) | Kind::Work => {
+            NormKind::Velocity | NormKind::AngularVelocity => self.speed(error, old, new),
+            NormKind::State(_) | NormKind::Work => {
                 let [error, old, new] =
                     [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
                 error / (self.scale + old.max(new))

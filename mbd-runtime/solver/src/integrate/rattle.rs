@@ -69,7 +69,7 @@ pub(crate) trait Reversible<T>: Rates<T> {
 
 /// A step of order 2 inside one of order 4.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct Substep {
     /// When it starts and ends [s].
     times: [f64; 2],
     /// How long it is; negative in the middle one [s].
@@ -169,7 +169,7 @@ impl<T: Float> Rattle<T> {
         let mut start = 0.0;
         for (part, end) in PARTS {
             let times = [time + start * step, time + end * step];
-            let part = Part {
+            let part = Substep {
                 times,
                 span: part * step,
                 since: end * step,
@@ -190,7 +190,11 @@ impl<T: Float> Rattle<T> {
         Ok(())
     }
 
-    fn make_part(&mut self, system: &mut impl Reversible<T>, part: Part) -> Result<(), StepError> {
+    fn make_part(
+        &mut self,
+        system: &mut impl Reversible<T>,
+        part: Substep,
+    ) -> Result<(), StepError> {
         let [_, end] = part.times;
         let half = T::from_f64(0.5 * part.span);
         add(half, &self.force, &mut self.now);
@@ -237,7 +241,7 @@ impl<T: Float> Rattle<T> {
     fn push_with_speeds(
         &mut self,
         system: &mut impl Reversible<T>,
-        part: Part,
+        part: Substep,
     ) -> Result<(), StepError> {
         let [_, time] = part.times;
         let half = T::from_f64(0.5 * part.span);

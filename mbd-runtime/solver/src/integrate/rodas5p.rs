@@ -6,11 +6,11 @@
 //! Source: G. Steinebach, "Construction of Rosenbrock–Wanner method Rodas5P and numerical benchmarks within the Julia Differential Equations package",
 //! BIT Numerical Mathematics 63 (2023) 27. The published sixteen digits, checked by every order condition when this crate is built.
 
-use super::rosenbrock::Tableau;
+use super::rosenbrock::RosenbrockTableau;
 
 /// Steinebach's Rodas5P.
 #[rustfmt::skip]
-pub(crate) const RODAS5P: Tableau<8, 3> = Tableau {
+pub(crate) const RODAS5P: RosenbrockTableau<8, 3> = RosenbrockTableau {
     gamma: 0.211_937_563_194_290_14,
     a: [
         [0.0; 8],

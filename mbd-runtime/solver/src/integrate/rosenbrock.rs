@@ -7,7 +7,7 @@
 //! ```
 //!
 //! (1) is the form without products by A. That of the theory, k_i = h f(x + Σ α_ij k_j) + h A Σ β'_ij k_j, has Γ⁻¹ = diag(1/γ) − c, α = a Γ,
-//! b = m Γ. [`Tableau::checked`] goes back to it and tests the conditions of [`trees`](super::trees) with β = α + Γ, in a `const fn`.
+//! b = m Γ. [`RosenbrockTableau::checked`] goes back to it and tests the conditions of [`trees`](super::trees) with β = α + Γ, in a `const fn`.
 //!
 //! The order asks for the exact A of f as the stages evaluate it, off unit quaternions too, where equations of motion say nothing that is worth
 //! differentiating. So f is that of the unit quaternions, q̇ apart, which is linear in q: A gets the projection 1 − q qᵀ behind it.
@@ -24,7 +24,7 @@ use crate::error::StepError;
 
 /// A stiffly accurate Rosenbrock method with S stages and an interpolant of degree D + 1.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tableau<const S: usize, const D: usize> {
+pub(crate) struct RosenbrockTableau<const S: usize, const D: usize> {
     /// γ.
     pub gamma: f64,
     /// a_ij, j < i.
@@ -45,7 +45,7 @@ pub(crate) struct Tableau<const S: usize, const D: usize> {
     pub dense_order: usize,
 }
 
-impl<const S: usize, const D: usize> Tableau<S, D> {
+impl<const S: usize, const D: usize> RosenbrockTableau<S, D> {
     /// The same tableau, after checking that stages use earlier ones, that their sums are α_i and γ_i, that step and embedded step are stages of the
     /// method, and that these and the interpolant have the orders they claim. A violation stops the build.
     pub(crate) const fn checked(self) -> Self {
@@ -208,7 +208,7 @@ pub(crate) struct Rosenbrock<T> {
 impl<T: Float> Rosenbrock<T> {
     /// Storage for states of a given length, the first of whose numbers are attached to others, and of whose last nothing depends on `behind`.
     pub(crate) fn new<const S: usize, const D: usize>(
-        tableau: &Tableau<S, D>,
+        tableau: &RosenbrockTableau<S, D>,
         length: usize,
         attached: Vec<Attached>,
         behind: usize,

@@ -25,7 +25,7 @@ const TOLERANCE: f64 = 1e-14;
 
 /// A rooted tree.
 #[derive(Clone, Copy)]
-struct Tree {
+struct RootedTree {
     /// The tree without its last branch, and that branch, by number; of the single node both are itself.
     rest: usize,
     branch: usize,
@@ -36,10 +36,10 @@ struct Tree {
 }
 
 /// All trees, by their number of nodes.
-const TREES: [Tree; COUNT] = grow();
+const TREES: [RootedTree; COUNT] = grow();
 
-const fn grow() -> [Tree; COUNT] {
-    let node = Tree {
+const fn grow() -> [RootedTree; COUNT] {
+    let node = RootedTree {
         rest: 0,
         branch: 0,
         order: 1,
@@ -56,7 +56,7 @@ const fn grow() -> [Tree; COUNT] {
             while rest < known {
                 let (r, b) = (trees[rest], trees[branch]);
                 if r.order + b.order == order && (rest == 0 || r.branch <= branch) {
-                    trees[count] = Tree {
+                    trees[count] = RootedTree {
                         rest,
                         branch,
                         order,
@@ -85,7 +85,7 @@ impl<const N: usize> Weights<N> {
         let mut products = [[1.0; N]; COUNT];
         let mut t = 1;
         while t < COUNT {
-            let Tree { rest, branch, .. } = TREES[t];
+            let RootedTree { rest, branch, .. } = TREES[t];
             let mut i = 0;
             while i < N {
                 products[t][i] = products[rest][i] * weighted(&alpha[i], &found[branch]).0;

@@ -69,7 +69,7 @@ pub trait InLanes: Model<f64> + Clone + Sized + 'static {
 }
 
 /// Equations whose parameters differ from lane to lane.
-pub trait Form<L> {
+pub trait LaneParameters<L> {
     /// Takes parameters, in declaration order [SI], that were checked lane by lane.
     fn take(&mut self, params: &[L]);
     /// Writes a quantity, as [`Model::evaluate`] does; what is not known to the equations is not a number.
@@ -79,9 +79,9 @@ pub trait Form<L> {
 /// The equations of a model over lanes of each width, without parameters yet.
 pub trait Forms: Send + Sync {
     /// Over four.
-    fn four(&self) -> Box<dyn Form<Lanes4>>;
+    fn four(&self) -> Box<dyn LaneParameters<Lanes4>>;
     /// Over eight.
-    fn eight(&self) -> Box<dyn Form<Lanes8>>;
+    fn eight(&self) -> Box<dyn LaneParameters<Lanes8>>;
 }
 
 /// A model with its equations over lanes at hand.
@@ -148,7 +148,7 @@ struct Compiled<E, L> {
     work: Vec<L>,
 }
 
-impl<L: Lanes, E: Equations<L>> Form<L> for Compiled<E, L> {
+impl<L: Lanes, E: Equations<L>> LaneParameters<L> for Compiled<E, L> {
     fn take(&mut self, params: &[L]) {
         self.equations = E::with(params);
         let room = self.equations.as_ref().map_or(0, Equations::room);
@@ -165,20 +165,20 @@ impl<L: Lanes, E: Equations<L>> Form<L> for Compiled<E, L> {
 
 /// Makes them.
 struct Makers {
-    four: fn() -> Box<dyn Form<Lanes4>>,
-    eight: fn() -> Box<dyn Form<Lanes8>>,
+    four: fn() -> Box<dyn LaneParameters<Lanes4>>,
+    eight: fn() -> Box<dyn LaneParameters<Lanes8>>,
 }
 
 impl Forms for Makers {
-    fn four(&self) -> Box<dyn Form<Lanes4>> {
+    fn four(&self) -> Box<dyn LaneParameters<Lanes4>> {
         (self.four)()
     }
-    fn eight(&self) -> Box<dyn Form<Lanes8>> {
+    fn eight(&self) -> Box<dyn LaneParameters<Lanes8>> {
         (self.eight)()
     }
 }
 
-fn compiled<L: Lanes, E: Equations<L> + 'static>() -> Box<dyn Form<L>> {
+fn compiled<L: Lanes, E: Equations<L> + 'static>() -> Box<dyn LaneParameters<L>> {
     Box::new(Compiled::<E, L> {
         equations: None,
         work: Vec::new(),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use mbd_scene::{At, Float, Layout, Model, Quantity};
 
-use super::form::{Beside, Form};
+use super::form::{Beside, LaneParameters};
 use super::lockstep::normalise;
 use super::networks::Networks;
 use super::{Lanes, Lanes4, Lanes8};
@@ -44,8 +44,8 @@ pub(crate) fn together<T: Float>(
     let forms = Beside::of(model.beside()?)?;
     let layout = model.layout();
     let group: Box<dyn Together<f64>> = match width {
-        4 => Box::new(Group::<Lanes4>::new(layout, forms.four())),
-        8 => Box::new(Group::<Lanes8>::new(layout, forms.eight())),
+        4 => Box::new(LaneGroup::<Lanes4>::new(layout, forms.four())),
+        8 => Box::new(LaneGroup::<Lanes8>::new(layout, forms.eight())),
         _ => return None,
     };
     let group: Box<dyn Any> = Box::new(group);
@@ -53,8 +53,8 @@ pub(crate) fn together<T: Float>(
 }
 
 /// The numbers of several runs beside each other.
-struct Group<L> {
-    form: Box<dyn Form<L>>,
+struct LaneGroup<L> {
+    form: Box<dyn LaneParameters<L>>,
     /// The method, once a run has shown it.
     method: Option<Explicit<L>>,
     /// The model of each lane, whose parameters the equations have.
@@ -94,7 +94,7 @@ impl<L: Lanes> Stages<L> {
     /// Nodes and rates at a stage, both at once; one in every lane where they hold, zero where nodes follow other rules.
     fn find_rates(
         &mut self,
-        form: &mut dyn Form<L>,
+        form: &mut dyn LaneParameters<L>,
         nodes: &Nodes<f64>,
         (time, state): (L, &[L]),
         out: &mut [L],
@@ -123,10 +123,10 @@ impl<L: Lanes> Stages<L> {
     }
 }
 
-impl<L: Lanes> Group<L> {
-    fn new(layout: &Layout, form: Box<dyn Form<L>>) -> Self {
+impl<L: Lanes> LaneGroup<L> {
+    fn new(layout: &Layout, form: Box<dyn LaneParameters<L>>) -> Self {
         let list = |length: usize| vec![L::zero(); length];
-        Group {
+        LaneGroup {
             form,
             method: None,
             models: vec![None; L::WIDTH],
@@ -203,7 +203,7 @@ fn get<L: Lanes>(lane: usize, lanes: &[L], list: &mut [f64]) {
     }
 }
 
-impl<L: Lanes> Together<f64> for Group<L> {
+impl<L: Lanes> Together<f64> for LaneGroup<L> {
     fn attempt(&mut self, runs: &mut dyn Runs<f64>) {
         let Some(tried) = self.gather(runs) else {
             return;
@@ -255,7 +255,7 @@ impl Tried {
 }
 
 /// What is known at the end of steps that were tried.
-struct End<L> {
+struct TriedEnd<L> {
     energy: [L; 6],
     drift: L,
     /// One in a lane whose nodes were found along with the rates.
@@ -264,13 +264,13 @@ struct End<L> {
     faults: L,
 }
 
-impl<L: Lanes> End<L> {
+impl<L: Lanes> TriedEnd<L> {
     fn is_usable(&self, lane: usize) -> bool {
         self.holds.lane(lane) == 1.0 && self.faults.lane(lane) == 0.0
     }
 }
 
-impl<L: Lanes> Group<L> {
+impl<L: Lanes> LaneGroup<L> {
     /// Takes the starts of the next steps into the lanes; `None` where there are too few.
     fn gather(&mut self, runs: &mut dyn Runs<f64>) -> Option<Tried> {
         let mut tried = Tried {
@@ -303,9 +303,9 @@ impl<L: Lanes> Group<L> {
     }
 
     /// Makes the steps; guards, where they are looked at, are in `guards`.
-    fn make_step(&mut self, tried: &Tried, nodes: &Nodes<f64>) -> Option<End<L>> {
+    fn make_step(&mut self, tried: &Tried, nodes: &Nodes<f64>) -> Option<TriedEnd<L>> {
         let (time, step): (L, L) = (tried.lanes(0), tried.lanes(1));
-        let Group {
+        let LaneGroup {
             form,
             method,
             state,
@@ -316,7 +316,7 @@ impl<L: Lanes> Group<L> {
             ..
         } = self;
         let method = method.as_mut()?;
-        let mut end = End {
+        let mut end = TriedEnd {
             energy: [L::zero(); 6],
             drift: L::zero(),
             holds: L::one(),
@@ -359,9 +359,9 @@ impl<L: Lanes> Group<L> {
 /// The attempt of a lane.
 struct Tries<'a, L> {
     lane: usize,
-    group: &'a Group<L>,
+    group: &'a LaneGroup<L>,
     tried: &'a Tried,
-    end: &'a End<L>,
+    end: &'a TriedEnd<L>,
 }
 
 impl<L: Lanes> Attempt<f64> for Tries<'_, L> {

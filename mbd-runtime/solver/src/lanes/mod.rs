@@ -16,7 +16,7 @@ mod group;
 mod lockstep;
 mod networks;
 
-pub use form::{Beside, Equations, Form, Forms, InLanes};
+pub use form::{Beside, Equations, Forms, InLanes, LaneParameters};
 pub(crate) use group::{Lane, Runs, Together, together};
 pub use lockstep::LockStep;
 

@@ -5,9 +5,9 @@ use mbd_scene::{Layout, Quantity};
 use nalgebra::Vector3;
 
 use super::Lanes;
-use super::form::Form;
+use super::form::LaneParameters;
 use super::group::{Stages, set};
-use crate::node::{Evaluation, Nodes, Plan, Tolerance, WARM_STEPS, warm};
+use crate::node::{BalanceEvaluation, NetworkPlan, Nodes, Tolerance, WARM_STEPS, warm};
 use crate::simulation::Simulation;
 use crate::simulation::beside::Spent;
 
@@ -21,7 +21,7 @@ pub(super) struct Networks<L> {
     /// The step before per network [s]; zero where a line changed between slack and taut in it.
     steps: Vec<L>,
     /// Room for the balance of each network.
-    balances: Vec<Evaluation<L>>,
+    balances: Vec<BalanceEvaluation<L>>,
     /// Newton steps so far, the most of one solve, and solves that ended slack.
     spent: [L; 3],
 }
@@ -48,7 +48,7 @@ impl<L: Lanes> Networks<L> {
             previous: list(layout.lines.len()),
             steps: list(layout.networks.len()),
             balances: networks
-                .map(|network| Evaluation::new(network.nodes.len(), network.blocks.len()))
+                .map(|network| BalanceEvaluation::new(network.nodes.len(), network.blocks.len()))
                 .collect(),
             spent: [L::zero(); 3],
         }
@@ -93,7 +93,7 @@ impl<L: Lanes> Networks<L> {
     /// Places the nodes of a stage, `span` after the last accepted step; one in every lane where warm Newton found them.
     pub(super) fn solve(
         &mut self,
-        form: &mut dyn Form<L>,
+        form: &mut dyn LaneParameters<L>,
         plans: &Nodes<f64>,
         stages: &mut Stages<L>,
         (time, span, state): (L, L, &[L]),
@@ -111,7 +111,7 @@ impl<L: Lanes> Networks<L> {
     }
 
     /// The law of the lines, and where the search for the node begins.
-    fn lay_down(&self, plan: &Plan<f64>, stages: &mut Stages<L>, span: L) {
+    fn lay_down(&self, plan: &NetworkPlan<f64>, stages: &mut Stages<L>, span: L) {
         let step = get(&self.steps, plan.index);
         for line in &plan.lines {
             let (Some(numbers), Some(at)) = (self.lines.get(line.line), line.effective) else {
@@ -145,8 +145,8 @@ impl<L: Lanes> Networks<L> {
     /// Newton from there; one in every lane that came to an end.
     fn descend(
         &mut self,
-        form: &mut dyn Form<L>,
-        plan: &Plan<f64>,
+        form: &mut dyn LaneParameters<L>,
+        plan: &NetworkPlan<f64>,
         stages: &mut Stages<L>,
         (time, state): (L, &[L]),
     ) -> L {

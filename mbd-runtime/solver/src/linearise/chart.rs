@@ -13,7 +13,7 @@ use mbd_scene::{AngularVelocity, Plane, PointSlots, Quantity, Scene};
 use nalgebra::{DMatrix, DVector};
 
 use super::LinearisationError;
-use super::moment::Moment;
+use super::moment::SceneMoment;
 use crate::columns::{Name, state_names};
 
 /// Parts of what the joints leave of a candidate that must be new, one round after the other.
@@ -25,7 +25,7 @@ const REPEATS: f64 = 1e-9;
 
 /// What a minimal coordinate is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Source {
+pub(crate) enum MinimalCoordinate {
     /// A measured joint coordinate, by number.
     Joint(usize),
     /// A position, or the angle of a body in a plane, whose rate is this speed.
@@ -49,7 +49,7 @@ pub(crate) enum Source {
 /// A minimal coordinate with its names.
 #[derive(Clone, Debug)]
 pub(crate) struct Minimal {
-    pub source: Source,
+    pub source: MinimalCoordinate,
     /// Name and unit of the coordinate.
     pub coordinate: Name,
     /// Name and unit of its rate.
@@ -70,7 +70,7 @@ pub(crate) struct Chart {
 }
 
 /// Every coordinate that a scene has a name for.
-pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
+pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
     let (scene, layout) = (moment.scene(), moment.layout());
     let mut all = Vec::new();
     let mut number = 0;
@@ -78,7 +78,7 @@ pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
         for measured in joint.law.measured() {
             let unit = if measured.is_angle() { "rad" } else { "m" };
             all.push(Minimal {
-                source: Source::Joint(number),
+                source: MinimalCoordinate::Joint(number),
                 coordinate: Name::new(&joint.name, measured.name, unit),
                 rate: Name::new(&joint.name, measured.rate, &format!("{unit}/s")),
             });
@@ -89,7 +89,7 @@ pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
     let name = |index: usize| names.get(index).cloned();
     let mut place = |coordinate: usize, speed: usize| {
         if let (Some(own), Some(rate)) = (name(coordinate), name(layout.nq + speed)) {
-            let source = Source::Place { coordinate, speed };
+            let source = MinimalCoordinate::Place { coordinate, speed };
             all.push(Minimal {
                 source,
                 coordinate: own,
@@ -116,7 +116,7 @@ pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
                 let speed = slots.v + moves + axis;
                 if let Some(rate) = name(layout.nq + speed) {
                     all.push(Minimal {
-                        source: Source::Turn { body, axis, speed },
+                        source: MinimalCoordinate::Turn { body, axis, speed },
                         coordinate: Name::new(&scene.bodies[body].name, word, "rad"),
                         rate,
                     });
@@ -128,7 +128,7 @@ pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
 }
 
 /// The names of all coordinates, as a message lists them.
-pub(crate) fn known(moment: &Moment) -> String {
+pub(crate) fn known(moment: &SceneMoment) -> String {
     let all = candidates(moment);
     let names: Vec<&str> = all.iter().map(|one| one.coordinate.name.as_str()).collect();
     names.join(", ")
@@ -139,7 +139,10 @@ impl Chart {
     ///
     /// # Errors
     /// A name that there is not; one that depends on others; rows that lose rank here.
-    pub(crate) fn choose(moment: &mut Moment, wanted: &[&str]) -> Result<Self, LinearisationError> {
+    pub(crate) fn choose(
+        moment: &mut SceneMoment,
+        wanted: &[&str],
+    ) -> Result<Self, LinearisationError> {
         let mut all = candidates(moment);
         let mut first = Vec::new();
         for name in wanted {
@@ -153,8 +156,10 @@ impl Chart {
         let slopes = moment.by_state(Quantity::JointCoordinates, &[]);
         let nq = moment.layout().nq;
         let row = |one: &Minimal| match one.source {
-            Source::Joint(number) => slopes.view((3 * number + 1, nq), (1, nv)).into_owned(),
-            Source::Place { speed, .. } | Source::Turn { speed, .. } => {
+            MinimalCoordinate::Joint(number) => {
+                slopes.view((3 * number + 1, nq), (1, nv)).into_owned()
+            }
+            MinimalCoordinate::Place { speed, .. } | MinimalCoordinate::Turn { speed, .. } => {
                 DMatrix::from_fn(1, nv, |_, k| f64::from(u8::from(k == speed)))
             }
         };
@@ -185,7 +190,7 @@ impl Chart {
             let mut left = Vec::new();
             for (place, one) in all {
                 let own = row(&one);
-                let asked = matches!(one.source, Source::Joint(_)) == joints;
+                let asked = matches!(one.source, MinimalCoordinate::Joint(_)) == joints;
                 if asked && own.iter().all(|x| x.is_finite()) && basis.take(&own, new) {
                     chosen.push((place, one, own));
                 } else {
@@ -218,7 +223,7 @@ impl Chart {
     ///
     /// # Errors
     /// Rows or coordinates that lose rank there.
-    pub(crate) fn refresh(&mut self, moment: &mut Moment) -> Result<(), LinearisationError> {
+    pub(crate) fn refresh(&mut self, moment: &mut SceneMoment) -> Result<(), LinearisationError> {
         let (nq, nv) = (moment.layout().nq, moment.layout().nv);
         let joints = moment.evaluate(Quantity::ConstraintJacobian, &[]);
         for (line, &row) in self.kept.iter().enumerate() {
@@ -231,7 +236,7 @@ impl Chart {
         }
         let slopes = moment.by_state(Quantity::JointCoordinates, &[]);
         for (line, one) in self.minimal.iter().enumerate() {
-            if let Source::Joint(number) = one.source {
+            if let MinimalCoordinate::Joint(number) = one.source {
                 let own = slopes.view((3 * number + 1, nq), (1, nv));
                 self.rows.row_mut(self.kept.len() + line).copy_from(&own);
             }
@@ -254,7 +259,7 @@ impl Chart {
     }
 
     /// What a unit of each coordinate, then of each rate, then of every number behind the speeds is in the state: n_x × n_s, by (1) and (2).
-    pub(crate) fn tangent(&self, moment: &mut Moment, turns: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(crate) fn tangent(&self, moment: &mut SceneMoment, turns: &DMatrix<f64>) -> DMatrix<f64> {
         let (nq, nv, nx) = {
             let layout = moment.layout();
             (layout.nq, layout.nv, layout.nx())
@@ -273,7 +278,7 @@ impl Chart {
         }
         for (line, one) in self.minimal.iter().enumerate() {
             right[(held + line, n + line)] = 1.0;
-            if let Source::Joint(number) = one.source {
+            if let MinimalCoordinate::Joint(number) = one.source {
                 let change = of_rates.view((3 * number + 1, 0), (1, nq)) * &moved;
                 right.view_mut((held + line, 0), (1, n)).copy_from(&-change);
             }
@@ -289,7 +294,7 @@ impl Chart {
     /// δπ: K δπ = [−∂Φ/∂s; 0], and (2) with −∂Φ̇/∂s beside −∂Φ̇/∂q δq. `by` are the derivatives of Φ and Φ̇ by these numbers.
     pub(crate) fn followed(
         &self,
-        moment: &mut Moment,
+        moment: &mut SceneMoment,
         turns: &DMatrix<f64>,
         by: [&DMatrix<f64>; 2],
     ) -> [DMatrix<f64>; 2] {
@@ -313,7 +318,7 @@ impl Chart {
             right.row_mut(line).copy_from(&-change);
         }
         for (line, one) in self.minimal.iter().enumerate() {
-            if let Source::Joint(number) = one.source {
+            if let MinimalCoordinate::Joint(number) = one.source {
                 let change = of_rates.view((3 * number + 1, 0), (1, nq)) * &moved;
                 right.row_mut(self.kept.len() + line).copy_from(&-change);
             }
@@ -326,31 +331,35 @@ impl Chart {
     }
 
     /// The values of the coordinates, of a turn zero, and their rates.
-    pub(crate) fn values(&self, moment: &mut Moment) -> [DVector<f64>; 2] {
+    pub(crate) fn values(&self, moment: &mut SceneMoment) -> [DVector<f64>; 2] {
         let measured = moment.evaluate(Quantity::JointCoordinates, &[]);
         let speeds = &moment.state[moment.layout().nq..];
-        let each = |of: &dyn Fn(Source) -> f64| {
+        let each = |of: &dyn Fn(MinimalCoordinate) -> f64| {
             DVector::from_iterator(self.len(), self.minimal.iter().map(|one| of(one.source)))
         };
         [
             each(&|source| match source {
-                Source::Joint(number) => measured[3 * number],
-                Source::Place { coordinate, .. } => moment.state[coordinate],
-                Source::Turn { .. } => 0.0,
+                MinimalCoordinate::Joint(number) => measured[3 * number],
+                MinimalCoordinate::Place { coordinate, .. } => moment.state[coordinate],
+                MinimalCoordinate::Turn { .. } => 0.0,
             }),
             each(&|source| match source {
-                Source::Joint(number) => measured[3 * number + 1],
-                Source::Place { speed, .. } | Source::Turn { speed, .. } => speeds[speed],
+                MinimalCoordinate::Joint(number) => measured[3 * number + 1],
+                MinimalCoordinate::Place { speed, .. } | MinimalCoordinate::Turn { speed, .. } => {
+                    speeds[speed]
+                }
             }),
         ]
     }
 
     /// The accelerations of the coordinates for given v̇.
-    pub(crate) fn accelerations(&self, moment: &mut Moment, speeds: &[f64]) -> DVector<f64> {
+    pub(crate) fn accelerations(&self, moment: &mut SceneMoment, speeds: &[f64]) -> DVector<f64> {
         let measured = moment.evaluate(Quantity::JointCoordinates, speeds);
         let each = self.minimal.iter().map(|one| match one.source {
-            Source::Joint(number) => measured[3 * number + 2],
-            Source::Place { speed, .. } | Source::Turn { speed, .. } => speeds[speed],
+            MinimalCoordinate::Joint(number) => measured[3 * number + 2],
+            MinimalCoordinate::Place { speed, .. } | MinimalCoordinate::Turn { speed, .. } => {
+                speeds[speed]
+            }
         });
         DVector::from_iterator(self.len(), each)
     }
@@ -358,12 +367,12 @@ impl Chart {
     /// How a small turn changes by the turning of the body itself: ∓ω × δθ, for small moves δπ.
     pub(crate) fn swept(
         &self,
-        moment: &Moment,
+        moment: &SceneMoment,
         one: &Minimal,
         moves: &DMatrix<f64>,
     ) -> DMatrix<f64> {
         let mut swept = DMatrix::zeros(1, moves.ncols());
-        let Source::Turn { body, axis, .. } = one.source else {
+        let MinimalCoordinate::Turn { body, axis, .. } = one.source else {
             return swept;
         };
         let layout = moment.layout();
@@ -396,7 +405,7 @@ struct Basis {
 }
 
 impl Basis {
-    fn new(moment: &mut Moment) -> Self {
+    fn new(moment: &mut SceneMoment) -> Self {
         let nv = moment.layout().nv;
         let mass = moment.evaluate(Quantity::MassMatrix, &[]);
         let mass = DMatrix::from_row_slice(nv, nv, &mass);

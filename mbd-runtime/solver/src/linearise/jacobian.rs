@@ -12,22 +12,22 @@ use mbd_scene::{At, Differentiated, Float, Formula, Model, Quantity, Scene, Vari
 
 use super::LinearisationError;
 use super::matrix::Matrix;
-use super::networks::Elimination;
+use super::networks::NetworkElimination;
 use super::rows::{Evaluator, ThroughRows, Witness};
-use crate::slopes::By;
+use crate::slopes::DerivativeBy;
 
 /// Derivatives by one variable at fixed nodes, and of the node unknowns.
 #[derive(Debug)]
-struct Total<T> {
-    by: By,
+struct PartialDerivatives<T> {
+    by: DerivativeBy,
     derivative: Matrix<T>,
     balance: Matrix<T>,
     powers: Matrix<T>,
     node: Matrix<T>,
 }
 
-impl<T: Float> Total<T> {
-    fn new(model: &dyn Model<T>, by: By, works: bool) -> Self {
+impl<T: Float> PartialDerivatives<T> {
+    fn new(model: &dyn Model<T>, by: DerivativeBy, works: bool) -> Self {
         let layout = model.layout();
         let columns = by.count(layout);
         let rows = if works {
@@ -35,7 +35,7 @@ impl<T: Float> Total<T> {
         } else {
             0
         };
-        Total {
+        PartialDerivatives {
             by,
             derivative: Matrix::new(layout.nx(), columns),
             balance: Matrix::new(layout.len(Quantity::Balance), columns),
@@ -48,12 +48,12 @@ impl<T: Float> Total<T> {
 /// The room of one run.
 #[derive(Debug)]
 pub(crate) struct Jacobian<T: Float> {
-    state: Total<T>,
+    state: PartialDerivatives<T>,
     /// `None` where the scene says nothing of time.
-    time: Option<Total<T>>,
-    node: Total<T>,
+    time: Option<PartialDerivatives<T>>,
+    node: PartialDerivatives<T>,
     rows: ThroughRows<T>,
-    networks: Vec<Elimination<T>>,
+    networks: Vec<NetworkElimination<T>>,
     /// Whether the model has partial derivatives of its own.
     own: bool,
     laws: Option<Box<Witness>>,
@@ -62,16 +62,16 @@ pub(crate) struct Jacobian<T: Float> {
 impl<T: Float> Jacobian<T> {
     /// Room for a model, with the powers behind its state or without.
     pub(crate) fn new(model: &dyn Model<T>, works: bool) -> Self {
-        let total = |by: By| Total::new(model, by, works);
+        let total = |by: DerivativeBy| PartialDerivatives::new(model, by, works);
         let timed = says_time(model.scene());
         let own = differentiates(model);
         Jacobian {
             state: total(Variable::State.into()),
-            time: timed.then(|| total(By::Time)),
+            time: timed.then(|| total(DerivativeBy::Time)),
             node: total(Variable::Node.into()),
             rows: ThroughRows::new(model.layout()),
             networks: (0..model.layout().networks.len())
-                .filter_map(|network| Elimination::new(model, network))
+                .filter_map(|network| NetworkElimination::new(model, network))
                 .collect(),
             laws: (timed || works || !own || !model.layout().networks.is_empty())
                 .then(|| Box::new(Witness::new(model))),
@@ -118,7 +118,7 @@ impl<T: Float> Jacobian<T> {
                     continue;
                 }
                 match (of, total.by) {
-                    (Some(of), By::Variable(by)) if self.own => {
+                    (Some(of), DerivativeBy::Variable(by)) if self.own => {
                         out.values.fill(T::zero());
                         model.evaluate(Quantity::Partial(of, by), at, work, &mut out.values);
                     }
@@ -163,7 +163,7 @@ impl<T: Float> Jacobian<T> {
 }
 
 /// Writes [∂ẋ; ∂powers], of which energies come first, into rows that are as long as the state with its integrals.
-fn write<T: Float>(total: &Total<T>, out: &mut [T]) {
+fn write<T: Float>(total: &PartialDerivatives<T>, out: &mut [T]) {
     let columns = total.derivative.columns().max(1);
     let (states, powers) = (total.derivative.rows(), total.powers.rows() / 2);
     let width = out.len() / (states + powers).max(1);

@@ -27,7 +27,7 @@ use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Wo
 
 pub(crate) use jacobian::Jacobian;
 pub use matrix::Matrix;
-use networks::Elimination;
+use networks::NetworkElimination;
 use rows::{Evaluator, ThroughRows};
 pub(crate) use space::motors_follow;
 pub use space::{StateSpace, Vibration};
@@ -71,9 +71,9 @@ use crate::slopes::{Effective, Slopes};
 #[derive(Clone, Debug)]
 pub struct Linearisation<T: Float> {
     layout: Layout,
-    states: Total<T>,
-    parameters: Total<T>,
-    inputs: Total<T>,
+    states: TotalDerivative<T>,
+    parameters: TotalDerivative<T>,
+    inputs: TotalDerivative<T>,
     rows: ThroughRows<T>,
     /// F_y, G_y, O_y.
     by_node: Partials<T>,
@@ -81,7 +81,7 @@ pub struct Linearisation<T: Float> {
 
 /// Derivatives by one variable, through the nodes.
 #[derive(Clone, Debug)]
-struct Total<T> {
+struct TotalDerivative<T> {
     /// F, G, O by the variable at fixed nodes; F and O become total derivatives.
     partials: Partials<T>,
     /// ∂y by the variable.
@@ -135,9 +135,9 @@ impl<T: Float> Partials<T> {
     }
 }
 
-impl<T: Float> Total<T> {
+impl<T: Float> TotalDerivative<T> {
     fn new(layout: &Layout, by: Variable) -> Self {
-        Total {
+        TotalDerivative {
             partials: Partials::new(layout, by),
             node: Matrix::new(3 * layout.nodes.len(), layout.variables(by)),
         }
@@ -249,9 +249,9 @@ impl<T: Float> Linearisation<T> {
     #[must_use]
     pub fn new(layout: &Layout) -> Self {
         Linearisation {
-            states: Total::new(layout, Variable::State),
-            parameters: Total::new(layout, Variable::Parameter),
-            inputs: Total::new(layout, Variable::Input),
+            states: TotalDerivative::new(layout, Variable::State),
+            parameters: TotalDerivative::new(layout, Variable::Parameter),
+            inputs: TotalDerivative::new(layout, Variable::Input),
             rows: ThroughRows::new(layout),
             by_node: Partials::new(layout, Variable::Node),
             layout: layout.clone(),
@@ -294,7 +294,7 @@ impl<T: Float> Linearisation<T> {
             self.through_rows(model, at, work)?;
         }
         for network in 0..self.layout.networks.len() {
-            let Some(mut elimination) = Elimination::new(model, network) else {
+            let Some(mut elimination) = NetworkElimination::new(model, network) else {
                 continue;
             };
             elimination.read(model, &self.by_node.balance);

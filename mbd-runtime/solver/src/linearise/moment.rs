@@ -14,7 +14,7 @@ use crate::slopes::{Effective, Slopes};
 use crate::system::System;
 
 /// A scene at one moment.
-pub(crate) struct Moment {
+pub(crate) struct SceneMoment {
     pub model: Arc<Generic<f64>>,
     pub time: f64,
     pub state: Vec<f64>,
@@ -24,7 +24,7 @@ pub(crate) struct Moment {
     slopes: Slopes,
 }
 
-impl Moment {
+impl SceneMoment {
     /// The scene of a model at a time and a state, for these inputs. Its nodes are not placed yet.
     pub(crate) fn new<T: Float>(
         model: &dyn Model<T>,
@@ -54,7 +54,7 @@ impl Moment {
         });
         let mut system = System::new(generic.clone(), Vec::new(), false);
         system.hold(inputs);
-        Ok(Moment {
+        Ok(SceneMoment {
             slopes: Slopes::new(scene, layout, &generic.params),
             work: generic.scratch(),
             system,

@@ -12,11 +12,11 @@ use nalgebra::{Cholesky, DMatrix, DMatrixViewMut, Dyn, Matrix3, Vector3};
 
 use super::matrix::Matrix;
 use crate::node::{RateNode, inverse, own_anchors, projection, spanned, triple};
-use crate::slopes::{By, Effective, Slopes};
+use crate::slopes::{DerivativeBy, Effective, Slopes};
 
 /// The balance of one network, with room to solve it again and again.
 #[derive(Debug)]
-pub(super) struct Elimination<T: Float> {
+pub(super) struct NetworkElimination<T: Float> {
     /// The network, by number.
     index: usize,
     factor: Factor<T>,
@@ -26,7 +26,7 @@ pub(super) struct Elimination<T: Float> {
     ends: Matrix<T>,
     right: DMatrix<f64>,
     change: DMatrix<f64>,
-    free: FreeMotion<T>,
+    free: UnspannedMotion<T>,
 }
 
 /// −G_y of a network.
@@ -38,14 +38,14 @@ enum Factor<T: Float> {
     Damping([(T, Vector3<T>); 3], usize),
 }
 
-impl<T: Float> Elimination<T> {
+impl<T: Float> NetworkElimination<T> {
     /// Room for a network of a model.
     pub fn new(model: &dyn Model<T>, index: usize) -> Option<Self> {
         let layout = model.layout();
         let network = layout.networks.get(index)?;
         let own = network.nodes.iter();
         let own = own.map(|&node| own_anchors(layout, &network.anchors, node));
-        let free = FreeMotion {
+        let free = UnspannedMotion {
             rate: RateNode::new(network.lines.len()),
             legs: Vec::with_capacity(network.lines.len()),
             z: usize::MAX,
@@ -54,7 +54,7 @@ impl<T: Float> Elimination<T> {
             true => Factor::Damping([(T::zero(), Vector3::zeros()); 3], 3),
             false => Factor::Stiffness(None, 0.0, false),
         };
-        Some(Elimination {
+        Some(NetworkElimination {
             index,
             factor,
             own: own.collect(),
@@ -100,7 +100,7 @@ impl<T: Float> Elimination<T> {
         &mut self,
         (model, slopes): (&dyn Model<T>, &mut Slopes),
         at: &At<'_, T>,
-        by: impl Into<By>,
+        by: impl Into<DerivativeBy>,
         balance: &Matrix<T>,
         out: &mut Matrix<T>,
     ) {
@@ -152,7 +152,7 @@ impl<T: Float> Elimination<T> {
                 for column in 0..columns {
                     let mut found = inverse(spanned, &Vector3::from_fn(|k, _| given(k, column)));
                     if free {
-                        let own = (by == By::Variable(Variable::State)).then_some(column);
+                        let own = (by == DerivativeBy::Variable(Variable::State)).then_some(column);
                         let motion = self.free.motion(&self.ends, column, own);
                         found += projection(missing, &motion);
                     }
@@ -203,7 +203,7 @@ fn add_means<T: Float>(
 fn differentiate_ends<T: Float>(
     (model, slopes): (&dyn Model<T>, &mut Slopes),
     at: &At<'_, T>,
-    by: By,
+    by: DerivativeBy,
     ends: &mut Matrix<T>,
     columns: usize,
 ) {
@@ -225,7 +225,7 @@ fn column_of<T: Float>(matrix: &Matrix<T>, row: usize, column: usize) -> Vector3
 
 /// How a rate node moves in the directions its lines do not span.
 #[derive(Debug)]
-struct FreeMotion<T: Float> {
+struct UnspannedMotion<T: Float> {
     rate: RateNode<T>,
     legs: Vec<FreeLeg<T>>,
     /// Column of the node's position, for derivatives by the state.
@@ -241,7 +241,7 @@ struct FreeLeg<T: Float> {
     turning: T,
 }
 
-impl<T: Float> FreeMotion<T> {
+impl<T: Float> UnspannedMotion<T> {
     /// Reads the lines of a node; false where they are not those of a single node.
     fn read(
         &mut self,

@@ -12,7 +12,7 @@ use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Wo
 use super::LinearisationError;
 use super::matrix::Matrix;
 use crate::laws::Laws;
-use crate::slopes::{By, Effective, Slopes};
+use crate::slopes::{DerivativeBy, Effective, Slopes};
 
 /// Part that other rows leave to a row below which rows depend on each other.
 const DEPENDENT: f64 = 1e-9;
@@ -61,12 +61,12 @@ impl Witness {
     pub(crate) fn differentiate<T: Float>(
         &mut self,
         model: &dyn Model<T>,
-        (of, by): (Quantity, By),
+        (of, by): (Quantity, DerivativeBy),
         at: &At<'_, T>,
         out: &mut [T],
     ) {
         let effective = match by {
-            By::Variable(Variable::Parameter) => Effective::Follows,
+            DerivativeBy::Variable(Variable::Parameter) => Effective::Follows,
             _ => Effective::Fixed,
         };
         let scene = (model.scene(), model.layout());
@@ -136,13 +136,15 @@ impl<'a, T: Float> Evaluator<'a, T> {
     }
 
     /// ∂r.
-    fn differentiate(&mut self, by: By, at: &At<'_, T>, out: &mut [T]) {
+    fn differentiate(&mut self, by: DerivativeBy, at: &At<'_, T>, out: &mut [T]) {
         let model = self.model;
         // A model's own derivatives hold K_e and L_e, and none is by time.
         let own = match by {
-            By::Time => None,
-            By::Variable(Variable::Parameter) if model.layout().effective_lines > 0 => None,
-            By::Variable(variable) => Some(variable),
+            DerivativeBy::Time => None,
+            DerivativeBy::Variable(Variable::Parameter) if model.layout().effective_lines > 0 => {
+                None
+            }
+            DerivativeBy::Variable(variable) => Some(variable),
         };
         if let (Some(work), Some(by)) = (&mut self.work, own) {
             out.fill(T::zero());
@@ -233,7 +235,7 @@ impl<T: Float> ThroughRows<T> {
         &mut self,
         layout: &Layout,
         evaluator: &mut Evaluator<'_, T>,
-        (by, at): (By, &At<'_, T>),
+        (by, at): (DerivativeBy, &At<'_, T>),
         out: &mut Matrix<T>,
     ) {
         let columns = by.count(layout);

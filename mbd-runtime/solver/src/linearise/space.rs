@@ -13,8 +13,8 @@ use mbd_scene::{Float, Formula, Joint, Model, Quantity, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearisationError;
-use super::chart::{Chart, Source, input_names};
-use super::moment::{Moment, dense};
+use super::chart::{Chart, MinimalCoordinate, input_names};
+use super::moment::{SceneMoment, dense};
 use crate::columns::{Name, state_names};
 
 /// A, B, C, D of a scene at a state in minimal coordinates, with names.
@@ -118,13 +118,16 @@ impl StateSpace {
         at: (f64, &[f64], &[f64]),
         (nodes, coordinates): (Option<&[f64]>, &[&str]),
     ) -> Result<Self, LinearisationError> {
-        let mut moment = Moment::new(model, at)?;
+        let mut moment = SceneMoment::new(model, at)?;
         moment.settle(nodes)?;
         let chart = Chart::choose(&mut moment, coordinates)?;
         Self::in_chart(&mut moment, &chart)
     }
 
-    pub(crate) fn in_chart(moment: &mut Moment, chart: &Chart) -> Result<Self, LinearisationError> {
+    pub(crate) fn in_chart(
+        moment: &mut SceneMoment,
+        chart: &Chart,
+    ) -> Result<Self, LinearisationError> {
         let linear = moment.linearise()?;
         let (nq, nv, nx) = {
             let layout = moment.layout();
@@ -172,7 +175,7 @@ impl StateSpace {
                 b.row_mut(line).copy_from(&swept);
             }
             match one.source {
-                Source::Joint(number) => {
+                MinimalCoordinate::Joint(number) => {
                     let along = chart.rows.row(chart.kept.len() + line);
                     let here = measured.row(3 * number + 2) * &tangent;
                     let through = along * rates.view((nq, 0), (nv, ns));
@@ -184,7 +187,7 @@ impl StateSpace {
                         own += measured.row(3 * number + 2) * state;
                     }
                 }
-                Source::Place { speed, .. } | Source::Turn { speed, .. } => {
+                MinimalCoordinate::Place { speed, .. } | MinimalCoordinate::Turn { speed, .. } => {
                     a.row_mut(n + line).copy_from(&rates.row(nq + speed));
                     b.row_mut(n + line).copy_from(&by_input.row(nq + speed));
                 }

@@ -21,7 +21,7 @@ pub trait Balance<T: Float> {
     /// The load W on the nodes, 3 a node [N].
     fn load(&self) -> &[T];
     /// Evaluates at `p` with stiffness `k` [N/m] and free length `l` [m] per line.
-    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>);
+    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut BalanceEvaluation<T>);
     /// The two places between which a line is stretched [m].
     fn places(&self, line: usize, p: &[T]) -> [Vector3<T>; 2];
 
@@ -69,7 +69,7 @@ impl<T: Float> Balance<T> for Tied<'_, T> {
         self.load
     }
 
-    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>) {
+    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut BalanceEvaluation<T>) {
         let loads = self.load.chunks_exact(3).map(|load| triple(load, 0));
         let lines = self.lines.iter().zip(k.iter().zip(l)).enumerate();
         let lines = lines.map(|(index, (ends, (&k, &l)))| {
@@ -103,16 +103,16 @@ pub(crate) fn triple<T: Real>(list: &[T], at: usize) -> Vector3<T> {
 
 /// A balance evaluated: one flat list in the order of `Quantity::Equilibrium`, so that a model writes it in one call.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Evaluation<T> {
+pub struct BalanceEvaluation<T> {
     nodes: usize,
     values: Vec<T>,
 }
 
-impl<T: Real> Evaluation<T> {
+impl<T: Real> BalanceEvaluation<T> {
     /// Room for `nodes` nodes and `blocks` blocks of H.
     #[must_use]
     pub fn new(nodes: usize, blocks: usize) -> Self {
-        Evaluation {
+        BalanceEvaluation {
             nodes,
             values: vec![T::zero(); 3 * nodes + 6 * blocks + 3],
         }

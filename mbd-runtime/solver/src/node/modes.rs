@@ -6,7 +6,7 @@ use super::balance::triple;
 use super::error::NodeError;
 use super::memory::NodeMemory;
 use super::rate::Leg;
-use super::scene::{Plan, is_detached};
+use super::scene::{NetworkPlan, is_detached};
 use super::stage::{Nodes, Stage};
 use crate::unilateral::{Mode, has_mode};
 
@@ -90,7 +90,7 @@ impl<T: Float> Nodes<T> {
     pub(crate) fn solve_rate(
         &mut self,
         stage: Stage<'_, T>,
-        plan: &mut Plan<T>,
+        plan: &mut NetworkPlan<T>,
         memory: &NodeMemory<T>,
     ) -> Result<(), NodeError> {
         self.place_rate(stage, plan, memory);
@@ -105,7 +105,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Places a rate node where the state has it, with the modes and the rank that the memory carries.
-    fn place_rate(&self, stage: Stage<'_, T>, plan: &mut Plan<T>, memory: &NodeMemory<T>) {
+    fn place_rate(&self, stage: Stage<'_, T>, plan: &mut NetworkPlan<T>, memory: &NodeMemory<T>) {
         for (index, (_, line)) in plan.legs.iter().enumerate() {
             let mode = memory.modes.get(line.line).copied().unwrap_or_default();
             let taut = matches!(mode, Mode::Active | Mode::Idle);
@@ -122,7 +122,7 @@ impl<T: Float> Nodes<T> {
     /// Writes velocity, modes and holds of a rate node.
     pub(crate) fn finish_rate(
         &mut self,
-        plan: &mut Plan<T>,
+        plan: &mut NetworkPlan<T>,
         decided: bool,
     ) -> Result<(), NodeError> {
         let Some(&node) = plan.nodes.first() else {

@@ -37,7 +37,7 @@ use mbd_scene::laws::{LineNumbers, line as law};
 use mbd_scene::{Float, elements, symmetric};
 use nalgebra::{Matrix3, Vector3};
 
-use super::balance::{Balance, Evaluation, triple};
+use super::balance::{Balance, BalanceEvaluation, triple};
 use super::eigen::eigen;
 use super::solver::{Outcome, Solver, Tolerance};
 
@@ -80,7 +80,7 @@ pub struct Leg<T: Float> {
 
 /// How the last solve ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Spread {
+pub enum RateOutcome {
     /// D has full rank: the velocity is unique.
     #[default]
     Full,
@@ -99,7 +99,7 @@ pub struct RateNode<T: Float> {
     mean: Vector3<T>,
     /// w − v̄.
     slip: Vector3<T>,
-    spread: Spread,
+    spread: RateOutcome,
     /// Directions the active lines span.
     rank: usize,
     /// The rank of an algebraic set is held while the set stays as it was carried in.
@@ -149,7 +149,7 @@ impl<T: Float> RateNode<T> {
             load: Vector3::zeros(),
             mean: Vector3::zeros(),
             slip: Vector3::zeros(),
-            spread: Spread::Full,
+            spread: RateOutcome::Full,
             rank: 3,
             held: 3,
             solver: Solver::new(1, 0, &[(0, 0)]),
@@ -195,7 +195,7 @@ impl<T: Float> RateNode<T> {
     /// The rank to hold from here on: that of an algebraic set, 3 otherwise.
     #[must_use]
     pub fn rank(&self) -> usize {
-        if self.spread == Spread::Algebraic {
+        if self.spread == RateOutcome::Algebraic {
             self.rank
         } else {
             3
@@ -233,7 +233,7 @@ impl<T: Float> RateNode<T> {
 
     /// The rank of the last solve.
     #[must_use]
-    pub fn spread(&self) -> Spread {
+    pub fn spread(&self) -> RateOutcome {
         self.spread
     }
 
@@ -248,7 +248,7 @@ impl<T: Float> RateNode<T> {
         if held && self.solve_spanned(&eigen(&d), &right, self.held) {
             return;
         }
-        (self.spread, self.rank) = (Spread::Full, 3);
+        (self.spread, self.rank) = (RateOutcome::Full, 3);
         let slip = balance.solve();
         if slip.margin > T::zero() && slip.velocity.iter().all(|x| x.is_finite()) {
             self.move_with(slip.velocity);
@@ -276,12 +276,12 @@ impl<T: Float> RateNode<T> {
             return false;
         }
         self.rank = rank;
-        self.spread = Spread::Idle;
+        self.spread = RateOutcome::Idle;
         let (weight, weighted) = self.carrying();
         if weight <= T::zero() {
             return false;
         }
-        self.spread = Spread::Algebraic;
+        self.spread = RateOutcome::Algebraic;
         let free = projection(&directions[rank..], &weighted);
         self.move_with(self.slip + free.map(|x| x / weight));
         true
@@ -329,8 +329,8 @@ impl<T: Float> RateNode<T> {
         let pulls = self.carrying().0 > T::zero();
         self.rank = rank;
         self.spread = match pulls {
-            true => Spread::Algebraic,
-            false => Spread::Idle,
+            true => RateOutcome::Algebraic,
+            false => RateOutcome::Idle,
         };
         found
     }
@@ -432,7 +432,7 @@ impl<T: Float> RateNode<T> {
     /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere.
     #[must_use]
     pub fn projected(&self) -> Option<Vector3<T>> {
-        if self.spread != Spread::Algebraic {
+        if self.spread != RateOutcome::Algebraic {
             return None;
         }
         let rounding = self.rounding();
@@ -480,7 +480,7 @@ impl<T: Float> RateNode<T> {
     /// Whether a load acts that the lines cannot balance: directions are missing and W does not vanish.
     #[must_use]
     pub fn unbalanced(&self) -> bool {
-        self.spread != Spread::Full && self.load != Vector3::zeros()
+        self.spread != RateOutcome::Full && self.load != Vector3::zeros()
     }
 }
 
@@ -500,7 +500,7 @@ impl<T: Float> Balance<T> for Dashed<'_, T> {
         self.force
     }
 
-    fn evaluate(&mut self, p: &[T], _k: &[T], _l: &[T], out: &mut Evaluation<T>) {
+    fn evaluate(&mut self, p: &[T], _k: &[T], _l: &[T], out: &mut BalanceEvaluation<T>) {
         let slip = triple(p, 0);
         let mut gradient = self.beside * slip - triple(self.force, 0);
         let mut stiffness = self.beside;
@@ -528,10 +528,10 @@ impl<T: Float> Balance<T> for Dashed<'_, T> {
 }
 
 /// Eigenvalue and unit vector.
-type Direction<T> = (T, Vector3<T>);
+type EigenPair<T> = (T, Vector3<T>);
 
 /// The directions of D, and how many of them its lines span.
-pub(crate) fn spanned<T: Float>(d: &Matrix3<T>) -> ([Direction<T>; 3], usize) {
+pub(crate) fn spanned<T: Float>(d: &Matrix3<T>) -> ([EigenPair<T>; 3], usize) {
     let directions = eigen(d);
     let limit = (directions[0].0 * T::from_f64(RANK)).max(T::zero());
     let spanned = directions.iter().filter(|(value, _)| *value > limit);
@@ -539,8 +539,8 @@ pub(crate) fn spanned<T: Float>(d: &Matrix3<T>) -> ([Direction<T>; 3], usize) {
 }
 
 /// D⁺ b in these directions.
-pub(crate) fn inverse<T: Float>(directions: &[Direction<T>], right: &Vector3<T>) -> Vector3<T> {
-    let part = |(value, vector): &Direction<T>| {
+pub(crate) fn inverse<T: Float>(directions: &[EigenPair<T>], right: &Vector3<T>) -> Vector3<T> {
+    let part = |(value, vector): &EigenPair<T>| {
         let along = vector.dot(right) / *value;
         vector.map(|x| along * x)
     };
@@ -551,8 +551,8 @@ pub(crate) fn inverse<T: Float>(directions: &[Direction<T>], right: &Vector3<T>)
 }
 
 /// The part of a vector in these directions.
-pub(crate) fn projection<T: Float>(directions: &[Direction<T>], vector: &Vector3<T>) -> Vector3<T> {
-    let part = |(_, direction): &Direction<T>| {
+pub(crate) fn projection<T: Float>(directions: &[EigenPair<T>], vector: &Vector3<T>) -> Vector3<T> {
+    let part = |(_, direction): &EigenPair<T>| {
         let along = direction.dot(vector);
         direction.map(|x| along * x)
     };

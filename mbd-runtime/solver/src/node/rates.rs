@@ -8,7 +8,7 @@ use mbd_scene::{Float, Quantity, Real, Work};
 use super::error::NodeError;
 use super::memory::NodeMemory;
 use super::rate::ROUNDING;
-use super::scene::Plan;
+use super::scene::NetworkPlan;
 use super::stage::{Nodes, Stage};
 use crate::unilateral::Mode;
 
@@ -168,7 +168,7 @@ impl<T: Float> Nodes<T> {
 /// Where nodes and lines are in [`Quantity::Rates`].
 #[derive(Clone, Debug)]
 pub(crate) struct RatesLayout<'a, T: Float> {
-    plans: &'a [Plan<T>],
+    plans: &'a [NetworkPlan<T>],
     /// The margin of every node, each with the largest term of a pull behind it; stretch and pull of their lines follow.
     margins: Range<usize>,
     /// Whether the modes of lines are kept, whatever stretch and pull say.

@@ -4,7 +4,7 @@ use mbd_scene::laws::LineNumbers;
 use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
 use nalgebra::Vector3;
 
-use super::balance::{Balance, Evaluation, triple};
+use super::balance::{Balance, BalanceEvaluation, triple};
 use super::error::Uneven;
 use super::rate::RateNode;
 use super::solver::Solver;
@@ -52,7 +52,7 @@ impl PlanLine {
 
 /// One network with everything its solve needs; made once from the layout.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan<T: Float> {
+pub(crate) struct NetworkPlan<T: Float> {
     pub index: usize,
     pub model: NodeModel,
     /// Indices into `Layout::nodes`.
@@ -74,11 +74,11 @@ pub(crate) struct Plan<T: Float> {
     pub load: Vec<T>,
 }
 
-impl<T: Float> Plan<T> {
+impl<T: Float> NetworkPlan<T> {
     /// The plans of all networks.
     pub fn of(layout: &Layout) -> Vec<Self> {
         (0..layout.networks.len())
-            .filter_map(|index| Plan::new(layout, index))
+            .filter_map(|index| NetworkPlan::new(layout, index))
             .collect()
     }
 
@@ -103,7 +103,7 @@ impl<T: Float> Plan<T> {
         let zeros = |n: usize| vec![T::zero(); n];
         let first = layout.nodes.get(*network.nodes.first()?)?;
         let own = |&node: &usize| own_anchors(layout, &network.anchors, node);
-        Some(Plan {
+        Some(NetworkPlan {
             index,
             model: network.model,
             nodes: network.nodes.clone(),
@@ -244,7 +244,7 @@ impl<T: Float> Balance<T> for SceneBalance<'_, T> {
         self.load
     }
 
-    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>) {
+    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut BalanceEvaluation<T>) {
         self.scatter(p, k, l);
         let at = At {
             time: self.stage.time,

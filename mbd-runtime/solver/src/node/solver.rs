@@ -16,7 +16,7 @@
 use mbd_scene::Float;
 use mbd_scene::laws::line;
 
-use super::balance::{Balance, Evaluation, inner, norm};
+use super::balance::{Balance, BalanceEvaluation, inner, norm};
 use super::error::{NodeError, UNEVEN, Uneven};
 use super::factor::BlockCholesky;
 use super::scene::ENDLESS;
@@ -144,8 +144,8 @@ pub struct Solver<T> {
 #[derive(Clone, Debug)]
 struct Descent<T> {
     factor: BlockCholesky<T, 3>,
-    here: Evaluation<T>,
-    there: Evaluation<T>,
+    here: BalanceEvaluation<T>,
+    there: BalanceEvaluation<T>,
     p: Vec<T>,
     best: Vec<T>,
     delta: Vec<T>,
@@ -155,7 +155,7 @@ struct Descent<T> {
 }
 
 /// How one descent ended.
-enum Verdict<T> {
+enum DescentEnd<T> {
     Balanced(T),
     Slack,
     Stopped,
@@ -189,8 +189,8 @@ impl<T: Float> Solver<T> {
         Solver {
             descent: Descent {
                 factor: BlockCholesky::new(nodes, blocks),
-                here: Evaluation::new(nodes, blocks.len()),
-                there: Evaluation::new(nodes, blocks.len()),
+                here: BalanceEvaluation::new(nodes, blocks.len()),
+                there: BalanceEvaluation::new(nodes, blocks.len()),
                 p: list(3 * nodes),
                 best: list(3 * nodes),
                 delta: list(3 * nodes),
@@ -206,7 +206,7 @@ impl<T: Float> Solver<T> {
 
     /// The evaluation at the last point of the last solve.
     #[must_use]
-    pub fn evaluation(&self) -> &Evaluation<T> {
+    pub fn evaluation(&self) -> &BalanceEvaluation<T> {
         &self.descent.here
     }
 
@@ -272,13 +272,13 @@ impl<T: Float> Solver<T> {
         k: &[T],
         l: &[T],
         tolerance: Tolerance<T>,
-    ) -> (Strategy, Verdict<T>) {
+    ) -> (Strategy, DescentEnd<T>) {
         let warm = self.descent.newton(balance, k, l, Limits::warm(tolerance));
-        if !matches!(warm, Verdict::Stopped) {
+        if !matches!(warm, DescentEnd::Stopped) {
             return (Strategy::Warm, warm);
         }
         let homotopy = self.homotopy(balance, k, l, tolerance);
-        if !matches!(homotopy, Verdict::Stopped) {
+        if !matches!(homotopy, DescentEnd::Stopped) {
             return (Strategy::Homotopy, homotopy);
         }
         let limits = Limits::search(tolerance, balance.nodes());
@@ -293,7 +293,7 @@ impl<T: Float> Solver<T> {
         k: &[T],
         l: &[T],
         tolerance: Tolerance<T>,
-    ) -> Verdict<T> {
+    ) -> DescentEnd<T> {
         let largest = largest(k);
         self.descent.go_to_centroid(balance, k, &self.zero);
         for (eighth, &k) in self.eighth.iter_mut().zip(k) {
@@ -310,11 +310,11 @@ impl<T: Float> Solver<T> {
             let stiffness = if last { k } else { &self.stiffness };
             let limits = Limits::homotopy(tolerance, last);
             let verdict = self.descent.newton(balance, stiffness, l, limits);
-            if last || matches!(verdict, Verdict::Slack) {
+            if last || matches!(verdict, DescentEnd::Slack) {
                 return verdict;
             }
         }
-        Verdict::Stopped
+        DescentEnd::Stopped
     }
 }
 
@@ -371,18 +371,18 @@ impl<T: Float> Descent<T> {
     }
 
     /// The outcome of a solve; `p` follows if a balance was found.
-    fn end(&self, strategy: Strategy, verdict: Verdict<T>, p: &mut [T]) -> Outcome<T> {
+    fn end(&self, strategy: Strategy, verdict: DescentEnd<T>, p: &mut [T]) -> Outcome<T> {
         let iterations = self.taken;
         match verdict {
-            Verdict::Stopped => Outcome::NotConverged {
+            DescentEnd::Stopped => Outcome::NotConverged {
                 residual: self.smallest,
                 iterations,
             },
-            Verdict::Slack => {
+            DescentEnd::Slack => {
                 p.copy_from_slice(&self.p);
                 Outcome::Slack { iterations }
             }
-            Verdict::Balanced(residual) => {
+            DescentEnd::Balanced(residual) => {
                 p.copy_from_slice(&self.p);
                 Outcome::Taut {
                     iterations,
@@ -400,7 +400,7 @@ impl<T: Float> Descent<T> {
         k: &[T],
         l: &[T],
         limits: Limits<T>,
-    ) -> Verdict<T> {
+    ) -> DescentEnd<T> {
         let load = norm(balance.load());
         let mut smallest = None;
         let mut searching = limits.plain == 0;
@@ -439,7 +439,7 @@ impl<T: Float> Descent<T> {
             self.smallest = self.smallest.min(smallest);
             self.p.copy_from_slice(&self.best);
         }
-        Verdict::Stopped
+        DescentEnd::Stopped
     }
 
     /// Moves to the point where the lines with free length zero balance without load: the mean of the anchors weighted by stiffness.
@@ -469,12 +469,12 @@ impl<T: Float> Descent<T> {
     }
 
     /// The residual |g|, or the end of the descent.
-    fn judge(&self, load: T, limits: Limits<T>) -> Result<T, Verdict<T>> {
+    fn judge(&self, load: T, limits: Limits<T>) -> Result<T, DescentEnd<T>> {
         let residual = norm(self.here.gradient());
         let standing = limits.targets().judge(&self.here, residual, load);
         match standing {
-            Standing { slack: true, .. } => Err(Verdict::Slack),
-            Standing { balanced: true, .. } => Err(Verdict::Balanced(residual)),
+            Standing { slack: true, .. } => Err(DescentEnd::Slack),
+            Standing { balanced: true, .. } => Err(DescentEnd::Balanced(residual)),
             _ => Ok(residual),
         }
     }

@@ -6,7 +6,7 @@ use mbd_scene::{At, Float, Layout, LineEnd, Model, Quantity, Work};
 use super::balance::triple;
 use super::error::NodeError;
 use super::memory::NodeMemory;
-use super::scene::{Plan, PlanLine, SceneBalance, is_detached, of_scene};
+use super::scene::{NetworkPlan, PlanLine, SceneBalance, is_detached, of_scene};
 use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::law;
 use super::warm::carried;
@@ -18,7 +18,7 @@ use crate::unilateral::Mode;
 #[derive(Clone, Debug)]
 pub struct Nodes<T: Float> {
     pub(crate) layout: Layout,
-    pub(crate) plans: Vec<Plan<T>>,
+    pub(crate) plans: Vec<NetworkPlan<T>>,
     pub(crate) ends: Vec<T>,
     pub(crate) nodes: Vec<T>,
     pub(crate) effective: Vec<T>,
@@ -36,7 +36,7 @@ pub struct Nodes<T: Float> {
     pub(crate) spanned: bool,
     /// Time since the last accepted step, of the last solve.
     pub(crate) span: T,
-    pub(crate) statistics: Statistics,
+    pub(crate) statistics: NodeStatistics,
 }
 
 /// When and where a model is evaluated.
@@ -54,7 +54,7 @@ pub struct Stage<'a, T> {
 
 /// Work of the solves so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
+pub struct NodeStatistics {
     /// Networks solved.
     pub solves: u64,
     /// Newton steps in all strategies.
@@ -73,7 +73,7 @@ impl<T: Float> Nodes<T> {
     pub fn new(layout: &Layout) -> Self {
         let list = |n: usize| vec![T::zero(); n];
         Nodes {
-            plans: Plan::of(layout),
+            plans: NetworkPlan::of(layout),
             ends: list(layout.len(Quantity::AnchorStates)),
             nodes: list(3 * layout.nodes.len()),
             effective: list(2 * layout.effective_lines),
@@ -85,7 +85,7 @@ impl<T: Float> Nodes<T> {
             rates: list(layout.len(Quantity::Rates)),
             spanned: false,
             span: T::zero(),
-            statistics: Statistics::default(),
+            statistics: NodeStatistics::default(),
             layout: layout.clone(),
         }
     }
@@ -139,7 +139,7 @@ impl<T: Float> Nodes<T> {
 
     /// Work so far.
     #[must_use]
-    pub fn statistics(&self) -> Statistics {
+    pub fn statistics(&self) -> NodeStatistics {
         self.statistics
     }
 
@@ -224,7 +224,7 @@ impl<T: Float> Nodes<T> {
     /// Does something with every network in turn, until one fails.
     pub(crate) fn each_plan(
         &mut self,
-        mut act: impl FnMut(&mut Self, &mut Plan<T>) -> Result<(), NodeError>,
+        mut act: impl FnMut(&mut Self, &mut NetworkPlan<T>) -> Result<(), NodeError>,
     ) -> Result<(), NodeError> {
         let mut plans = std::mem::take(&mut self.plans);
         let result = plans.iter_mut().try_for_each(|plan| act(self, plan));
@@ -233,7 +233,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The networks of equilibrium points.
-    pub(crate) fn plans(&self) -> &[Plan<T>] {
+    pub(crate) fn plans(&self) -> &[NetworkPlan<T>] {
         &self.plans
     }
 
@@ -244,13 +244,13 @@ impl<T: Float> Nodes<T> {
 
     /// Whether every network is one node whose position is solved for, so that warm Newton needs no factor.
     pub(crate) fn are_single(&self) -> bool {
-        let single = |plan: &Plan<T>| !plan.is_rate() && plan.nodes.len() == 1;
+        let single = |plan: &NetworkPlan<T>| !plan.is_rate() && plan.nodes.len() == 1;
         self.has_networks() && self.plans.iter().all(single)
     }
 
     /// Holds elements in the modes of the memory, where every network is a single node with all its lines; `false` where that is not so.
     pub(crate) fn hold_for_warm(&mut self, memory: &NodeMemory<T>) -> bool {
-        let attached = |plan: &Plan<T>| {
+        let attached = |plan: &NetworkPlan<T>| {
             let mut lines = plan.lines.iter();
             lines.all(|line| !is_detached(&memory.modes, line))
         };
@@ -375,7 +375,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The start of a solve: the accepted node, carried with the mean displacement of its anchors.
-    fn carry(&self, plan: &mut Plan<T>, memory: &NodeMemory<T>) {
+    fn carry(&self, plan: &mut NetworkPlan<T>, memory: &NodeMemory<T>) {
         for ((&node, own_anchors), p) in plan
             .nodes
             .iter()
@@ -391,7 +391,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The accepted node and forces again: the first stage of a step.
-    fn restore(&mut self, plan: &Plan<T>, memory: &NodeMemory<T>) {
+    fn restore(&mut self, plan: &NetworkPlan<T>, memory: &NodeMemory<T>) {
         for &node in &plan.nodes {
             let slots = 3 * node..3 * node + 3;
             self.nodes[slots.clone()].copy_from_slice(&memory.nodes[slots]);
@@ -406,7 +406,7 @@ impl<T: Float> Nodes<T> {
     pub(crate) fn balance(
         &mut self,
         stage: Stage<'_, T>,
-        plan: &mut Plan<T>,
+        plan: &mut NetworkPlan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let mut balance = SceneBalance {
@@ -443,7 +443,13 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The line law of a static or stepwise network at `span` after the last accepted step.
-    fn law(&self, model: &dyn Model<T>, plan: &mut Plan<T>, span: T, memory: &NodeMemory<T>) {
+    fn law(
+        &self,
+        model: &dyn Model<T>,
+        plan: &mut NetworkPlan<T>,
+        span: T,
+        memory: &NodeMemory<T>,
+    ) {
         let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
         let stepwise = plan.stepwise();
         plan.set_law(model, &self.modes, |line, numbers| match stepwise {
@@ -467,7 +473,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Stretches of the lines of one network.
-    pub(crate) fn stretch_of(&mut self, model: &dyn Model<T>, plan: &Plan<T>) {
+    pub(crate) fn stretch_of(&mut self, model: &dyn Model<T>, plan: &NetworkPlan<T>) {
         for line in &plan.lines {
             let Some(numbers) = line.numbers(model) else {
                 continue;
@@ -483,7 +489,7 @@ impl<T: Float> Nodes<T> {
     }
 }
 
-impl Statistics {
+impl NodeStatistics {
     /// Counts what solves cost that were made elsewhere.
     pub(crate) fn add(&mut self, iterations: u64, most: usize, slack: u64) {
         self.iterations += iterations;

@@ -6,7 +6,7 @@ use mbd_scene::{Clamp, Difference, Float, Model, Work};
 use super::balance::{Tie, Tied, triple};
 use super::error::{NodeError, Uneven};
 use super::memory::NodeMemory;
-use super::scene::{ENDLESS, Plan, is_detached};
+use super::scene::{ENDLESS, NetworkPlan, is_detached};
 use super::solver::Tolerance;
 use super::stage::{Nodes, Stage};
 use super::stepwise::{History, effective};
@@ -137,7 +137,7 @@ impl<T: Float> Nodes<T> {
     fn start_plan(
         &mut self,
         stage: Stage<'_, T>,
-        plan: &mut Plan<T>,
+        plan: &mut NetworkPlan<T>,
         guess: Option<&[T]>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
@@ -176,7 +176,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Each node at the mean of its anchors, weighted by the stiffness of their lines.
-    fn to_mean(&self, plan: &mut Plan<T>) {
+    fn to_mean(&self, plan: &mut NetworkPlan<T>) {
         for (local, own_anchors) in plan.own_anchors.iter().enumerate() {
             let (mut sum, mut total) = (triple(&[], 0), T::zero());
             for &anchor in own_anchors {
@@ -196,7 +196,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Moves a rate node to the balance of its lines without damping.
-    fn balance_alone(&mut self, plan: &mut Plan<T>) -> Result<(), NodeError> {
+    fn balance_alone(&mut self, plan: &mut NetworkPlan<T>) -> Result<(), NodeError> {
         let anchor = |(anchor, _): &(usize, _)| Tie::Anchor(triple(&self.ends, 6 * anchor).into());
         let ties = plan.legs.iter().map(|leg| [Tie::Node(0), anchor(leg)]);
         let mut balance = Tied {
@@ -222,7 +222,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Decides which lines of a node carry, all taut ones assumed to at first; one that must lie between its anchors is put there.
-    fn decide_placed(&self, model: &dyn Model<T>, plan: &mut Plan<T>) -> bool {
+    fn decide_placed(&self, model: &dyn Model<T>, plan: &mut NetworkPlan<T>) -> bool {
         plan.rate.hold_rank(3);
         plan.set_legs(model, &self.modes, &self.ends);
         let mut decided = decide(plan);
@@ -238,7 +238,7 @@ impl<T: Float> Nodes<T> {
     fn start_damped(
         &mut self,
         stage: Stage<'_, T>,
-        plan: &mut Plan<T>,
+        plan: &mut NetworkPlan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let model = stage.model;
@@ -262,7 +262,7 @@ impl<T: Float> Nodes<T> {
     fn tiny_step(
         &mut self,
         stage: Stage<'_, T>,
-        plan: &mut Plan<T>,
+        plan: &mut NetworkPlan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let model = stage.model;
@@ -305,7 +305,7 @@ impl<T: Float> Nodes<T> {
     fn rebalance(
         &mut self,
         stage: Stage<'_, T>,
-        plan: &mut Plan<T>,
+        plan: &mut NetworkPlan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let mut is_law = true;
@@ -323,14 +323,14 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Writes the node positions of a plan where the model reads them.
-    fn place(&mut self, plan: &Plan<T>) {
+    fn place(&mut self, plan: &NetworkPlan<T>) {
         for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact(3)) {
             self.nodes[3 * node..3 * node + 3].copy_from_slice(p);
         }
     }
 
     /// Effective numbers which give the tensions in `plan.k` at the present node; all zero if nothing pulls.
-    fn carry_tensions(&mut self, model: &dyn Model<T>, plan: &Plan<T>) {
+    fn carry_tensions(&mut self, model: &dyn Model<T>, plan: &NetworkPlan<T>) {
         self.place(plan);
         let pulls = plan.k.iter().any(|&tension| tension > T::zero());
         for (line, &tension) in plan.lines.iter().zip(&plan.k) {
@@ -357,7 +357,7 @@ impl<T: Float> Nodes<T> {
 }
 
 /// Decides the active set of a plan's rate problem, all taut lines assumed active at first.
-fn decide<T: Float>(plan: &mut Plan<T>) -> bool {
+fn decide<T: Float>(plan: &mut NetworkPlan<T>) -> bool {
     (0..plan.legs.len()).for_each(|index| plan.rate.set_mode(index, true, true));
     plan.rate.taut_by_stretch();
     plan.rate.decide()

@@ -3,7 +3,7 @@
 use mbd_scene::{Real, solve_regular};
 use nalgebra::Vector3;
 
-use super::balance::{Evaluation, inner};
+use super::balance::{BalanceEvaluation, inner};
 
 /// Where a descent stands.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl<S: Real> Targets<S> {
     }
 
     /// Where a descent stands with a residual |g| and a load |W|.
-    pub(crate) fn judge(&self, here: &Evaluation<S>, residual: S, load: S) -> Standing<S> {
+    pub(crate) fn judge(&self, here: &BalanceEvaluation<S>, residual: S, load: S) -> Standing<S> {
         let (zero, one) = (S::zero(), S::one());
         let (tension, floor) = (here.tension(), here.floor());
         let is_zero = |x: S| S::both(x.le(zero), zero.le(x));
@@ -50,7 +50,7 @@ impl<S: Real> Targets<S> {
 /// The Newton direction δ of one node, and whether H is certainly regular there, as it is at almost every step; `epsilon` is the rounding unit.
 /// `None` for more than one node.
 pub(crate) fn direction_of_one<S: Real>(
-    here: &Evaluation<S>,
+    here: &BalanceEvaluation<S>,
     epsilon: S,
 ) -> Option<(Vector3<S>, S::Mask)> {
     let (Some(elements), [gx, gy, gz]) = (here.only_block(), here.gradient()) else {

@@ -3,7 +3,7 @@
 use mbd_scene::Float;
 
 use super::{Pace, Simulation, Stop};
-use crate::balance::Balance;
+use crate::balance::EnergyBalance;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::{Control, StiffnessTest, Verdict};
@@ -18,7 +18,7 @@ const LONGEST: f64 = 1e9;
 struct Judgement {
     control: Option<Control>,
     watch: Watch,
-    balance: Option<Balance>,
+    balance: Option<EnergyBalance>,
     momentum: Option<MomentumBalance>,
     stiffness: StiffnessTest,
     angle_jumps: u64,

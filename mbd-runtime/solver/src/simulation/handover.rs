@@ -17,10 +17,10 @@ use mbd_scene::{
 use super::Simulation;
 use crate::columns::body_name;
 use crate::error::{RunError, StepError};
-use crate::origin::{Measured, Origin};
+use crate::origin::{MeasuredFrom, MovingOrigin};
 use crate::unilateral::Mode;
-use map::Map;
-use owned::{Kind, Owned, owned};
+use map::HandoverMap;
+use owned::{Owned, OwnerKind, owned};
 
 /// Coordinates of a joint that differ by less are those that it had [m or rad, or of the size of the coordinate].
 const SAME: f64 = 1e-9;
@@ -81,8 +81,8 @@ impl<T: Float> Simulation<T> {
         &mut self,
         last: &mut Self,
         given: Given<'_, T>,
-        map: &Map,
-    ) -> Result<(Vec<f64>, Option<Origin>, Handover), StepError> {
+        map: &HandoverMap,
+    ) -> Result<(Vec<f64>, Option<MovingOrigin>, Handover), StepError> {
         let (from, to) = (last.system.model.clone(), self.system.model.clone());
         same_axes(&*from, &*to)?;
         let said = |name: &str| map.has(name) || given.numbers.iter().any(|(own, _)| *own == name);
@@ -113,7 +113,7 @@ impl<T: Float> Simulation<T> {
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let bodies = last.bodies_in_world();
         let along_tree = self.put_along_tree(last, (map, &bodies), &mut state, &mut handover)?;
-        let measured = Measured::new(to.layout());
+        let measured = MeasuredFrom::new(to.layout());
         measured.measure_from(&mut state, &place);
         for new in &news {
             let own = given.numbers.iter().find(|(name, _)| new.name == *name);
@@ -123,7 +123,7 @@ impl<T: Float> Simulation<T> {
             // A body that a joint of a tree carried.
             let carried = bodies
                 .iter()
-                .find(|(name, _)| new.kind == Kind::Body && *name == new.name);
+                .find(|(name, _)| new.kind == OwnerKind::Body && *name == new.name);
             let in_world = |numbers: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
                 let places = numbers.zip(new.places());
                 places.map(|(x, at)| x - measured.of(at, &place)).collect()
@@ -169,7 +169,7 @@ impl<T: Float> Simulation<T> {
         handover.carried.extend(along_tree);
         let goes_on = |name: &str| handover.carried.iter().any(|carried| carried == name);
         let old_bodies = bodies.iter().map(|(name, _)| name);
-        let others = olds.iter().filter(|old| old.kind != Kind::Body);
+        let others = olds.iter().filter(|old| old.kind != OwnerKind::Body);
         let others = others.map(|old| &old.name);
         let mut dropped: Vec<String> = old_bodies.chain(others).cloned().collect();
         dropped.retain(|name| !goes_on(name) && !map.takes(name));
@@ -184,7 +184,7 @@ impl<T: Float> Simulation<T> {
     fn put_along_tree(
         &self,
         last: &Self,
-        (map, bodies): (&Map, &[(String, Vec<f64>)]),
+        (map, bodies): (&HandoverMap, &[(String, Vec<f64>)]),
         state: &mut [f64],
         handover: &mut Handover,
     ) -> Result<Vec<String>, StepError> {

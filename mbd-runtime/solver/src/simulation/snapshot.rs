@@ -4,14 +4,14 @@ use mbd_scene::{Float, fingerprint};
 use serde::{Deserialize, Serialize};
 
 use super::{Pace, Simulation};
-use crate::balance::Balance;
+use crate::balance::EnergyBalance;
 use crate::columns::state_names;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
 use crate::integrate::{Control, StiffnessTest};
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
-use crate::origin::Origin;
+use crate::origin::MovingOrigin;
 use crate::watch::Watch;
 
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
@@ -32,7 +32,7 @@ pub struct Snapshot<T> {
     /// Whether the stiff method makes the steps.
     stiff: bool,
     watch_weights: Vec<T>,
-    balance: Option<Balance>,
+    balance: Option<EnergyBalance>,
     momentum: Option<MomentumBalance>,
     sides: Vec<bool>,
     drift: f64,
@@ -49,7 +49,7 @@ pub struct Snapshot<T> {
     action_work: f64,
     /// What the state is measured from, where the origin follows something.
     #[serde(default)]
-    from: Option<Origin>,
+    from: Option<MovingOrigin>,
 }
 
 impl<T> Snapshot<T> {

@@ -3,7 +3,7 @@
 use mbd_scene::{Float, Gravity, Quantity};
 
 use super::{Pace, Simulation, Snapshot};
-use crate::balance::{Balance, Imbalance, Reading};
+use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
 use crate::columns::part_name;
 use crate::error::{RunError, Source, StepError};
 use crate::rounding::REFUSED;
@@ -32,7 +32,7 @@ impl<T: Float> Simulation<T> {
     /// the [work](crate::Options::work) of what gives and takes it, or nothing has run yet.
     #[must_use]
     pub fn imbalance(&self) -> Option<Imbalance> {
-        self.balance.as_ref().map(Balance::imbalance)
+        self.balance.as_ref().map(EnergyBalance::imbalance)
     }
 
     /// Begins to watch a run at its start.
@@ -58,7 +58,7 @@ impl<T: Float> Simulation<T> {
             .system
             .energy_and_power(self.meter, self.time, &self.state);
         self.balance = start.map(|start| {
-            let mut balance = Balance::default();
+            let mut balance = EnergyBalance::default();
             balance.take_up(start);
             balance
         });
@@ -167,7 +167,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Work of what gives and takes energy in the attempted step [J].
-    fn work_of(&mut self, balance: &Balance, step: f64, end: &Reading) -> f64 {
+    fn work_of(&mut self, balance: &EnergyBalance, step: f64, end: &EnergyReading) -> f64 {
         let nx = self.system.nx;
         if self.system.length() > nx {
             let sum = |state: &[T]| -> f64 {
@@ -270,7 +270,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// What steps that are too long made (positive) or lost of the energy that moved; zero in a run that is not judged by it.
-    fn excess(&self, balance: &Balance) -> f64 {
+    fn excess(&self, balance: &EnergyBalance) -> f64 {
         match self.judged {
             true => balance.excess(T::EPSILON.to_f64()),
             false => 0.0,
@@ -335,7 +335,7 @@ impl<T: Float> Simulation<T> {
 
 impl<T: Float> crate::system::System<T> {
     /// Energy and power at the stage that was evaluated last; `None` where one of them is not a number.
-    fn energy_and_power(&mut self, meter: Meter, time: f64, state: &[T]) -> Option<Reading> {
+    fn energy_and_power(&mut self, meter: Meter, time: f64, state: &[T]) -> Option<EnergyReading> {
         let mut energy = [0.0; 6];
         match meter {
             Meter::Nothing => return None,
@@ -354,7 +354,7 @@ impl<T: Float> crate::system::System<T> {
             Meter::Model { exchanges: true } => powers.iter().sum(),
             _ => 0.0,
         };
-        let reading = Reading {
+        let reading = EnergyReading {
             energies: [kinetic, gravitational, elastic],
             power,
         };

@@ -13,7 +13,7 @@ use mbd_scene::{
 use super::act::Changes;
 use super::moved::{Moved, moved};
 use super::stability::Meter;
-use super::{Pace, Shown, Simulation, Snapshot};
+use super::{Pace, Simulation, Snapshot, WorldState};
 use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
@@ -24,7 +24,7 @@ use crate::integrate::{
 };
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
-use crate::origin::Origin;
+use crate::origin::MovingOrigin;
 use crate::rounding::Rounding;
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
@@ -137,7 +137,7 @@ impl<T: Float> Simulation<T> {
             system,
             method,
             state,
-            shown: Shown::new(),
+            shown: WorldState::new(),
             time: 0.0,
             chatter: Chatter::new(),
             scratch: vec![T::zero(); room.into_iter().max().unwrap_or(0)],
@@ -194,7 +194,7 @@ impl<T: Float> Simulation<T> {
     pub(super) fn put(
         &mut self,
         time: f64,
-        origin: Option<Origin>,
+        origin: Option<MovingOrigin>,
         state: &[f64],
     ) -> Result<(), RunError> {
         let mut fresh = self.system.set_down(time, origin, state);

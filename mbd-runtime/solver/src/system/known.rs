@@ -4,7 +4,7 @@ use mbd_scene::{Float, Layout, Quantity};
 
 /// Guards and energy at the end of a step, as long as that is neither taken nor tried anew.
 #[derive(Clone, Debug)]
-pub(crate) struct Known<T> {
+pub(crate) struct KnownAtEnd<T> {
     /// When [s]; not a number where nothing is known.
     time: f64,
     guards: Vec<T>,
@@ -12,10 +12,10 @@ pub(crate) struct Known<T> {
     energy: Option<[T; 6]>,
 }
 
-impl<T: Float> Known<T> {
+impl<T: Float> KnownAtEnd<T> {
     /// Nothing is known.
     pub(crate) fn new(layout: &Layout) -> Self {
-        Known {
+        KnownAtEnd {
             time: f64::NAN,
             guards: vec![T::zero(); layout.len(Quantity::Guards)],
             has_guards: false,

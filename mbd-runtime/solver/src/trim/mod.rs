@@ -23,12 +23,12 @@ pub(crate) use search::find;
 /// What is looked for: see [`trim`].
 pub struct Trim<'m, T: Scalar> {
     model: &'m dyn Model<T>,
-    asked: Asked,
+    asked: TrimProblem,
 }
 
 /// Everything that a trim is asked with, whatever the scalar.
 #[derive(Clone, Debug, Default)]
-pub struct Asked {
+pub struct TrimProblem {
     pub(super) time: f64,
     pub(super) state: Option<Vec<f64>>,
     pub(super) nodes: Option<Vec<f64>>,
@@ -186,7 +186,7 @@ impl From<LinearisationError> for TrimError {
 pub fn trim<T: Scalar>(model: &(impl Model<T> + Sized)) -> Trim<'_, T> {
     Trim {
         model,
-        asked: Asked::default(),
+        asked: TrimProblem::default(),
     }
 }
 

@@ -3,11 +3,11 @@
 use mbd_scene::{Model, Quantity};
 use nalgebra::{DMatrix, DVector};
 
-use super::{Asked, TrimError, Trimmed};
+use super::{TrimError, TrimProblem, Trimmed};
 use crate::columns::Name;
 use crate::compiled::Scalar;
-use crate::linearise::chart::{Chart, Source, input_names, known, with_unit};
-use crate::linearise::moment::Moment;
+use crate::linearise::chart::{Chart, MinimalCoordinate, input_names, known, with_unit};
+use crate::linearise::moment::SceneMoment;
 use crate::linearise::{LinearisationError, StateSpace, motors_follow};
 use crate::simulation::start::declared_start;
 
@@ -26,7 +26,7 @@ const NOTHING: f64 = 1e-9;
 
 /// A trim on its way.
 struct Search {
-    moment: Moment,
+    moment: SceneMoment,
     chart: Chart,
     /// Rates of the coordinates.
     rates: DVector<f64>,
@@ -37,7 +37,10 @@ struct Search {
 }
 
 /// What [`Trim::solve`] does.
-pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Trimmed, TrimError> {
+pub(crate) fn find<T: Scalar>(
+    model: &dyn Model<T>,
+    asked: &TrimProblem,
+) -> Result<Trimmed, TrimError> {
     let (scene, layout) = (model.scene(), model.layout());
     let inputs = input_names(scene, layout);
     let place_of = |name: &str| {
@@ -75,7 +78,7 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
         _ => given.clone(),
     };
     let at = (asked.time, &state[..], &first[..]);
-    let mut moment = Moment::new(model, at)?;
+    let mut moment = SceneMoment::new(model, at)?;
     if asked.state.is_none() {
         moment.place(&asked.starts());
     }
@@ -114,7 +117,7 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
         wanted.push((find(name)?, *value));
     }
     for &(at, _) in &wanted {
-        if let Source::Turn { .. } = chart.minimal[at].source {
+        if let MinimalCoordinate::Turn { .. } = chart.minimal[at].source {
             let name = chart.minimal[at].coordinate.name.clone();
             return Err(TrimError::Turn { name });
         }
@@ -145,7 +148,7 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     search.solve(asked.nodes.as_deref())
 }
 
-impl Asked {
+impl TrimProblem {
     /// Coordinates whose values are given.
     fn starts(&self) -> Vec<(&str, f64)> {
         let fixed = self.fixed.iter();
@@ -158,7 +161,7 @@ impl Asked {
     }
 }
 
-impl Moment {
+impl SceneMoment {
     /// Places bodies by the joint coordinates among those that are given.
     fn place(&mut self, given: &[(&str, f64)]) {
         let joints = given
@@ -239,13 +242,13 @@ impl Search {
             }
             for (k, one) in self.chart.minimal.iter().enumerate() {
                 right[kept + k] = match one.source {
-                    Source::Turn { .. } if rotated => 0.0,
-                    Source::Turn { .. } => steps[k],
-                    Source::Joint(number) => {
+                    MinimalCoordinate::Turn { .. } if rotated => 0.0,
+                    MinimalCoordinate::Turn { .. } => steps[k],
+                    MinimalCoordinate::Joint(number) => {
                         let periodic = self.moment.is_periodic(number);
                         nearest(targets[k] - now[k], periodic)
                     }
-                    Source::Place { .. } => targets[k] - now[k],
+                    MinimalCoordinate::Place { .. } => targets[k] - now[k],
                 };
             }
             rotated = true;
@@ -449,7 +452,7 @@ fn nearest(difference: f64, periodic: bool) -> f64 {
     }
 }
 
-impl Moment {
+impl SceneMoment {
     /// Whether a joint coordinate jumps by a turn.
     fn is_periodic(&self, number: usize) -> bool {
         let joints = self.scene().joints.iter();

@@ -73,7 +73,7 @@ fn every_mistake_of_a_file_is_told_with_its_place() {
 fn mistakes_are_coloured_for_a_terminal_only() {
     let folder = Folder::new("coloured");
     let file = folder.file("m.mbd", "model M {\n\tgravity: nome;\n}\n");
-    let Err(Failure::Mistakes(mistakes)) = run(&["check", &file]) else {
+    let Err(CommandFailure::Mistakes(mistakes)) = run(&["check", &file]) else {
         panic!("accepted");
     };
     let (plain, coloured) = (mistakes.text(Paint::Plain), mistakes.text(Paint::Coloured));

@@ -8,9 +8,9 @@ use std::collections::BTreeSet;
 use models::parachute::comparison::{grid, options};
 use models::parachute::figures::figures;
 use models::parachute::scene::TestCase;
-use models::parachute::stability::Limit;
-use models::parachute::study::{MIDWAY, Run, Study};
-use models::parachute::variant::{Confluence, Damping, Plan, fly};
+use models::parachute::stability::StabilityLimit;
+use models::parachute::study::{MIDWAY, Study, StudyRun};
+use models::parachute::variant::{Confluence, Damping, FlightPlan, fly};
 use models::report::Figure;
 
 use super::*;
@@ -99,9 +99,9 @@ fn the_picture_of_the_extra_mode_is_that_of_the_main_job() {
     let times = &grid()[..=inside];
     let until = times[inside];
     let flown = |confluence: Confluence, step: f64| {
-        let plan = Plan::new(TestCase::Two, confluence, options(step, false), until);
+        let plan = FlightPlan::new(TestCase::Two, confluence, options(step, false), until);
         let flight = fly(&plan.sampled(times)).unwrap();
-        Run {
+        StudyRun {
             case: TestCase::Two,
             confluence,
             step,
@@ -110,7 +110,7 @@ fn the_picture_of_the_extra_mode_is_that_of_the_main_job() {
             error: [f64::NAN; 2],
             steady: f64::NAN,
             tone: None,
-            limit: Limit {
+            limit: StabilityLimit {
                 taut: f64::NAN,
                 whole: None,
             },

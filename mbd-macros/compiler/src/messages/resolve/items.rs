@@ -7,23 +7,23 @@ use crate::check::WrongInertia;
 use crate::lexeme::Region;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
-use crate::messages::{Report, article};
+use crate::messages::{LexemeMessage, article};
 use crate::syntax::{foreign, words};
 use crate::units::{self, described, si_text};
 
-pub fn twice(at: Region, word: &str, first: Region) -> Report {
-    Report::new(at, format!("the name `{word}` is used twice in this model"))
+pub fn twice(at: Region, word: &str, first: Region) -> LexemeMessage {
+    LexemeMessage::new(at, format!("the name `{word}` is used twice in this model"))
         .also(first, "first used here")
 }
 
-pub fn rust_as_name(at: Region, word: &str) -> Report {
+pub fn rust_as_name(at: Region, word: &str) -> LexemeMessage {
     let another = word.trim_matches('_').trim_start_matches("r#");
     let another = match another {
         "" => "another".to_owned(),
         stem if stem != word && words::reserved(stem).is_none() => format!("`{stem}`"),
         stem => format!("another, such as `{stem}_1`"),
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{word}` cannot be a name: names become fields and functions of Rust; choose {another}"
@@ -31,22 +31,22 @@ pub fn rust_as_name(at: Region, word: &str) -> Report {
     )
 }
 
-pub fn reversed_repetition(at: Region) -> Report {
-    Report::new(
+pub fn reversed_repetition(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this repetition ends below its start: write the smaller number first",
     )
 }
 
-pub fn index_twice(at: Region, word: &str) -> Report {
-    Report::new(
+pub fn index_twice(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{word}` is already the index of the repetition around this one; choose another"),
     )
 }
 
-pub fn too_many(at: Region, most: usize, found: usize) -> Report {
-    Report::new(
+pub fn too_many(at: Region, most: usize, found: usize) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a model may hold at most {most} repeated things, frames counted; with these it would hold {found}"
@@ -54,12 +54,12 @@ pub fn too_many(at: Region, most: usize, found: usize) -> Report {
     )
 }
 
-pub fn circular(at: Region, kind: &str, name: &str) -> Report {
-    Report::new(at, format!("{kind} `{name}` depends on itself"))
+pub fn circular(at: Region, kind: &str, name: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("{kind} `{name}` depends on itself"))
 }
 
-pub fn vector_param(at: Region) -> Report {
-    Report::new(
+pub fn vector_param(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a param is one number, this is a vector: write a param for each component that varies, and a `let` such as `let wind = [wind_x, wind_y, 0.0];`",
     )
@@ -73,8 +73,8 @@ pub fn let_of(name: &str, on: &str) -> String {
     format!("the let `{name}`, which depends on `{on}`")
 }
 
-pub fn let_as_cause(at: Region, name: &str, on: &str) -> Report {
-    Report::new(
+pub fn let_as_cause(at: Region, name: &str, on: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the let `{name}` depends on `{on}`, which answers to everything that acts, so nothing that acts can depend on it; it can stand in an `output` or an `event`"
@@ -82,8 +82,8 @@ pub fn let_as_cause(at: Region, name: &str, on: &str) -> Report {
     )
 }
 
-pub fn deep_let(at: Region, name: &str, most: usize) -> Report {
-    Report::new(
+pub fn deep_let(at: Region, name: &str, most: usize) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "let `{name}` rests on too many others, one inside the other (at most {most} operations deep): name fewer of them in a row"
@@ -91,30 +91,30 @@ pub fn deep_let(at: Region, name: &str, most: usize) -> Report {
     )
 }
 
-pub fn let_in_si(at: Region, si: &str) -> Report {
-    Report::new(
+pub fn let_in_si(at: Region, si: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("a `let` holds its value in SI: write `in {si}`, or leave `in` out"),
     )
 }
 
-pub fn empty_range(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn empty_range(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("the range of `{name}` is empty: its end is below its start"),
     )
 }
 
-pub fn default_outside(at: Region, name: &str, range: Region) -> Report {
-    Report::new(
+pub fn default_outside(at: Region, name: &str, range: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("the default of `{name}` lies outside its own range"),
     )
     .also(range, "its range")
 }
 
-pub fn state_without_rate(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn state_without_rate(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "state `{name}` has no rate: write how fast it changes, such as `{{ rate: (u - {name}) / (20 ms) }}`; a number that stays is a `const` or a `param`"
@@ -122,8 +122,8 @@ pub fn state_without_rate(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn state_of_three(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn state_of_three(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a state is one number: declare one a component, `state {name}_x: … = …`, or several at once, `state {name}[i in 0..3]: … = …`"
@@ -131,9 +131,9 @@ pub fn state_of_three(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn state_without_unit(at: Region, name: &str, own: Dimension) -> Report {
+pub fn state_without_unit(at: Region, name: &str, own: Dimension) -> LexemeMessage {
     let unit = si_text(own);
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "with this rate `{name}` is {}: give its start the unit, `state {name} = 0 {unit} {{ … }}`",
@@ -142,22 +142,22 @@ pub fn state_without_unit(at: Region, name: &str, own: Dimension) -> Report {
     )
 }
 
-pub fn input_type(at: Region) -> Report {
-    Report::new(
+pub fn input_type(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected the kind of the input: a quantity or a unit of SI, such as `speed`, `N*m` or `[speed; 3]`",
     )
 }
 
-pub fn unknown_input_type(at: Region, word: &str) -> Report {
+pub fn unknown_input_type(at: Region, word: &str) -> LexemeMessage {
     let known = units::quantities();
     if word == "table" {
-        return Report::new(
+        return LexemeMessage::new(
             at,
             "an input is one number or three; values over time are a table, `table wind = { 0 s: 0 m/s, 10 s: 8 m/s };`, used as `wind(time)`",
         );
     }
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "unknown quantity `{word}`{} write a unit, or one of: {}",
@@ -167,17 +167,17 @@ pub fn unknown_input_type(at: Region, word: &str) -> Report {
     )
 }
 
-pub fn input_in_si(at: Region, dimension: Dimension) -> Report {
+pub fn input_in_si(at: Region, dimension: Dimension) -> LexemeMessage {
     let unit = si_text(dimension);
     let unit = if unit == "1" { "rad".to_string() } else { unit };
-    Report::new(at, format!("an input is given in SI: write `{unit}`"))
+    LexemeMessage::new(at, format!("an input is given in SI: write `{unit}`"))
 }
 
-pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> Report {
+pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
     let ours =
         foreign::translated(foreign::FOREIGN_FIELDS, word).filter(|ours| known.contains(ours));
     if let Some(answer) = foreign::translated(foreign::EXPECTED_FIELDS, word) {
-        return Report::new(at, format!("unknown field `{word}`; {answer}"));
+        return LexemeMessage::new(at, format!("unknown field `{word}`; {answer}"));
     }
     let suggestion = match ours {
         Some(ours) => format!("; here it is called `{ours}`."),
@@ -188,7 +188,7 @@ pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> Report {
     } else {
         format!("fields here: {}", known.join(", "))
     };
-    Report::new(at, format!("unknown field `{word}`{suggestion} {list}"))
+    LexemeMessage::new(at, format!("unknown field `{word}`{suggestion} {list}"))
 }
 
 pub fn sign(
@@ -198,13 +198,13 @@ pub fn sign(
     found: f64,
     dimension: Dimension,
     positive: bool,
-) -> Report {
+) -> LexemeMessage {
     let wanted = if positive {
         "positive"
     } else {
         "zero or positive"
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{field}` of `{owner}` must be {wanted}, this is {found} {}",
@@ -213,8 +213,8 @@ pub fn sign(
     )
 }
 
-pub fn no_mass(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn no_mass(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "body `{name}` has no mass. add `mass: 1.0 kg`; for a massless junction of lines use `point {name};`"
@@ -222,8 +222,8 @@ pub fn no_mass(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn no_inertia(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn no_inertia(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "body `{name}` has no inertia. add `inertia: diag(1.0, 1.0, 1.0) kg*m^2`, or `shape: box [0.2, 0.3, 0.4] m`, from which it follows; for a mass without rotation use `point {name} {{ mass: 1.0 kg }}`"
@@ -231,15 +231,15 @@ pub fn no_inertia(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn no_field(at: Region, kind: &str, name: &str, field: &str, unit: &str) -> Report {
-    Report::new(
+pub fn no_field(at: Region, kind: &str, name: &str, field: &str, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("{kind} `{name}` has no {field}. add `{field}: 1.0 {unit}`"),
     )
 }
 
-pub fn length_and_rate(at: Region, name: &str, found: usize) -> Report {
-    Report::new(
+pub fn length_and_rate(at: Region, name: &str, found: usize) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`free_length` of `{name}` takes two quantities in its brackets, the free length and its rate; these are {found}"
@@ -247,8 +247,8 @@ pub fn length_and_rate(at: Region, name: &str, found: usize) -> Report {
     )
 }
 
-pub fn wound_line_at_node(at: Region, name: &str, point: &str) -> Report {
-    Report::new(
+pub fn wound_line_at_node(at: Region, name: &str, point: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the free length of `{name}` changes during a run, which a line that ends at the massless point `{point}` cannot do; give the point a `mass`, or wind a line that ends at bodies and the world"
@@ -256,8 +256,8 @@ pub fn wound_line_at_node(at: Region, name: &str, point: &str) -> Report {
     )
 }
 
-pub fn wound_by_itself(at: Region, name: &str, through: &str) -> Report {
-    Report::new(
+pub fn wound_by_itself(at: Region, name: &str, through: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` is damped, so that its tension depends on the rate of its free length, and that on its tension, through the state `{through}`; leave out its `damping`, or let a state of its own follow the tension: `state felt = 0 N {{ rate: ({name}.tension - felt) / (10 ms) }}`"
@@ -265,21 +265,21 @@ pub fn wound_by_itself(at: Region, name: &str, through: &str) -> Report {
     )
 }
 
-pub fn force_and_stiffness(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn force_and_stiffness(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("line `{name}` has a `force`, a table, and a `stiffness`: give one of them"),
     )
 }
 
-pub fn inertia_of_shape(at: Region, shape: &str) -> Option<Report> {
+pub fn inertia_of_shape(at: Region, shape: &str) -> Option<LexemeMessage> {
     let ours = foreign::translated(foreign::FOREIGN_SHAPES, shape).unwrap_or(shape);
     let solid = Solid::ALL.iter().find(|solid| solid.keyword() == ours)?;
     let text = format!(
         "an inertia is given by its numbers; leave it out, and it follows from `shape: {}` and the mass",
         solid_form(*solid)
     );
-    Some(Report::new(at, text))
+    Some(LexemeMessage::new(at, text))
 }
 
 /// A shape as it is written.
@@ -295,7 +295,7 @@ fn solid_form(solid: Solid) -> String {
     }
 }
 
-pub fn shape_form(at: Region, found: Option<&str>) -> Report {
+pub fn shape_form(at: Region, found: Option<&str>) -> LexemeMessage {
     let known = || Solid::ALL.iter().map(|solid| solid.keyword());
     let list: Vec<&str> = known().collect();
     let list = format!(
@@ -304,32 +304,32 @@ pub fn shape_form(at: Region, found: Option<&str>) -> Report {
         solid_form(Solid::Box)
     );
     let Some(found) = found else {
-        return Report::new(at, format!("expected a shape. {list}"));
+        return LexemeMessage::new(at, format!("expected a shape. {list}"));
     };
     if found == "mesh" {
-        return Report::new(at, foreign::NO_MESH.to_string());
+        return LexemeMessage::new(at, foreign::NO_MESH.to_string());
     }
     let suggestion = match foreign::translated(foreign::FOREIGN_SHAPES, found) {
         Some(ours) => format!("; here it is called `{ours}`."),
         None => ended(did_you_mean(found, known())),
     };
-    Report::new(at, format!("unknown shape `{found}`{suggestion} {list}"))
+    LexemeMessage::new(at, format!("unknown shape `{found}`{suggestion} {list}"))
 }
 
-pub fn shape_sizes(at: Region, solid: Solid) -> Report {
-    Report::new(
+pub fn shape_sizes(at: Region, solid: Solid) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("a {} is written `{}`", solid.keyword(), solid_form(solid)),
     )
 }
 
-pub fn missing_size(at: Region, solid: Solid, word: &str) -> Report {
+pub fn missing_size(at: Region, solid: Solid, word: &str) -> LexemeMessage {
     let word = format!("the {} has no `{word}`", solid.keyword());
-    Report::new(at, format!("{word}: write `{}`", solid_form(solid)))
+    LexemeMessage::new(at, format!("{word}: write `{}`", solid_form(solid)))
 }
 
-pub fn tube_without_wall(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn tube_without_wall(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the tube of `{name}` has no wall: its `inner` radius must be smaller than its `radius`"
@@ -337,22 +337,22 @@ pub fn tube_without_wall(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn no_edge(at: Region, name: &str, axis: &str, found: f64) -> Report {
-    Report::new(
+pub fn no_edge(at: Region, name: &str, axis: &str, found: f64) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("the box of `{name}` is {found} m along {axis}: its edges must be positive"),
     )
 }
 
-pub fn mass_and_density(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn mass_and_density(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("body `{name}` has a `mass` and a `density`: give one of them"),
     )
 }
 
-pub fn density_alone(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn density_alone(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the `density` of `{name}` has nothing to fill: give a `mass`; or give a `shape` and no `inertia`, and mass and inertia follow from both"
@@ -360,8 +360,8 @@ pub fn density_alone(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn center_of_shapes(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn center_of_shapes(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the centre of mass of `{name}` follows from its shapes, as its inertia does: leave out `center_of_mass`, or give `inertia`"
@@ -375,8 +375,8 @@ pub fn range_of_sign(
     param: &str,
     low: f64,
     dimension: Dimension,
-) -> Report {
-    Report::new(
+) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{field}` of `{owner}` cannot be negative, and the range of `{param}` goes down to {low} {}: begin it above zero",
@@ -385,25 +385,25 @@ pub fn range_of_sign(
     )
 }
 
-pub fn inertia_form(at: Region) -> Report {
-    Report::new(
+pub fn inertia_form(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected an inertia such as `diag(1.0, 1.0, 2.0) kg*m^2`, or `full { xx: 1.0, yy: 1.0, zz: 2.0, xy: 0.1 } kg*m^2 (matrix elements)`",
     )
 }
 
-pub fn missing_element(at: Region, word: &str) -> Report {
-    Report::new(at, format!("the inertia has no element `{word}`"))
+pub fn missing_element(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("the inertia has no element `{word}`"))
 }
 
-pub fn products_sign(at: Region) -> Report {
-    Report::new(
+pub fn products_sign(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "say how products are meant: `(matrix elements)`, xy = -∫ x y dm, or `(products of inertia)`, xy = +∫ x y dm",
     )
 }
 
-pub fn impossible_inertia(at: Region, owner: &str, wrong: WrongInertia) -> Report {
+pub fn impossible_inertia(at: Region, owner: &str, wrong: WrongInertia) -> LexemeMessage {
     let text = match wrong {
         WrongInertia::NotPositive(_) => format!(
             "the inertia of `{owner}` must be positive about every axis: {}",
@@ -414,7 +414,7 @@ pub fn impossible_inertia(at: Region, owner: &str, wrong: WrongInertia) -> Repor
             no_body(wrong)
         ),
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
 /// Why principal moments are those of no rigid body.
@@ -443,22 +443,22 @@ fn short(value: f64) -> String {
     rounded.to_string()
 }
 
-pub fn rotation_form(at: Region) -> Report {
-    Report::new(
+pub fn rotation_form(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected a rotation: `rpy(roll, pitch, yaw)` about fixed axes, `euler_zyx(yaw, pitch, roll)` about moving axes, or `matrix(row, row, row)`",
     )
 }
 
-pub fn no_rotation(at: Region) -> Report {
-    Report::new(
+pub fn no_rotation(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this matrix is no rotation: its rows must be perpendicular unit vectors in right-handed order",
     )
 }
 
-pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "unknown {what} `{word}`{} known: {}",
@@ -468,8 +468,8 @@ pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> Repor
     )
 }
 
-pub fn mass_and_equilibrium(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn mass_and_equilibrium(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "point `{name}` has a mass and an equilibrium: a point with mass moves by Newton's law, so remove one"
@@ -477,36 +477,36 @@ pub fn mass_and_equilibrium(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn load_twice(at: Region) -> Report {
-    Report::new(
+pub fn load_twice(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a load has a value after `=`, or is `: external`, not both",
     )
 }
 
-pub fn load_without_value(at: Region) -> Report {
-    Report::new(
+pub fn load_without_value(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this load has no value: write `= expression`, or `: external`",
     )
 }
 
-pub fn load_kind(at: Region) -> Report {
-    Report::new(
+pub fn load_kind(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected `external`; a load that is an expression is written with `=`",
     )
 }
 
-pub fn load_on_world(at: Region) -> Report {
-    Report::new(
+pub fn load_on_world(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a load on the world moves nothing: name a body or a point",
     )
 }
 
-pub fn load_on_joint(at: Region, joint: &str) -> Report {
-    Report::new(
+pub fn load_on_joint(at: Region, joint: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a load acts on a body or a point, and `{joint}` is a joint; what acts along its coordinate is its field `force`, such as `{{ axis: y, force: 3 N*m }}`"
@@ -514,30 +514,30 @@ pub fn load_on_joint(at: Region, joint: &str) -> Report {
     )
 }
 
-pub fn load_on_frame(at: Region, body: &str, frame: &str) -> Report {
-    Report::new(at, format!("write `on {body} at {frame}`"))
+pub fn load_on_frame(at: Region, body: &str, frame: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("write `on {body} at {frame}`"))
 }
 
-pub fn load_at(at: Region) -> Report {
-    Report::new(
+pub fn load_at(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "expected the name of a frame of the body, such as `at com`",
     )
 }
 
-pub fn load_at_point(at: Region) -> Report {
-    Report::new(at, "a load on a point needs no `at`: remove it")
+pub fn load_at_point(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a load on a point needs no `at`: remove it")
 }
 
-pub fn load_is_scalar(at: Region) -> Report {
-    Report::new(
+pub fn load_is_scalar(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a load must be a vector, this is one number: multiply it by a direction, such as `body.z`",
     )
 }
 
-pub fn load_dimension(at: Region, found: Dimension) -> Report {
-    Report::new(
+pub fn load_dimension(at: Region, found: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a load is a force (N) or a couple (N*m), this is {}",
@@ -546,15 +546,15 @@ pub fn load_dimension(at: Region, found: Dimension) -> Report {
     )
 }
 
-pub fn couple_on_point(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn couple_on_point(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{name}` is a point and takes no couple (N*m): it does not rotate"),
     )
 }
 
-pub fn load_on_node(at: Region, node: &str, culprit: &str) -> Report {
-    Report::new(
+pub fn load_on_node(at: Region, node: &str, culprit: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a load on the massless point `{node}` cannot depend on `{culprit}`: the place of a node follows from the balance of its forces. give the point a mass, or use the motion of a body"
@@ -562,30 +562,31 @@ pub fn load_on_node(at: Region, node: &str, culprit: &str) -> Report {
     )
 }
 
-pub fn event_without_value(at: Region) -> Report {
-    Report::new(
+pub fn event_without_value(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this event has no crossing: write `crosses`, `rises` or `falls` and a value",
     )
 }
 
-pub fn name_wanted(at: Region) -> Report {
-    Report::new(at, "a name stands here, or several in brackets: `[a, b]`")
+pub fn name_wanted(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a name stands here, or several in brackets: `[a, b]`")
 }
 
-pub fn setting_wanted(at: Region) -> Report {
-    Report::new(
+pub fn setting_wanted(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "what is set is written `name = value`, several in brackets: `[a = 1 m, b = 2 kg]`",
     )
 }
 
-pub fn event_names_twice(at: Region, name: &str, first: Region) -> Report {
-    Report::new(at, format!("this event names `{name}` twice")).also(first, "first named here")
+pub fn event_names_twice(at: Region, name: &str, first: Region) -> LexemeMessage {
+    LexemeMessage::new(at, format!("this event names `{name}` twice"))
+        .also(first, "first named here")
 }
 
-pub fn no_line_of_event(at: Region, action: &str, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn no_line_of_event(at: Region, action: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no line, spring or joint named `{word}` to {action}{}",
@@ -594,8 +595,8 @@ pub fn no_line_of_event(at: Region, action: &str, word: &str, known: &[&str]) ->
     )
 }
 
-pub fn not_a_line_of_event(at: Region, action: &str, word: &str, kind: &str) -> Report {
-    Report::new(
+pub fn not_a_line_of_event(at: Region, action: &str, word: &str, kind: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{word}` is {} {kind}; lines, springs and joints are what an event can {action}",
@@ -604,15 +605,15 @@ pub fn not_a_line_of_event(at: Region, action: &str, word: &str, kind: &str) -> 
     )
 }
 
-pub fn holds_nothing(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn holds_nothing(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("the joint `{name}` holds nothing that could be detached"),
     )
 }
 
-pub fn stopped_joint_detached(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn stopped_joint_detached(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the joint `{name}` has stops and cannot be detached: give the stops to a joint that stays, or leave them out"
@@ -620,8 +621,8 @@ pub fn stopped_joint_detached(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn coupled_joint_detached(at: Region, name: &str, other: &str) -> Report {
-    Report::new(
+pub fn coupled_joint_detached(at: Region, name: &str, other: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{other}` couples coordinates of the joint `{name}`, which then cannot be detached: detach `{other}`, or couple others"
@@ -629,8 +630,8 @@ pub fn coupled_joint_detached(at: Region, name: &str, other: &str) -> Report {
     )
 }
 
-pub fn nothing_to_set(at: Region, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn nothing_to_set(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no param or state named `{word}` to set{}",
@@ -649,7 +650,7 @@ pub(super) fn known_or_near(word: &str, known: &[&str]) -> String {
     }
 }
 
-pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> Report {
+pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> LexemeMessage {
     let why = match kind {
         "const" => format!("a const is folded into the code: declare it `param {word} = …`"),
         "event" => "an event is told by itself".to_owned(),
@@ -657,7 +658,7 @@ pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> Report {
         "let" => "a let says what follows from other numbers: set one of these".to_owned(),
         _ => "what moves is moved by forces".to_owned(),
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{word}` is {} {kind}, and events set params and states; {why}",
@@ -666,8 +667,8 @@ pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> Report {
     )
 }
 
-pub fn moving_set(at: Region, path: &str) -> Report {
-    Report::new(
+pub fn moving_set(at: Region, path: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{path}` cannot be set: events set params and states alone; what moves is moved by forces, and its speed jumps where `attach` or `lock` takes hold"
@@ -675,12 +676,12 @@ pub fn moving_set(at: Region, path: &str) -> Report {
     )
 }
 
-pub fn set_to_no_number(at: Region, name: &str) -> Report {
-    Report::new(at, format!("`{name}` is set to what is no finite number"))
+pub fn set_to_no_number(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("`{name}` is set to what is no finite number"))
 }
 
-pub fn set_outside(at: Region, name: &str, found: f64, [low, high]: [f64; 2]) -> Report {
-    Report::new(
+pub fn set_outside(at: Region, name: &str, found: f64, [low, high]: [f64; 2]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` is set to {}, outside its range {} ..= {} (SI units)",
@@ -691,26 +692,26 @@ pub fn set_outside(at: Region, name: &str, found: f64, [low, high]: [f64; 2]) ->
     )
 }
 
-pub fn event_twice(at: Region) -> Report {
-    Report::new(at, "an event has one of `crosses`, `rises` and `falls`")
+pub fn event_twice(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "an event has one of `crosses`, `rises` and `falls`")
 }
 
-pub fn no_gravity(at: Region) -> Report {
-    Report::new(
+pub fn no_gravity(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "no gravity is declared: write `gravity: [0.0, 0.0, -9.81] m/s^2;`, or `gravity: none;` if there is none",
     )
 }
 
-pub fn gravity_of_one(at: Region, number: &str, unit: &str) -> Report {
-    Report::new(
+pub fn gravity_of_one(at: Region, number: &str, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("gravity has a direction: write `[0, 0, -{number}] {unit}` where z points up"),
     )
 }
 
-pub fn gravity_field(at: Region, field: &str, wanted: Dimension) -> Report {
-    Report::new(
+pub fn gravity_field(at: Region, field: &str, wanted: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "this gravity has no `{field}`: add it, {}",
@@ -719,8 +720,8 @@ pub fn gravity_field(at: Region, field: &str, wanted: Dimension) -> Report {
     )
 }
 
-pub fn no_direction(at: Region, length: f64) -> Report {
-    Report::new(
+pub fn no_direction(at: Region, length: f64) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`axis` must be a unit vector, this one has the length {}",

@@ -4,13 +4,13 @@ use mbd_scene::joints::{Coordinate, Field, MOTOR, Measured, START, START_RATE};
 use mbd_scene::{Dimension, JointLaw};
 
 use crate::lexeme::Region;
-use crate::messages::Report;
+use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
 use crate::syntax::{foreign, quantities};
 use crate::units::described;
 
-pub fn joint_law(at: Region, word: &str) -> Report {
+pub fn joint_law(at: Region, word: &str) -> LexemeMessage {
     let known = JointLaw::KEYWORDS;
     let text = if let Some(ours) = foreign::translated(foreign::FOREIGN_JOINTS, word) {
         format!("unknown joint `{word}`; here it is called `{ours}`")
@@ -21,11 +21,11 @@ pub fn joint_law(at: Region, word: &str) -> Report {
             known.join(", ")
         )
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
-pub fn joint_on_massless(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn joint_on_massless(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a joint cannot end at the massless point `{name}`: its lines alone place it. give it a `mass`"
@@ -39,8 +39,8 @@ pub fn joint_without_axes(
     end: &str,
     name: &str,
     fitting: &[&str],
-) -> Report {
-    Report::new(
+) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a `{keyword}` joint needs axes at its `{end}` end, and the point `{name}` has none. joints that can have a point there: {}",
@@ -49,8 +49,8 @@ pub fn joint_without_axes(
     )
 }
 
-pub fn no_coordinates(at: Region, name: &str, keyword: &str) -> Report {
-    Report::new(
+pub fn no_coordinates(at: Region, name: &str, keyword: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` is a `{keyword}` joint, which has no coordinate to measure, only `force` and `torque`; ask its bodies, such as `BODY.omega_body`, or `angle(BODY.x, OTHER.x)`"
@@ -58,9 +58,9 @@ pub fn no_coordinates(at: Region, name: &str, keyword: &str) -> Report {
     )
 }
 
-pub fn no_motor(at: Region, name: &str, coordinate: &Coordinate) -> Report {
+pub fn no_motor(at: Region, name: &str, coordinate: &Coordinate) -> LexemeMessage {
     let along = coordinate.name;
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "joint `{name}` has no motor along `{along}`: give it `motor:`, its course as a function of `time`"
@@ -68,8 +68,8 @@ pub fn no_motor(at: Region, name: &str, coordinate: &Coordinate) -> Report {
     )
 }
 
-pub fn motor_as_cause(at: Region, name: &str, word: &str) -> Report {
-    Report::new(
+pub fn motor_as_cause(at: Region, name: &str, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}.{word}` answers to everything that acts, so nothing that acts can depend on it; it can stand in an `output` or an `event`"
@@ -77,8 +77,8 @@ pub fn motor_as_cause(at: Region, name: &str, word: &str) -> Report {
     )
 }
 
-pub fn massless_acceleration(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn massless_acceleration(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` has no mass: it stands where its lines balance and has no acceleration of its own; give it a `mass`, or ask for its `velocity`"
@@ -86,16 +86,16 @@ pub fn massless_acceleration(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn energy_of_what(at: Region) -> Report {
+pub fn energy_of_what(at: Region) -> LexemeMessage {
     let known = quantities::ENERGY_QUANTITIES.join(", ");
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("which energy: `energy.total`? there are: {known}"),
     )
 }
 
-pub fn energy_as_cause(at: Region, word: &str) -> Report {
-    Report::new(
+pub fn energy_as_cause(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`energy.{word}` is of the whole scene, with what its forces store, so nothing that acts can depend on it; it can stand in an `output` or an `event`"
@@ -103,8 +103,8 @@ pub fn energy_as_cause(at: Region, word: &str) -> Report {
     )
 }
 
-pub fn energy_of_field(at: Region, word: &str) -> Report {
-    Report::new(
+pub fn energy_of_field(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`energy.{word}` has no value under `gravity: field`, whose potential nobody gives; `energy.kinetic` has one"
@@ -112,8 +112,8 @@ pub fn energy_of_field(at: Region, word: &str) -> Report {
     )
 }
 
-pub fn angle_in_space(at: Region, body: &str) -> Report {
-    Report::new(
+pub fn angle_in_space(at: Region, body: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{body}.angle` is a number of planar scenes; in space `{body}.orientation` is the axis times the angle, and joints measure their own angles, `pin.angle`"
@@ -121,26 +121,26 @@ pub fn angle_in_space(at: Region, body: &str) -> Report {
     )
 }
 
-pub fn free_from_point(at: Region) -> Report {
-    Report::new(
+pub fn free_from_point(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a `free` joint begins at the world or at a body, not at a point, which has no axes: `from world`",
     )
 }
 
-pub fn free_to_world(at: Region) -> Report {
-    Report::new(at, "a `free` joint ends at a body, such as `to body.com`")
+pub fn free_to_world(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a `free` joint ends at a body, such as `to body.com`")
 }
 
-pub fn joint_to_itself(at: Region, name: &str, owner: &str) -> Report {
-    Report::new(
+pub fn joint_to_itself(at: Region, name: &str, owner: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("both ends of joint `{name}` are on {owner}: it joins nothing"),
     )
 }
 
-pub fn axis_wanted(at: Region, field: &str, example: &str) -> Report {
-    Report::new(
+pub fn axis_wanted(at: Region, field: &str, example: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "expected a direction: `{field}: {example}`, one of x, y, z, -x, -y, -z, or a vector such as `[0.6, 0.0, 0.8]`"
@@ -148,22 +148,22 @@ pub fn axis_wanted(at: Region, field: &str, example: &str) -> Report {
     )
 }
 
-pub fn zero_axis(at: Region) -> Report {
-    Report::new(
+pub fn zero_axis(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this axis has no direction: its components are finite and not all zero",
     )
 }
 
-pub fn one_axis(at: Region, keyword: &str, found: usize, example: &str) -> Report {
-    Report::new(
+pub fn one_axis(at: Region, keyword: &str, found: usize, example: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("a `{keyword}` joint takes 1 axis, found {found}. write `{example}`"),
     )
 }
 
-pub fn two_axes(at: Region, keyword: &str, found: usize, example: &str) -> Report {
-    Report::new(
+pub fn two_axes(at: Region, keyword: &str, found: usize, example: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a `{keyword}` joint takes 2 axes, found {found}. write `{example}`: the first fixed in the parent, the second in the child"
@@ -171,8 +171,8 @@ pub fn two_axes(at: Region, keyword: &str, found: usize, example: &str) -> Repor
     )
 }
 
-pub fn not_perpendicular(at: Region, keyword: &str, degrees: f64) -> Report {
-    Report::new(
+pub fn not_perpendicular(at: Region, keyword: &str, degrees: f64) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the two axes of a `{keyword}` joint are perpendicular, these enclose {degrees:.4} degrees"
@@ -180,20 +180,25 @@ pub fn not_perpendicular(at: Region, keyword: &str, degrees: f64) -> Report {
     )
 }
 
-pub fn no_number(at: Region, keyword: &str, name: &str, (field, unit): (&str, &str)) -> Report {
+pub fn no_number(
+    at: Region,
+    keyword: &str,
+    name: &str,
+    (field, unit): (&str, &str),
+) -> LexemeMessage {
     let example = match unit {
         "rad" => "90 deg".to_string(),
         "" => "3.0".to_string(),
         unit => format!("1.0 {unit}"),
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("{keyword} joint `{name}` has no {field}. add `{{ {field}: {example} }}`"),
     )
 }
 
-pub fn no_joint_to_couple(at: Region, keyword: &str, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn no_joint_to_couple(at: Region, keyword: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no joint named `{word}`{} a `{keyword}` couples coordinates of joints, such as `from motor.angle`",
@@ -202,8 +207,8 @@ pub fn no_joint_to_couple(at: Region, keyword: &str, word: &str, known: &[&str])
     )
 }
 
-pub fn coordinate_wanted(at: Region, keyword: &str, word: &str, kind: &str) -> Report {
-    Report::new(
+pub fn coordinate_wanted(at: Region, keyword: &str, word: &str, kind: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a `{keyword}` couples coordinates of joints, such as `from motor.angle`; `{word}` is a {kind}"
@@ -211,8 +216,8 @@ pub fn coordinate_wanted(at: Region, keyword: &str, word: &str, kind: &str) -> R
     )
 }
 
-pub fn nothing_to_couple(at: Region, name: &str, keyword: &str) -> Report {
-    Report::new(
+pub fn nothing_to_couple(at: Region, name: &str, keyword: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` is a `{keyword}` joint, which has no coordinate to couple; take a joint that has one, such as `hinge` or `prismatic`"
@@ -220,8 +225,8 @@ pub fn nothing_to_couple(at: Region, name: &str, keyword: &str) -> Report {
     )
 }
 
-pub fn coordinate_not_rate(at: Region, keyword: &str) -> Report {
-    Report::new(
+pub fn coordinate_not_rate(at: Region, keyword: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a `{keyword}` couples coordinates themselves, such as `from motor.angle`: their rates and forces follow"
@@ -229,8 +234,8 @@ pub fn coordinate_not_rate(at: Region, keyword: &str) -> Report {
     )
 }
 
-pub fn couples_itself(at: Region, keyword: &str, coordinate: &str) -> Report {
-    Report::new(
+pub fn couples_itself(at: Region, keyword: &str, coordinate: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a `{keyword}` couples two coordinates, and both ends of this one are `{coordinate}`"
@@ -238,8 +243,8 @@ pub fn couples_itself(at: Region, keyword: &str, coordinate: &str) -> Report {
     )
 }
 
-pub fn no_common_measure(at: Region, keyword: &str, name: &str) -> Report {
-    Report::new(
+pub fn no_common_measure(at: Region, keyword: &str, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "{keyword} `{name}` couples two angles, each known up to a full turn: its ratio must be a fraction of whole numbers up to 1000 that is no `param`, such as `43.0 / 20.0`; or measure one of them by a `screw`, whose angle counts turns"
@@ -247,9 +252,14 @@ pub fn no_common_measure(at: Region, keyword: &str, name: &str) -> Report {
     )
 }
 
-pub fn no_single_coordinate(at: Region, keyword: &str, field: &str, couples: bool) -> Report {
+pub fn no_single_coordinate(
+    at: Region,
+    keyword: &str,
+    field: &str,
+    couples: bool,
+) -> LexemeMessage {
     let instead = if [START.name, START_RATE.name].contains(&field) {
-        return Report::new(
+        return LexemeMessage::new(
             at,
             format!(
                 "a `{keyword}` joint has no single coordinate that could start somewhere; write in the body where it starts: `start at [0.0, 0.0, 1.0] m rotated rpy(0.0, 30 deg, 0.0)`"
@@ -262,7 +272,7 @@ pub fn no_single_coordinate(at: Region, keyword: &str, field: &str, couples: boo
     } else {
         "put a `load` or a `spring` between the two bodies"
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "a `{keyword}` joint has no single coordinate for `{field}` to act along; {instead}"
@@ -275,13 +285,13 @@ pub fn which_coordinate(
     keyword: &str,
     field: &str,
     coordinates: &[Coordinate],
-) -> Report {
+) -> LexemeMessage {
     let list: Vec<String> = coordinates
         .iter()
         .map(|c| format!("{} ({})", c.name, Measured::Value.unit(c)))
         .collect();
     let first = coordinates.first().map_or("", |c| c.name);
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "a `{keyword}` joint has coordinates of different units: {}. say which one `{field}` belongs to, such as `{first}: {{ {field}: … }}`",
@@ -290,10 +300,10 @@ pub fn which_coordinate(
     )
 }
 
-pub fn coordinate_block(at: Region, coordinate: &Coordinate) -> Report {
+pub fn coordinate_block(at: Region, coordinate: &Coordinate) -> LexemeMessage {
     let name = coordinate.name;
     let unit = Measured::Damping.unit(coordinate);
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` is a coordinate: give it fields in braces, such as `{name}: {{ damping: 1.0 {unit} }}`"
@@ -301,8 +311,8 @@ pub fn coordinate_block(at: Region, coordinate: &Coordinate) -> Report {
     )
 }
 
-pub fn start_of_motor(at: Region, name: &str, field: &str) -> Report {
-    Report::new(
+pub fn start_of_motor(at: Region, name: &str, field: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` has a motor, whose course says where it is from the start: leave `{field}` out; a motor behind a `filter` has one"
@@ -310,15 +320,15 @@ pub fn start_of_motor(at: Region, name: &str, field: &str) -> Report {
     )
 }
 
-pub fn start_of_coordinate(at: Region, name: &str, unit: &str) -> Report {
-    Report::new(
+pub fn start_of_coordinate(at: Region, name: &str, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("the start of `{name}` is one number: write `start: 0.5 {unit}`"),
     )
 }
 
-pub fn start_beyond_a_turn(at: Region, name: &str, angle: f64) -> Report {
-    Report::new(
+pub fn start_beyond_a_turn(at: Region, name: &str, angle: f64) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the start of `{name}` is {angle} rad, more than a full turn: write it as `{angle} deg` if that is meant"
@@ -326,8 +336,8 @@ pub fn start_beyond_a_turn(at: Region, name: &str, angle: f64) -> Report {
     )
 }
 
-pub fn start_of_part(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn start_of_part(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{name}` starts at a place: write `start at [0.0, 0.0, 1.0] m`, with `velocity [1.0, 0.0, 0.0] m/s` behind it if it moves"
@@ -335,8 +345,8 @@ pub fn start_of_part(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn start_of_node(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn start_of_node(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "point `{name}` has no mass and starts where its lines balance: leave `start` out, or give it a `mass`"
@@ -344,32 +354,32 @@ pub fn start_of_node(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn point_has_no_axes(at: Region, name: &str, word: &str) -> Report {
-    Report::new(
+pub fn point_has_no_axes(at: Region, name: &str, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("point `{name}` has no axes that could be rotated: leave `{word}` out"),
     )
 }
 
-pub fn start_beside(at: Region, name: &str, plane: &str, what: &str) -> Report {
-    Report::new(
+pub fn start_beside(at: Region, name: &str, plane: &str, what: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{name}` moves in the plane {plane}: its {what} at the start leaves it"),
     )
 }
 
-pub fn needs_field(at: Region, name: &str, field: &str, example: &str) -> Report {
+pub fn needs_field(at: Region, name: &str, field: &str, example: &str) -> LexemeMessage {
     let needed = example.split(':').next().unwrap_or_default();
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("`{field}` of `{name}` has no meaning without `{needed}`. add `{example}`"),
     )
 }
 
 /// A motor that follows what does not say its rates.
-pub fn motor_without_rates(at: Region, name: &str, text: &str, units: [&str; 2]) -> Report {
+pub fn motor_without_rates(at: Region, name: &str, text: &str, units: [&str; 2]) -> LexemeMessage {
     let [rate, acceleration] = units;
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "the motor of `{name}` needs the rate [{rate}] and the acceleration [{acceleration}] of what it follows: give them beside it, `motor: [{text}, rate, acceleration]`, or let it follow through a filter, `motor: {text}, filter: 20 ms`"
@@ -377,8 +387,8 @@ pub fn motor_without_rates(at: Region, name: &str, text: &str, units: [&str; 2])
     )
 }
 
-pub fn motor_of_three(at: Region, name: &str, found: usize) -> Report {
-    Report::new(
+pub fn motor_of_three(at: Region, name: &str, found: usize) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the motor of `{name}` takes three quantities in its brackets, the coordinate, its rate and its acceleration; these are {found}"
@@ -386,8 +396,8 @@ pub fn motor_of_three(at: Region, name: &str, found: usize) -> Report {
     )
 }
 
-pub fn filter_and_rates(at: Region, name: &str) -> Report {
-    Report::new(
+pub fn filter_and_rates(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the motor of `{name}` has its rate and its acceleration given, a filter makes them itself: leave out `filter`, or write the first of the three alone"
@@ -401,7 +411,7 @@ pub fn along_unit(
     field: &str,
     unit: &str,
     found: Result<Dimension, &str>,
-) -> Report {
+) -> LexemeMessage {
     let text = match found {
         Ok(found) => format!(
             "`{field}` of `{name}` must be in {unit}, this is {}",
@@ -411,11 +421,11 @@ pub fn along_unit(
             "`{field}` of `{name}` needs a unit: write it as `{bare} {unit}`, or put `units: si;` at the top of the model"
         ),
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
-pub fn along_rule(at: Region, name: &str, field: &Field, unit: &str, found: f64) -> Report {
-    Report::new(
+pub fn along_rule(at: Region, name: &str, field: &Field, unit: &str, found: f64) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{}` of `{name}` must be {}, this is {}",
@@ -435,8 +445,8 @@ fn measured(found: f64, unit: &str) -> String {
     }
 }
 
-pub fn two_stops(at: Region, unit: &str) -> Report {
-    Report::new(
+pub fn two_stops(at: Region, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "expected a low and a high stop, such as `stops: [-1.0, 1.0] {unit}`; one of them may be left open: `stops: [none, 1.0 {unit}]`"
@@ -444,9 +454,14 @@ pub fn two_stops(at: Region, unit: &str) -> Report {
     )
 }
 
-pub fn stops_in_order(at: Region, name: &str, places: [Option<f64>; 2], unit: &str) -> Report {
+pub fn stops_in_order(
+    at: Region,
+    name: &str,
+    places: [Option<f64>; 2],
+    unit: &str,
+) -> LexemeMessage {
     let [low, high] = places.map(|place| measured(place.unwrap_or(f64::NAN), unit));
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("the low stop of `{name}` lies below the high one, these are {low} and {high}"),
     )

@@ -2,10 +2,10 @@
 
 use super::items::known_or_near;
 use crate::lexeme::Region;
-use crate::messages::{Report, article};
+use crate::messages::{LexemeMessage, article};
 
-pub fn no_joint_to(at: Region, action: &str, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn no_joint_to(at: Region, action: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no joint named `{word}` to {action}{}",
@@ -14,8 +14,8 @@ pub fn no_joint_to(at: Region, action: &str, word: &str, known: &[&str]) -> Repo
     )
 }
 
-pub fn not_a_joint_to(at: Region, action: &str, word: &str, kind: &str) -> Report {
-    Report::new(
+pub fn not_a_joint_to(at: Region, action: &str, word: &str, kind: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{word}` is {} {kind}; joints and their coordinates are what an event can {action}",
@@ -24,8 +24,8 @@ pub fn not_a_joint_to(at: Region, action: &str, word: &str, kind: &str) -> Repor
     )
 }
 
-pub fn nothing_to_lock(at: Region, name: &str, keyword: &str) -> Report {
-    Report::new(
+pub fn nothing_to_lock(at: Region, name: &str, keyword: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the joint `{name}` is {} {keyword} and has no coordinate that could be locked: attach a joint that holds more, such as `rigid` with `at_start: detached`",
@@ -34,8 +34,8 @@ pub fn nothing_to_lock(at: Region, name: &str, keyword: &str) -> Report {
     )
 }
 
-pub fn no_coordinate_to(at: Region, joint: &str, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn no_coordinate_to(at: Region, joint: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the joint `{joint}` has no coordinate `{word}`{}",
@@ -44,8 +44,8 @@ pub fn no_coordinate_to(at: Region, joint: &str, word: &str, known: &[&str]) -> 
     )
 }
 
-pub fn driven_coordinate_locked(at: Region, joint: &str, coordinate: &str) -> Report {
-    Report::new(
+pub fn driven_coordinate_locked(at: Region, joint: &str, coordinate: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a motor drives `{joint}.{coordinate}`, which cannot be locked besides: let the motor follow a `state` or a param that the event sets"
@@ -53,8 +53,8 @@ pub fn driven_coordinate_locked(at: Region, joint: &str, coordinate: &str) -> Re
     )
 }
 
-pub fn detachable_joint_locked(at: Region, joint: &str) -> Report {
-    Report::new(
+pub fn detachable_joint_locked(at: Region, joint: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the joint `{joint}` may be detached and has no coordinate then: lock coordinates of a joint that stays"
@@ -62,8 +62,8 @@ pub fn detachable_joint_locked(at: Region, joint: &str) -> Report {
     )
 }
 
-pub fn freed_never_locked(at: Region, coordinate: &str) -> Report {
-    Report::new(
+pub fn freed_never_locked(at: Region, coordinate: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no event locks `{coordinate}`, so that nothing is there to be freed: write `lock: {coordinate}` in an event before, or hold it from the start by a `rigid` joint that is detached"

@@ -5,12 +5,12 @@ use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
 use super::items::known_or_near;
 use crate::lexeme::Region;
 use crate::messages::similar::did_you_mean;
-use crate::messages::{Report, article};
+use crate::messages::{LexemeMessage, article};
 
-pub fn metric_take(at: Region, word: &str) -> Report {
+pub fn metric_take(at: Region, word: &str) -> LexemeMessage {
     let words = Take::ALL.map(Take::keyword);
     let near = did_you_mean(word, words);
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "a metric begins with what is taken of its quantity, such as `max rope.tension`; `{word}` is none of {}{near}",
@@ -19,9 +19,9 @@ pub fn metric_take(at: Region, word: &str) -> Report {
     )
 }
 
-pub fn metric_is_a_column(at: Region, name: &str) -> Report {
+pub fn metric_is_a_column(at: Region, name: &str) -> LexemeMessage {
     let all = COLUMNS_OF_RESULTS.join(", ");
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "no metric can be named `{name}`: tables of results have columns {all}; name it after what it is, such as `{name}_tension`"
@@ -29,9 +29,9 @@ pub fn metric_is_a_column(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn metric_of_nothing(at: Region, take: Take) -> Report {
+pub fn metric_of_nothing(at: Region, take: Take) -> LexemeMessage {
     let (word, what) = (take.keyword(), of(take));
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("`{word}` is of {what}: write `{word} {}`", example(take)),
     )
@@ -51,13 +51,13 @@ fn example(take: Take) -> &'static str {
     }
 }
 
-pub fn metric_needs(at: Region, take: Take, field: &str) -> Report {
+pub fn metric_needs(at: Region, take: Take, field: &str) -> LexemeMessage {
     let (word, example) = match field {
         "level" => ("level", "5 kN"),
         _ => ("event", "opened"),
     };
     let take = take.keyword();
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{take}` needs the {word} in braces: `{take} rope.tension {{ {field}: {example} }}`"
@@ -65,16 +65,16 @@ pub fn metric_needs(at: Region, take: Take, field: &str) -> Report {
     )
 }
 
-pub fn metric_needs_no(at: Region, take: Take, field: &str) -> Report {
+pub fn metric_needs_no(at: Region, take: Take, field: &str) -> LexemeMessage {
     let take = take.keyword();
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("`{take}` has no use for `{field}`: leave it out"),
     )
 }
 
-pub fn unit_of_integral(at: Region, unit: &str) -> Report {
-    Report::new(
+pub fn unit_of_integral(at: Region, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the unit behind an `integral` is that of its quantity, before it is summed over time: `in {unit}/s` gives the number in {unit}"
@@ -82,27 +82,27 @@ pub fn unit_of_integral(at: Region, unit: &str) -> Report {
     )
 }
 
-pub fn metric_window(at: Region) -> Report {
-    Report::new(at, "`from` must be before `to`")
+pub fn metric_window(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "`from` must be before `to`")
 }
 
-pub fn metric_number(at: Region, field: &str) -> Report {
-    Report::new(
+pub fn metric_number(at: Region, field: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{field}` of a metric must be a finite number, made of numbers and consts"),
     )
 }
 
-pub fn no_event(at: Region, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn no_event(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("no event named `{word}`{}", known_or_near(word, known)),
     )
 }
 
-pub fn not_an_event(at: Region, word: &str, kind: &str) -> Report {
+pub fn not_an_event(at: Region, word: &str, kind: &str) -> LexemeMessage {
     let article = article(kind);
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{word}` is {article} {kind}, and no event: declare `event {word}_happens = … rises …;`"

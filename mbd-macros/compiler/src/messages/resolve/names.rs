@@ -3,37 +3,37 @@
 use crate::lexeme::Region;
 use crate::messages::similar::{did_you_mean, nearest};
 use crate::messages::syntax::ended;
-use crate::messages::{Report, article};
-use crate::syntax::expression::{Expression, Step};
+use crate::messages::{LexemeMessage, article};
+use crate::syntax::expression::{Expression, PathStep};
 use crate::syntax::foreign;
 use crate::units;
 
-pub fn not_constant(at: Region, what: &str) -> Report {
+pub fn not_constant(at: Region, what: &str) -> LexemeMessage {
     let instead = match what {
         _ if what == "time" || what.starts_with("the motion") || what.starts_with("the input") => {
             "; what changes in a run is named by `let`"
         }
         _ => "",
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("only numbers and consts can stand here, {what} cannot{instead}"),
     )
 }
 
 /// `instead`: what to write where the param is right, and the item that names it is not.
-pub fn param_not_constant(at: Region, instead: Option<&str>) -> Report {
+pub fn param_not_constant(at: Region, instead: Option<&str>) -> LexemeMessage {
     let instead = instead.unwrap_or("make it a `const`");
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("only numbers and consts can stand here, a param cannot; {instead}"),
     )
 }
 
 /// `instead`: what to write, if there is something.
-pub fn not_fixed(at: Region, what: &str, instead: Option<&str>) -> Report {
+pub fn not_fixed(at: Region, what: &str, instead: Option<&str>) -> LexemeMessage {
     let instead = instead.map_or_else(String::new, |text| format!("; {text}"));
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "this is fixed before a run: it can use numbers, consts and params, not {what}{instead}"
@@ -41,8 +41,8 @@ pub fn not_fixed(at: Region, what: &str, instead: Option<&str>) -> Report {
     )
 }
 
-pub fn not_prescribed(at: Region, what: &str) -> Report {
-    Report::new(
+pub fn not_prescribed(at: Region, what: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a prescribed motion is a function of time alone: it can use numbers, consts, params and `time`, not {what}; what answers to the motion is a `force`"
@@ -50,8 +50,8 @@ pub fn not_prescribed(at: Region, what: &str) -> Report {
     )
 }
 
-pub fn not_driven(at: Region, what: &str) -> Report {
-    Report::new(
+pub fn not_driven(at: Region, what: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "what drives a motor or a winch can use numbers, consts, params, `time`, inputs and states, not {what}; what answers to the motion is a `force`, or a `state` with a `rate`"
@@ -59,12 +59,12 @@ pub fn not_driven(at: Region, what: &str) -> Report {
     )
 }
 
-pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> Report {
+pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> LexemeMessage {
     let instead = match kind {
         "output" => ": name what it shows by `let`, and write that name in both places",
         _ => "",
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{word}` is the name of {} {kind} and has no value in an expression{instead}",
@@ -73,8 +73,8 @@ pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> Report {
     )
 }
 
-pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no parameter named `{word}`{} declare it",
@@ -83,8 +83,8 @@ pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> Report {
     )
 }
 
-pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no body, joint, point or line named `{word}`{}",
@@ -93,8 +93,8 @@ pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> Report {
     )
 }
 
-pub fn unknown_place(at: Region, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn unknown_place(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "no body or point named `{word}`{}",
@@ -111,12 +111,12 @@ fn at_rest_or_near(word: &str, known: &[&str]) -> String {
     }
 }
 
-pub fn no_index(at: Region, word: &str) -> Report {
-    Report::new(at, format!("`{word}` is one thing and takes no index"))
+pub fn no_index(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("`{word}` is one thing and takes no index"))
 }
 
 /// Of a value with an index: `pin.angle [deg]`, `bob.position[2]`.
-pub fn no_index_of_value(step: &Step, vector: bool) -> Report {
+pub fn no_index_of_value(step: &PathStep, vector: bool) -> LexemeMessage {
     let (at, word) = (step.word.at.into(), &step.word.text);
     let text = match step.index.as_deref() {
         Some(Expression::Path(steps))
@@ -136,18 +136,18 @@ pub fn no_index_of_value(step: &Step, vector: bool) -> Report {
         }
         _ => return no_index(at, word),
     };
-    Report::new(at, text)
+    LexemeMessage::new(at, text)
 }
 
-pub fn index_wanted(at: Region, word: &str, first: i64) -> Report {
-    Report::new(
+pub fn index_wanted(at: Region, word: &str, first: i64) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{word}` is repeated: pick one, such as `{word}[{first}]`"),
     )
 }
 
-pub fn no_member(at: Region, word: &str, declared: Region) -> Report {
-    Report::new(
+pub fn no_member(at: Region, word: &str, declared: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("there is no `{word}`: its repetition is empty; raise the end of its range, or repeat what refers to it, too"),
     )
@@ -161,7 +161,7 @@ pub fn index_range(
     value: i64,
     known: &[i64],
     indices: &[(String, i64)],
-) -> Report {
+) -> LexemeMessage {
     let range = match known {
         [only] => format!("only `{word}[{only}]` exists"),
         [first, .., last] => format!("its indices are {first} to {last}"),
@@ -175,16 +175,16 @@ pub fn index_range(
         [] => String::new(),
         here => format!(" (here {})", here.join(", ")),
     };
-    Report::new(at, format!("`{word}` has no index {value}{here}; {range}"))
+    LexemeMessage::new(at, format!("`{word}` has no index {value}{here}; {range}"))
 }
 
-pub fn whole_index(at: Region) -> Report {
-    Report::new(at, "an index is a whole number")
+pub fn whole_index(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "an index is a whole number")
 }
 
-pub fn unknown_frame(at: Region, owner: &str, word: &str, frames: &[String]) -> Report {
+pub fn unknown_frame(at: Region, owner: &str, word: &str, frames: &[String]) -> LexemeMessage {
     let known = frames.iter().map(String::as_str);
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "body `{owner}` has no frame `{word}`{} its frames: {}",
@@ -194,13 +194,13 @@ pub fn unknown_frame(at: Region, owner: &str, word: &str, frames: &[String]) -> 
     )
 }
 
-pub fn unknown_world_frame(at: Region, word: &str, frames: &[&str]) -> Report {
+pub fn unknown_world_frame(at: Region, word: &str, frames: &[&str]) -> LexemeMessage {
     let list = if frames.is_empty() {
         "it has none: declare `world { frame NAME at [x, y, z] m }`".to_string()
     } else {
         format!("its frames: {}", frames.join(", "))
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "the world has no frame `{word}`{} {list}",
@@ -215,12 +215,12 @@ pub fn unknown_body_quantity(
     word: &str,
     frames: &[String],
     quantities: &[&str],
-) -> Report {
+) -> LexemeMessage {
     let known = frames
         .iter()
         .map(String::as_str)
         .chain(quantities.iter().copied());
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "body `{owner}` has no frame or quantity `{word}`{} its frames: {}; its quantities: {}",
@@ -242,30 +242,30 @@ fn translated_or_near<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clo
     did_you_mean(word, known)
 }
 
-pub fn body_without_quantity(at: Region, owner: &str) -> Report {
-    Report::new(
+pub fn body_without_quantity(at: Region, owner: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{owner}` is a body: ask for a quantity, such as `{owner}.velocity`"),
     )
 }
 
-pub fn frame_without_quantity(at: Region, owner: &str) -> Report {
-    Report::new(
+pub fn frame_without_quantity(at: Region, owner: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("`{owner}` is a frame: ask for a quantity, such as `{owner}.position`"),
     )
 }
 
-pub fn without_quantity(at: Region, owner: &str, kind: &str, known: &[&str]) -> Report {
+pub fn without_quantity(at: Region, owner: &str, kind: &str, known: &[&str]) -> LexemeMessage {
     let example = known.first().copied().unwrap_or_default();
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("`{owner}` is a {kind}: ask for a quantity, such as `{owner}.{example}`"),
     )
 }
 
-pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> Report {
-    Report::new(
+pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{owner}` has no quantity `{word}`{} known: {}",
@@ -276,11 +276,11 @@ pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> 
 }
 
 /// `frame`: one of its own, if it has any.
-pub fn frame_wanted(at: Region, body: &str, frame: Option<&str>) -> Report {
+pub fn frame_wanted(at: Region, body: &str, frame: Option<&str>) -> LexemeMessage {
     let own = frame.map_or_else(String::new, |frame| {
         format!(", or a frame of it, such as `{body}.{frame}`")
     });
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{body}` is a body, and here stands a place on it: `{body}.com`, its centre of mass{own}"
@@ -288,15 +288,15 @@ pub fn frame_wanted(at: Region, body: &str, frame: Option<&str>) -> Report {
     )
 }
 
-pub fn frame_of_a_body(at: Region) -> Report {
-    Report::new(
+pub fn frame_of_a_body(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a Jacobian is of a frame of a body, such as `frame_jacobian(hand.tip)`, or `hand.com` for its centre of mass".to_string(),
     )
 }
 
-pub fn no_place(at: Region, word: &str, kind: &str) -> Report {
-    Report::new(
+pub fn no_place(at: Region, word: &str, kind: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{word}` is a {kind}: expected a frame of a body, a point, or a frame of the world"
@@ -304,6 +304,6 @@ pub fn no_place(at: Region, word: &str, kind: &str) -> Report {
     )
 }
 
-pub fn after_place(at: Region, word: &str) -> Report {
-    Report::new(at, format!("a place ends before `.{word}`: remove it"))
+pub fn after_place(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("a place ends before `.{word}`: remove it"))
 }

@@ -3,26 +3,26 @@
 use mbd_scene::Dimension;
 
 use crate::lexeme::Region;
-use crate::messages::Report;
+use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::units::{described, si_text};
 
-pub fn scene_without_file(at: Region) -> Report {
-    Report::new(
+pub fn scene_without_file(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "say which scene goes on by its file: `then: scene \"descent.mbd\"`, relative to this one",
     )
 }
 
-pub fn map_without_scene(at: Region) -> Report {
-    Report::new(
+pub fn map_without_scene(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "a `map` says what another scene begins with, and none goes on here: write `then: scene \"descent.mbd\"` beside it",
     )
 }
 
-pub fn map_entry_wanted(at: Region) -> Report {
-    Report::new(
+pub fn map_entry_wanted(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "write a name of the scene that goes on, `=`, and what of this one it begins with: `probe = capsule.tip` for a body or a point, `charge = 0.9 * soc` for a state or a param",
     )

@@ -3,16 +3,16 @@
 use mbd_scene::{Dimension, Unit};
 
 use crate::lexeme::Region;
-use crate::messages::Report;
+use crate::messages::LexemeMessage;
 use crate::units::described;
 
-pub fn short_table(at: Region) -> Report {
-    Report::new(at, "a table has at least 2 rows `argument: value`")
+pub fn short_table(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a table has at least 2 rows `argument: value`")
 }
 
 /// A table of two arguments with fewer than two numbers of the first or the second.
-pub fn narrow_table(at: Region, table: &str, argument: &str) -> Report {
-    Report::new(
+pub fn narrow_table(at: Region, table: &str, argument: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "table `{table}` has one number of its {argument} argument: a table of two arguments has at least 2 of each, `{{ (0 m, 0 s): 1 N, (0 m, 5 s): 2 N, (3 m, 0 s): 4 N, (3 m, 5 s): 6 N }}`"
@@ -20,7 +20,7 @@ pub fn narrow_table(at: Region, table: &str, argument: &str) -> Report {
     )
 }
 
-pub fn table_arguments(at: Region, wanted: usize, found: usize) -> Report {
+pub fn table_arguments(at: Region, wanted: usize, found: usize) -> LexemeMessage {
     let told = match (wanted, found) {
         (_, 0) => "a row of a table begins with its argument, `argument: value`".to_owned(),
         (_, 3..) => format!("a table has one argument or two, this row has {found}"),
@@ -30,16 +30,21 @@ pub fn table_arguments(at: Region, wanted: usize, found: usize) -> Report {
         _ => "the rows above have two arguments, this one has one: write `(first, second): value`"
             .to_owned(),
     };
-    Report::new(at, told)
+    LexemeMessage::new(at, told)
 }
 
 /// A pair of arguments without a value; `count` are missing in all.
-pub fn table_gap(at: Region, table: &str, [x, z]: [(f64, &Unit); 2], count: usize) -> Report {
+pub fn table_gap(
+    at: Region,
+    table: &str,
+    [x, z]: [(f64, &Unit); 2],
+    count: usize,
+) -> LexemeMessage {
     let more = match count {
         1 => String::new(),
         _ => format!(" ({count} are missing)"),
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "table `{table}` has no value at `({}, {})`: it has one for every pair of its numbers{more}",
@@ -49,8 +54,9 @@ pub fn table_gap(at: Region, table: &str, [x, z]: [(f64, &Unit); 2], count: usiz
     )
 }
 
-pub fn table_repeats(at: Region, first: Region) -> Report {
-    Report::new(at, "this row has the arguments of one above").also(first, "the first of them")
+pub fn table_repeats(at: Region, first: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "this row has the arguments of one above")
+        .also(first, "the first of them")
 }
 
 /// A number in its unit, to 12 digits.
@@ -60,12 +66,12 @@ fn shown((value, unit): (f64, &Unit)) -> String {
     format!("{digits} {}", unit.text).trim_end().to_owned()
 }
 
-pub fn table_order(at: Region) -> Report {
-    Report::new(at, "the arguments of a table must increase from row to row")
+pub fn table_order(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "the arguments of a table must increase from row to row")
 }
 
-pub fn table_dimension(at: Region, wanted: Dimension, found: Dimension) -> Report {
-    Report::new(
+pub fn table_dimension(at: Region, wanted: Dimension, found: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "a column of a table holds one kind of quantity: above it is {}, this is {}",
@@ -75,8 +81,8 @@ pub fn table_dimension(at: Region, wanted: Dimension, found: Dimension) -> Repor
     )
 }
 
-pub fn table_as_stiffness(at: Region, table: &str) -> Report {
-    Report::new(
+pub fn table_as_stiffness(at: Region, table: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{table}` is a table; a line takes one of its force over its stretch: `force: {table}` in place of `stiffness`"
@@ -89,8 +95,8 @@ pub fn force_table_dimensions(
     line: &str,
     table: &str,
     [x, y]: [Dimension; 2],
-) -> Report {
-    Report::new(
+) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the force of line `{line}` is a table of forces over stretch, `table {table} = {{ 0 m: 0 N, 0.5 m: 200 N }}`; `{table}` holds {} over {}",
@@ -100,8 +106,8 @@ pub fn force_table_dimensions(
     )
 }
 
-pub fn force_table_rows(at: Region, line: &str, table: &str) -> Report {
-    Report::new(
+pub fn force_table_rows(at: Region, line: &str, table: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the table `{table}` gives the force of line `{line}`: it begins with `0 m: 0 N`, and its forces rise from row to row"
@@ -110,7 +116,7 @@ pub fn force_table_rows(at: Region, line: &str, table: &str) -> Report {
 }
 
 /// The force of a line is a table of two arguments, or a smooth one.
-pub fn force_table_kind(at: Region, line: &str, table: &str, smooth: bool) -> Report {
+pub fn force_table_kind(at: Region, line: &str, table: &str, smooth: bool) -> LexemeMessage {
     let why = match smooth {
         true => {
             "is smooth, and the force of a line is straight between its rows: leave out `smooth`"
@@ -119,13 +125,13 @@ pub fn force_table_kind(at: Region, line: &str, table: &str, smooth: bool) -> Re
             "has two arguments, and the force of a line has one, its stretch: what depends on more is a `load`"
         }
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("the force of line `{line}`: the table `{table}` {why}"),
     )
 }
 
-pub fn table_of_time(at: Region, table: &str, smooth: bool) -> Report {
+pub fn table_of_time(at: Region, table: &str, smooth: bool) -> LexemeMessage {
     let jumps = match smooth {
         true => "the second rate of the smooth table `",
         false => "the table `",
@@ -134,7 +140,7 @@ pub fn table_of_time(at: Region, table: &str, smooth: bool) -> Report {
         true => "jumps",
         false => "has corners",
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "a prescribed motion has a velocity and an acceleration, and {jumps}{table}` {has}: write it with functions such as sin, exp or powers of `time`"
@@ -142,16 +148,21 @@ pub fn table_of_time(at: Region, table: &str, smooth: bool) -> Report {
     )
 }
 
-pub fn table_without_argument(at: Region, word: &str, arguments: usize) -> Report {
+pub fn table_without_argument(at: Region, word: &str, arguments: usize) -> LexemeMessage {
     let remedy = match arguments {
         1 => format!("its argument, `{word}(…)`"),
         _ => format!("its arguments, `{word}(…, …)`"),
     };
-    Report::new(at, format!("`{word}` is a table: give it {remedy}"))
+    LexemeMessage::new(at, format!("`{word}` is a table: give it {remedy}"))
 }
 
-pub fn argument_dimension(at: Region, table: &str, wanted: Dimension, found: Dimension) -> Report {
-    Report::new(
+pub fn argument_dimension(
+    at: Region,
+    table: &str,
+    wanted: Dimension,
+    found: Dimension,
+) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "table `{table}` is over {}, this is {}",

@@ -3,43 +3,43 @@
 use mbd_scene::Dimension;
 
 use crate::lexeme::Region;
-use crate::messages::Report;
+use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
 use crate::syntax::foreign;
 use crate::units::{self, described, si_text};
 
-pub fn not_finite(at: Region) -> Report {
-    Report::new(
+pub fn not_finite(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "this gives no finite number: look for a division by zero",
     )
 }
 
-pub fn three_components(at: Region, found: usize) -> Report {
+pub fn three_components(at: Region, found: usize) -> LexemeMessage {
     let decimals = match found {
         4.. => "; the sign before decimals is a point",
         _ => "",
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("a vector has 3 components, found {found}{decimals}"),
     )
 }
 
-pub fn scalar_wanted(at: Region, what: &str) -> Report {
-    Report::new(at, format!("{what} must be one number, this is a vector"))
+pub fn scalar_wanted(at: Region, what: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("{what} must be one number, this is a vector"))
 }
 
-pub fn vector_wanted(at: Region, what: &str) -> Report {
-    Report::new(
+pub fn vector_wanted(at: Region, what: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("{what} must be a vector such as `[0.0, 0.0, 1.0]`, this is one number"),
     )
 }
 
-pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> Report {
-    Report::new(
+pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "the components of a vector must be alike: the first is {}, this is {}",
@@ -49,52 +49,52 @@ pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> Report
     )
 }
 
-pub fn unit_twice(at: Region, unit: &str) -> Report {
-    Report::new(
+pub fn unit_twice(at: Region, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("this has a unit of its own, and `{unit}` behind the bracket: write one of them"),
     )
 }
 
-pub fn no_components(at: Region, axis: &str) -> Report {
-    Report::new(
+pub fn no_components(at: Region, axis: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("this is one number and has no component `{axis}`"),
     )
 }
 
-pub fn unknown_component(at: Region, axis: &str) -> Report {
-    Report::new(
+pub fn unknown_component(at: Region, axis: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!("a vector has the components x, y and z, no `{axis}`"),
     )
 }
 
-pub fn two_vectors(at: Region) -> Report {
-    Report::new(
+pub fn two_vectors(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "`*` does not multiply two vectors: write `dot(a, b)` or `cross(a, b)`",
     )
 }
 
-pub fn divide_by_vector(at: Region) -> Report {
-    Report::new(
+pub fn divide_by_vector(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "`/` does not divide by a vector; by its length: `norm(a)`",
     )
 }
 
-pub fn number_and_vector(at: Region) -> Report {
-    Report::new(at, "a number and a vector cannot be added or compared")
+pub fn number_and_vector(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a number and a vector cannot be added or compared")
 }
 
-pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> Report {
+pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> LexemeMessage {
     let hint = if bare && (first == units::NONE || second == units::NONE) {
         "; the number needs a unit"
     } else {
         ""
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "only like quantities can be added or compared: the first is {}, the second {}{hint}",
@@ -104,26 +104,26 @@ pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> Re
     )
 }
 
-pub fn dimension_range(at: Region) -> Report {
-    Report::new(
+pub fn dimension_range(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "no quantity of mechanics has the dimension this would have",
     )
 }
 
-pub fn power_of_vector(at: Region) -> Report {
-    Report::new(at, "`^` does not take a vector: write `dot(a, a)`")
+pub fn power_of_vector(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "`^` does not take a vector: write `dot(a, a)`")
 }
 
-pub fn whole_exponent(at: Region) -> Report {
-    Report::new(
+pub fn whole_exponent(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "an exponent is a whole number between -20 and 20; a root is `sqrt(a)`",
     )
 }
 
-pub fn pure_number_wanted(at: Region, function: &str, found: Dimension) -> Report {
-    Report::new(
+pub fn pure_number_wanted(at: Region, function: &str, found: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`{function}` takes a pure number or an angle, this is {}",
@@ -132,8 +132,8 @@ pub fn pure_number_wanted(at: Region, function: &str, found: Dimension) -> Repor
     )
 }
 
-pub fn angle_wanted(at: Region, found: Dimension) -> Report {
-    Report::new(
+pub fn angle_wanted(at: Region, found: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`polar` takes radius, angle, height; this is {}",
@@ -142,7 +142,7 @@ pub fn angle_wanted(at: Region, found: Dimension) -> Report {
     )
 }
 
-pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
+pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
     let why = if let Some(ours) = foreign::translated(foreign::FOREIGN_FUNCTIONS, word) {
         match ours {
             "^" => "; write `a^n`".to_owned(),
@@ -155,7 +155,7 @@ pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
         let near = did_you_mean(word, known.iter().copied());
         format!("{} functions here: {}", ended(near), known.join(", "))
     };
-    Report::new(at, format!("unknown function `{word}`{why}"))
+    LexemeMessage::new(at, format!("unknown function `{word}`{why}"))
 }
 
 /// `number`: what stands before the unit; `place`: where in the unit the name begins; `kind`, `declared`: what else is called so.
@@ -165,12 +165,12 @@ pub fn unit_or_name(
     place: usize,
     word: &str,
     (kind, declared): (&str, Option<Region>),
-) -> Report {
+) -> LexemeMessage {
     let (before, behind) = unit.split_at(place);
     let sign = if before.ends_with('/') { '/' } else { '*' };
     let before = before.trim_end_matches(['*', '/']);
     let behind = behind.replace('*', " * ").replace('/', " / ");
-    let report = Report::new(
+    let report = LexemeMessage::new(
         at,
         format!(
             "`{unit}` behind a number is read as a unit, and `{word}` is also a {kind} of this model: give the {kind} another name, \
@@ -183,17 +183,17 @@ pub fn unit_or_name(
     }
 }
 
-pub fn comparison_alone(at: Region) -> Report {
-    Report::new(at, foreign::COMPARISON)
+pub fn comparison_alone(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, foreign::COMPARISON)
 }
 
-pub fn condition_wanted(at: Region) -> Report {
+pub fn condition_wanted(at: Region) -> LexemeMessage {
     let text = "`if` takes a comparison first: `if(a < b, this, that)` with `<`, `<=`, `>` or `>=`";
-    Report::new(at, text.to_owned())
+    LexemeMessage::new(at, text.to_owned())
 }
 
-pub fn turns_for_radians(at: Region, what: &str) -> Report {
-    Report::new(
+pub fn turns_for_radians(at: Region, what: &str) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         format!(
             "`Hz` counts turns, and {what} takes radians: multiply by a turn, such as `2 Hz * 360 deg`, or `2 * pi * 2 Hz * time`"
@@ -201,25 +201,25 @@ pub fn turns_for_radians(at: Region, what: &str) -> Report {
     )
 }
 
-pub fn radians_in_turns(at: Region) -> Report {
-    Report::new(
+pub fn radians_in_turns(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
         at,
         "`Hz` counts turns, and this is an angular rate: write `in rpm` or `in rad/s`, or divide by a turn, `/ (360 deg)`, before `in Hz`",
     )
 }
 
-pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> Report {
+pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> LexemeMessage {
     let plural = if wanted == 1 { "" } else { "s" };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("`{function}` takes {wanted} argument{plural}, found {found}"),
     )
 }
 
-pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> Report {
+pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> LexemeMessage {
     let unit = si_text(wanted);
     let kind = units::name(wanted).map_or(unit.clone(), |name| format!("{name} ({unit})"));
-    Report::new(
+    LexemeMessage::new(
         at,
         format!(
             "`{field}` needs a unit: {kind}. write it as `{text} {unit}`, or put `units: si;` at the top of the model"
@@ -227,13 +227,18 @@ pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> Rep
     )
 }
 
-pub fn wrong_dimension(at: Region, field: &str, wanted: Dimension, found: Dimension) -> Report {
+pub fn wrong_dimension(
+    at: Region,
+    field: &str,
+    wanted: Dimension,
+    found: Dimension,
+) -> LexemeMessage {
     let wanted = if wanted == units::NONE {
         "a pure number or an angle".to_string()
     } else {
         format!("in {}", si_text(wanted))
     };
-    Report::new(
+    LexemeMessage::new(
         at,
         format!("`{field}` must be {wanted}, this is {}", described(found)),
     )

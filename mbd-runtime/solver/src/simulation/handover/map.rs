@@ -3,18 +3,18 @@
 use mbd_scene::{AngularVelocity, Body, Directions, Float, Handed, MapSource, Next, Place, Scene};
 
 use super::super::Simulation;
-use super::owned::{Kind, Owned};
+use super::owned::{Owned, OwnerKind};
 use crate::columns::{body_name, node_name};
 use crate::error::{RunError, StepError};
 
 /// What an event hands on.
 #[derive(Clone, Debug, Default)]
-pub struct Map {
+pub struct HandoverMap {
     /// Per entry the name in the next model, what of the last one it takes, and how that moves, from the origin of the last run.
     entries: Vec<(String, Option<String>, Handed<f64>)>,
 }
 
-impl Map {
+impl HandoverMap {
     /// The names in the next model, without its params.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().map(|(name, ..)| name.as_str())
@@ -42,9 +42,9 @@ impl Map {
             return Ok(None);
         };
         let numbers = match (new.kind, handed) {
-            (Kind::State, Handed::Number(number)) => Some(vec![*number]),
-            (Kind::Body, motion) => motion.of_body(directions, components),
-            (Kind::Point, motion) => motion.of_point(directions),
+            (OwnerKind::State, Handed::Number(number)) => Some(vec![*number]),
+            (OwnerKind::Body, motion) => motion.of_body(directions, components),
+            (OwnerKind::Point, motion) => motion.of_point(directions),
             _ => None,
         };
         numbers.map(Some).ok_or_else(|| unfit(&new.name))
@@ -112,12 +112,12 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The map of an event, without what it says of params.
-    pub(super) fn map_of(&mut self, event: Option<usize>) -> Result<Map, RunError> {
+    pub(super) fn map_of(&mut self, event: Option<usize>) -> Result<HandoverMap, RunError> {
         let model = self.system.model.clone();
         let scene = model.scene();
         let Some((event, next)) = event.and_then(|event| Some((event, next_of(scene, event)?)))
         else {
-            return Ok(Map::default());
+            return Ok(HandoverMap::default());
         };
         let handed = self.handed(event)?;
         let entries = next.map.iter().zip(handed).map(|(mapped, handed)| {
@@ -127,7 +127,7 @@ impl<T: Float> Simulation<T> {
             };
             (mapped.name.clone(), taken, handed)
         });
-        Ok(Map {
+        Ok(HandoverMap {
             entries: entries.collect(),
         })
     }

@@ -9,7 +9,7 @@ use crate::moving::moving;
 
 /// What something is: only what is the same goes on under its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum OwnerKind {
     /// A body.
     Body,
     /// A point with mass.
@@ -26,7 +26,7 @@ pub struct Owned {
     /// Its name.
     pub name: String,
     /// What it is.
-    pub kind: Kind,
+    pub kind: OwnerKind,
     /// Where its numbers are, in order; what it has not is empty.
     slots: [Range<usize>; 4],
     /// Whether the declaration says where it starts.
@@ -49,8 +49,8 @@ impl Owned {
 pub fn owned(scene: &Scene, layout: &Layout) -> Vec<Owned> {
     let parts = moving(layout).filter_map(|part| {
         let kind = match part.part {
-            Part::Body(_) => Kind::Body,
-            Part::Point(_) => Kind::Point,
+            Part::Body(_) => OwnerKind::Body,
+            Part::Point(_) => OwnerKind::Point,
             Part::Joint(_) | Part::Coordinates(_) => return None,
         };
         let mut declared = scene.starts.parts.iter();
@@ -61,7 +61,7 @@ pub fn owned(scene: &Scene, layout: &Layout) -> Vec<Owned> {
             slots: [part.position, part.attitude, part.velocity, part.spin],
         })
     });
-    let alone = |name: &str, kind: Kind, own: Range<usize>| Owned {
+    let alone = |name: &str, kind: OwnerKind, own: Range<usize>| Owned {
         name: name.to_owned(),
         kind,
         // The start finds a node in balance.
@@ -71,9 +71,13 @@ pub fn owned(scene: &Scene, layout: &Layout) -> Vec<Owned> {
     let first = layout.nq + layout.nv;
     let nodes = layout.nodes.iter().filter_map(|node| {
         let at = first + node.z?;
-        Some(alone(node_name(scene, node.point), Kind::Node, at..at + 3))
+        Some(alone(
+            node_name(scene, node.point),
+            OwnerKind::Node,
+            at..at + 3,
+        ))
     });
     let states = scene.states.iter().zip(layout.states()..);
-    let states = states.map(|(state, at)| alone(&state.name, Kind::State, at..at + 1));
+    let states = states.map(|(state, at)| alone(&state.name, OwnerKind::State, at..at + 1));
     parts.chain(nodes).chain(states).collect()
 }
