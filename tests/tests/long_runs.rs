@@ -43,6 +43,16 @@ fn a_hundred_thousand_declarations_end_in_a_scene_with_all_its_items_or_in_messa
 }
 
 #[test]
+fn declarations_that_came_back_from_a_document_as_other_scenes_come_back_as_themselves() {
+    let corpus = Corpus::new();
+    let numbers = [209507, 231907, 384606, 588163, 653311, 690754, 710566];
+    for number in numbers {
+        let judged = judge(&corpus.declaration(number));
+        assert!(judged.is_ok(), "{number}: {judged:?}");
+    }
+}
+
+#[test]
 fn a_million_bytes_of_mutated_files_end_in_scenes_or_messages() {
     let tally = many(900, Corpus::file);
     assert_eq!(tally.broken, []);
