@@ -196,13 +196,13 @@ fn names_stand_for_what_was_declared_or_given() {
         (Formula::Stretch(0), vec![2.0 - free]),
         (Formula::StretchRate(0), vec![rate]),
         (Formula::Tension(0), vec![10.0 * (2.0 - free) + 3.0 * rate]),
-        (Formula::Energy(mbd_scene::Energy::Kinetic), vec![1.0]),
+        (Formula::Energy(mbd_scene::EnergyKind::Kinetic), vec![1.0]),
         (
-            Formula::Energy(mbd_scene::Energy::Potential),
+            Formula::Energy(mbd_scene::EnergyKind::Potential),
             vec![5.0 * (2.0 - free) * (2.0 - free)],
         ),
         (
-            Formula::Energy(mbd_scene::Energy::Total),
+            Formula::Energy(mbd_scene::EnergyKind::Total),
             vec![1.0 + 5.0 * (2.0 - free) * (2.0 - free)],
         ),
     ];
