@@ -81,7 +81,6 @@ impl Statistics {
             rows_chosen: self.rows_chosen + next.rows_chosen,
             rows_regularised: self.rows_regularised + next.rows_regularised,
             lost_digits: self.lost_digits.max(next.lost_digits),
-            angle_jumps: self.angle_jumps + next.angle_jumps,
         }
     }
 }

@@ -150,7 +150,9 @@ fn written(settings: &Settings, name: &str) -> Option<f64> {
             Some(Value::Float(number)) if words.peek().is_none() => return Some(*number),
             Some(Value::Integer(number)) if words.peek().is_none() => return Some(*number as f64),
             Some(Value::String(text)) if words.peek().is_none() => {
-                return mbd_compiler::read_number(text).ok().map(|(number, _)| number);
+                return mbd_compiler::read_number(text)
+                    .ok()
+                    .map(|(number, _)| number);
             }
             _ => return None,
         }
