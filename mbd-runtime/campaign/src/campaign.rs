@@ -116,13 +116,12 @@ impl Campaign {
         let scene = (model.scene(), model.layout());
         let mut nominal = RunPlan::with_layout(scene, &settings)?;
         let dispersions = Dispersions::new(written, scene, (&nominal, &settings), folder)?;
-        let every_step = nominal.every.is_none();
         let mut content = columns::NOTHING;
         let envelopes = written.envelopes.as_ref();
         let envelopes = envelopes
             .map(|written| Envelopes::new(written, (&*model, &nominal), &mut content))
             .transpose()?;
-        let metrics = Metrics::new(written.metrics.iter(), (&*model, content), every_step)?;
+        let metrics = Metrics::new(written.metrics.iter(), (&*model, content))?;
         // Work is integrated for those who ask for energy: no step with it is made in lanes.
         nominal.options.work &= metrics.content.energy;
         tell_apart(&metrics, &dispersions)?;
@@ -223,6 +222,7 @@ impl Campaign {
             .cases((0..count).map(|place| self.params(number(place))))
             .threads(resources.threads)
             .record(sampling, self.metrics.content)
+            .measure(self.metrics.readers())
             .prepare(|case, run| self.begin(number(case.number()), run))
             .each(
                 |_, history| self.judge(history),

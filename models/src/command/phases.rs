@@ -113,9 +113,7 @@ impl Phases {
                 file.scene.params.iter().any(|param| param.name == name)
             });
             let plan = RunPlan::new(&file.scene, &own);
-            plans.push(plan.map_err(|error: PlanError| {
-                CommandFailure::Invalid(format!("{}: {error}", file.name))
-            })?);
+            plans.push(plan.map_err(|error: PlanError| file.misset(&error))?);
         }
         Ok(plans)
     }

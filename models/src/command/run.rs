@@ -128,7 +128,7 @@ fn fly(args: &RunArgs, file: SceneFile) -> Result<FinishedRun, CommandFailure> {
     };
     let plan = match &args.campaign {
         Some(campaign) => case_of(&file, settings, campaign, args.case)?,
-        None => RunPlan::new(&file.scene, &settings).map_err(|error| invalid(&error))?,
+        None => RunPlan::new(&file.scene, &settings).map_err(|error| file.misset(&error))?,
     };
     let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
     let outcome = fly_model(&*model, &plan, &mut ProgressLine::new());
@@ -183,8 +183,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             || !known(name)
             || !typed.params.iter().any(|set| set == name)
     });
-    let plan = RunPlan::new(&first.scene, &own)
-        .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", args.scene.display())))?;
+    let plan = RunPlan::new(&first.scene, &own).map_err(|error| first.misset(&error))?;
     let plans = phases.planned(&plan, &settings, &typed)?;
     let makers: Vec<_> = phases
         .files

@@ -7,4 +7,4 @@ mod settings;
 
 pub use names::PlanError;
 pub use plan::RunPlan;
-pub use settings::{Settings, split};
+pub use settings::{Settings, line_of, split};
