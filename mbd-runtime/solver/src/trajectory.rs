@@ -12,6 +12,10 @@ use crate::metric::{MetricReader, MissingMetric};
 use crate::row::{RowMaker, names};
 use crate::system::System;
 
+mod joined;
+
+pub use joined::Joined;
+
 /// When a row is written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sampling {
@@ -283,61 +287,6 @@ impl Trajectory {
         self.statistics = Statistics::default();
     }
 
-    /// Histories one after the other, of models that went on from each other: a column `phase` counts them from 1, columns of the same name and unit are
-    /// one, and what a model has not is not a number in its rows. A column whose name has another unit elsewhere is told by its phase, `load (2)`.
-    #[must_use]
-    pub fn joined(parts: &[&Trajectory]) -> Self {
-        let mut names = vec![Name::new("time", "", "s"), Name::new("phase", "", "")];
-        // Per part, where each of its columns goes.
-        let mut places: Vec<Vec<usize>> = Vec::with_capacity(parts.len());
-        for (phase, part) in parts.iter().enumerate() {
-            let mut own = Vec::with_capacity(part.names.len());
-            for name in &part.names {
-                let alike = |known: &Name| known.name == name.name && known.unit == name.unit;
-                let taken = names.iter().any(|known| known.name == name.name);
-                let known = names.iter().position(alike);
-                own.push(known.unwrap_or(names.len()));
-                if known.is_none() {
-                    let told = match taken {
-                        true => format!("{} ({})", name.name, phase + 1),
-                        false => name.name.clone(),
-                    };
-                    names.push(Name {
-                        name: told,
-                        ..name.clone()
-                    });
-                }
-            }
-            places.push(own);
-        }
-        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-        for ((part, own), phase) in parts.iter().zip(&places).zip(1_u32..) {
-            let (before, rows) = (columns[0].len(), part.len());
-            for (place, column) in own.iter().zip(&part.columns) {
-                columns[*place].extend_from_slice(column);
-            }
-            columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
-            let all = columns.iter_mut();
-            all.for_each(|column| column.resize(before + rows, f64::NAN));
-        }
-        let content = parts.first();
-        let content = content.map_or(Content::RESULTS, |part| part.maker.content);
-        Trajectory {
-            maker: RowMaker::new(content, names.len()),
-            beside: false,
-            measures: Measures::default(),
-            measured: RowMaker::new(NOTHING, 0),
-            sampling: Sampling::Steps,
-            first: columns[0].first().copied().unwrap_or(f64::NAN),
-            next: 0,
-            undetermined: parts.iter().map(|part| part.undetermined).sum(),
-            events: parts.iter().flat_map(|part| part.events.clone()).collect(),
-            statistics: Statistics::default(),
-            names,
-            columns,
-        }
-    }
-
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -389,12 +338,7 @@ impl Trajectory {
     pub fn to_csv(&self, mut to: impl Write) -> io::Result<()> {
         for (index, column) in self.names.iter().enumerate() {
             let comma = if index == 0 { "" } else { "," };
-            write!(to, "{comma}{}", column.name)?;
-            match (column.unit.as_str(), column.remark.as_str()) {
-                ("", "") => {}
-                (unit, "") => write!(to, " [{unit}]")?,
-                (unit, remark) => write!(to, " [{unit}; {remark}]")?,
-            }
+            write!(to, "{comma}{}", column.heading())?;
         }
         writeln!(to)?;
         for row in 0..self.len() {

@@ -1,18 +1,20 @@
 //! What can be dispersed: params, what the start is said in, inputs. Each by the name that its column of the results has.
 
-use mbd_runtime::scene::{InputSource, Scene};
+use mbd_runtime::scene::{InputSource, Parameter, Scene, Unit};
 use mbd_runtime::{Layout, state_names};
 use toml::Value;
 
-use crate::run::names::{PlanError, unknown};
+use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::plan::coordinate_unit;
 use crate::run::{RunPlan, Settings};
 
 /// Where a dispersed number goes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DispersionTarget {
-    /// A param, by index.
+    /// A param, by index; scenes that go on and have one of its name have the same.
     Param(usize),
+    /// A param of scenes that go on, alone.
+    LaterParam,
     /// What the start is said in: a coordinate of the state or of a joint, by name.
     Start(String),
     /// A number of the inputs, by its place.
@@ -34,22 +36,30 @@ pub struct Dispersible {
     pub nominal: f64,
 }
 
-/// Everything that can be dispersed in a scene that is run as planned.
+/// Everything that can be dispersed in a scene that is run as planned, and the params of those that go on from it.
 pub fn known(
-    scene: &Scene,
-    layout: &Layout,
+    (scene, layout): (&Scene, &Layout),
     (plan, settings): (&RunPlan, &Settings),
+    later: &[(&Scene, &RunPlan)],
 ) -> Vec<Dispersible> {
+    let known = |param: &Parameter, target: DispersionTarget, nominal: f64| Dispersible {
+        name: param.name.clone(),
+        target,
+        unit: param.unit.text.clone(),
+        factor: param.unit.factor,
+        nominal,
+    };
     let params = scene.params.iter().zip(&plan.params).enumerate();
     let mut all: Vec<Dispersible> = params
-        .map(|(index, (param, nominal))| Dispersible {
-            name: param.name.clone(),
-            target: DispersionTarget::Param(index),
-            unit: param.unit.text.clone(),
-            factor: param.unit.factor,
-            nominal: *nominal,
-        })
+        .map(|(index, (param, nominal))| known(param, DispersionTarget::Param(index), *nominal))
         .collect();
+    for (scene, plan) in later {
+        for (param, nominal) in scene.params.iter().zip(&plan.params) {
+            if !all.iter().any(|known| known.name == param.name) {
+                all.push(known(param, DispersionTarget::LaterParam, *nominal));
+            }
+        }
+    }
     let states = state_names(scene, layout).into_iter().zip(&plan.state);
     all.extend(states.map(|(name, nominal)| start(name.name, &name.unit, *nominal)));
     for name in scene.joint_coordinates() {
@@ -110,6 +120,47 @@ fn written(settings: &Settings, name: &str) -> f64 {
     0.0
 }
 
+/// Refuses to disperse a param that scenes have with different nominal values, or in different units: which of them is meant?
+pub fn is_one(
+    known: &Dispersible,
+    setting: &str,
+    first: (&Scene, &RunPlan),
+    later: &[(&Scene, &RunPlan)],
+) -> Result<(), PlanError> {
+    if !matches!(
+        known.target,
+        DispersionTarget::Param(_) | DispersionTarget::LaterParam
+    ) {
+        return Ok(());
+    }
+    let scenes = std::iter::once(&first).chain(later);
+    let of = scenes.filter_map(|(scene, plan)| {
+        let mut params = scene.params.iter().zip(&plan.params);
+        let (param, value) = params.find(|(param, _)| param.name == known.name)?;
+        Some((&scene.name, &param.unit, *value))
+    });
+    let all: Vec<(&String, &Unit, f64)> = of.collect();
+    let Some((one, unit, value)) = all.first() else {
+        return Ok(());
+    };
+    let differs = |(_, other, x): &&(&String, &Unit, f64)| {
+        other.dimension != unit.dimension || x.to_bits() != value.to_bits()
+    };
+    match all.iter().find(differs) {
+        None => Ok(()),
+        Some((two, other, x)) => {
+            let text = format!(
+                "`{one}` has {} {}, and `{two}`, which goes on from it, {} {}: give both one nominal value (here under [run.params]), or one of them another name",
+                value / unit.factor,
+                unit.text,
+                x / other.factor,
+                other.text
+            );
+            Err(wrong(setting, text))
+        }
+    }
+}
+
 /// Something by its name.
 pub fn find<'k>(
     known: &'k [Dispersible],
@@ -120,7 +171,10 @@ pub fn find<'k>(
     found.ok_or_else(|| {
         let part = |of: &&Dispersible| match name.split_once('.') {
             Some((part @ ("start" | "inputs"), _)) => of.name.starts_with(&format!("{part}.")),
-            _ => matches!(of.target, DispersionTarget::Param(_)),
+            _ => matches!(
+                of.target,
+                DispersionTarget::Param(_) | DispersionTarget::LaterParam
+            ),
         };
         let alike = known.iter().filter(part);
         unknown(setting, name, alike.map(|known| known.name.as_str()))

@@ -117,6 +117,24 @@ impl Measures {
         }
     }
 
+    /// Adds what a later part of the run was measured to be, by a history whose columns are in these places here.
+    pub(crate) fn add_part(&mut self, part: &Measures, places: &[usize]) {
+        for ((reader, _), sum) in part.readers.iter().zip(&part.sums) {
+            let reader = MetricReader {
+                column: places.get(reader.column).copied().unwrap_or(0),
+                ..reader.clone()
+            };
+            let known = self.readers.iter().position(|(known, _)| *known == reader);
+            match known.and_then(|at| self.sums.get_mut(at)) {
+                Some(own) => own.add_part(&reader, sum),
+                None => {
+                    self.readers.push((reader, 0));
+                    self.sums.push(*sum);
+                }
+            }
+        }
+    }
+
     /// Keeps what is known at this instant, to go back to.
     pub(crate) fn keep(&mut self, time: f64) {
         self.kept.0 = time;

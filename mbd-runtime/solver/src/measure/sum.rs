@@ -115,6 +115,29 @@ impl Sum {
         self.seen = true;
     }
 
+    /// A later part of the run.
+    pub(super) fn add_part(&mut self, of: &MetricReader, later: &Sum) {
+        self.span += later.span;
+        self.sum += later.sum;
+        self.extreme = match of.take {
+            Take::Min => self.extreme.min(later.extreme),
+            _ => self.extreme.max(later.extreme),
+        };
+        if self.first.is_nan() {
+            (self.first, self.at_event) = (later.first, later.at_event);
+        }
+        if later.seen {
+            self.last = later.last;
+        }
+        self.now = later.now;
+        self.seen |= later.seen;
+        self.undefined |= later.undefined;
+        self.open = match of.take {
+            Take::Max | Take::Min => self.open.max(later.open),
+            _ => self.open + later.open,
+        };
+    }
+
     /// An event at an instant that was looked at just before.
     pub(super) fn happens(&mut self, of: &MetricReader, time: f64) {
         let inside = (of.window[0]..=of.window[1]).contains(&time);
