@@ -28,6 +28,8 @@ pub(crate) struct Measures {
     columns: Vec<Column>,
     /// Values at the points of the halves of each halving, column by column.
     values: Vec<f64>,
+    /// What becomes of each column over each half.
+    states: Vec<Resolving>,
     /// Up to when the run was measured [s].
     until: f64,
     /// What was known at an instant the run may go back to [s].
@@ -55,12 +57,31 @@ struct Column {
     noise: f64,
 }
 
+/// What becomes of a column over a half: each is resolved by itself, so that no metric depends on which others there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Resolving {
+    /// It was resolved over more than this half.
+    #[default]
+    Done,
+    /// It is resolved here, or gets no smoother.
+    Here,
+    /// It is cut further.
+    Further,
+}
+
 /// A half of a part of a step: how often the step was halved, which half, and where it lies in the step, 0 … 1.
 #[derive(Clone, Copy)]
 struct Half {
     depth: usize,
     side: usize,
     part: [f64; 2],
+}
+
+impl Half {
+    /// Its place among all that are under way at once.
+    fn index(self) -> usize {
+        2 * self.depth + self.side
+    }
 }
 
 /// The step that is measured.
@@ -81,6 +102,7 @@ impl Measures {
             sums: vec![Sum::NOTHING; readers.len()],
             columns: vec![Column::default(); columns],
             values: vec![0.0; (2 * DEEPEST + 2) * POINTS * columns],
+            states: vec![Resolving::Done; (2 * DEEPEST + 2) * columns],
             until: f64::NAN,
             kept: (f64::NAN, vec![Sum::NOTHING; readers.len()]),
             readers,
@@ -161,7 +183,9 @@ impl Measures {
         mut at: impl FnMut(&mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), StepError> {
         let count = self.columns.len();
-        at(self.values.get_mut(..count).unwrap_or_default())?;
+        if count > 0 {
+            at(self.values.get_mut(..count).unwrap_or_default())?;
+        }
         for ((reader, column), sum) in self.readers.iter().zip(&mut self.sums) {
             let value = self.values.get(*column).copied().unwrap_or(f64::NAN);
             let polynomial = Polynomial::through([value; POINTS]);
@@ -182,36 +206,59 @@ impl Measures {
             side: 0,
             part: [0.0, 1.0],
         };
-        self.sample(whole, at)?;
-        let refine = (0..self.columns.len()).any(|column| self.is_open(whole, column, step));
-        self.resolve(whole, refine, step, at)?;
+        if !self.columns.is_empty() {
+            self.sample(whole, &|_| true, at)?;
+            for column in 0..self.columns.len() {
+                let state = match self.is_open(whole, column, step) {
+                    true => Resolving::Further,
+                    false => Resolving::Here,
+                };
+                self.set_state(whole, column, state);
+            }
+            self.resolve(whole, step, at)?;
+        }
         self.until = step.time + step.size;
         Ok(())
     }
 
-    /// Evaluates the columns at the points of a half.
+    /// Evaluates the columns at the points of a half, for those that `count` there.
     fn sample(
         &mut self,
         half: Half,
+        counts: &dyn Fn(Resolving) -> bool,
         at: &mut dyn FnMut(f64, &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), StepError> {
         let count = self.columns.len();
         let [low, high] = half.part;
+        let states = self.states.get(half.index() * count..).unwrap_or_default();
         let room = self.values.chunks_exact_mut(count.max(1));
-        let rows = room.skip((2 * half.depth + half.side) * POINTS);
+        let rows = room.skip(half.index() * POINTS);
         for (place, row) in Polynomial::places().into_iter().zip(rows) {
             at(low + place * (high - low), row)?;
-            for (column, value) in self.columns.iter_mut().zip(row.iter()) {
+            let all = self.columns.iter_mut().zip(row.iter()).zip(states);
+            for ((column, value), _) in all.filter(|(_, state)| counts(**state)) {
                 column.size = column.size.max(value.abs());
             }
         }
         Ok(())
     }
 
+    fn state(&self, half: Half, column: usize) -> Resolving {
+        let at = half.index() * self.columns.len() + column;
+        self.states.get(at).copied().unwrap_or_default()
+    }
+
+    fn set_state(&mut self, half: Half, column: usize, state: Resolving) {
+        let at = half.index() * self.columns.len() + column;
+        if let Some(slot) = self.states.get_mut(at) {
+            *slot = state;
+        }
+    }
+
     /// A column over a half.
     fn polynomial(&self, half: Half, column: usize) -> Polynomial {
         let count = self.columns.len();
-        let first = (2 * half.depth + half.side) * POINTS;
+        let first = half.index() * POINTS;
         let value = |point: usize| self.values.get((first + point) * count + column).copied();
         Polynomial::through(std::array::from_fn(|point| {
             value(point).unwrap_or(f64::NAN)
@@ -225,16 +272,17 @@ impl Measures {
         self.polynomial(half, column).tail() > allowed
     }
 
-    /// Adds a half of which the values are known, cut further where that is asked for.
+    /// Adds the columns that are resolved over a half of which the values are known, and cuts it for the others.
     fn resolve(
         &mut self,
         half: Half,
-        refine: bool,
         step: MeasuredStep,
         at: &mut dyn FnMut(f64, &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), StepError> {
-        if !refine {
-            self.add(half, step);
+        self.add(half, step);
+        let all = 0..self.columns.len();
+        let further = |column: usize| self.state(half, column) == Resolving::Further;
+        if !all.clone().any(further) {
             return Ok(());
         }
         let [low, high] = half.part;
@@ -244,31 +292,52 @@ impl Measures {
             side,
             part,
         });
-        for half in halves {
-            self.sample(half, at)?;
-        }
-        let mut refine = [false; 2];
-        for column in 0..self.columns.len() {
-            let open = halves.map(|half| self.is_open(half, column, step));
-            let before = self.polynomial(half, column).tail();
-            let now = halves.map(|half| self.polynomial(half, column).tail());
-            let alike = open[0] && open[1] && now[0].min(now[1]) > 0.5 * before;
-            if alike && half.depth + 1 >= PATIENCE {
-                // Both halves are as rough as the whole.
-                let smaller = now[0].min(now[1]);
-                if let Some(known) = self.columns.get_mut(column) {
-                    known.noise = known.noise.max(smaller);
-                }
-                continue;
+        for own in halves {
+            for column in all.clone() {
+                let state = self.state(half, column);
+                self.set_state(own, column, state);
             }
-            for (refine, open) in refine.iter_mut().zip(open) {
-                *refine |= open && half.depth + 1 < DEEPEST;
+            self.sample(own, &|state| state == Resolving::Further, at)?;
+        }
+        for column in all {
+            let states = match self.state(half, column) {
+                Resolving::Further => self.cut_column(half, halves, column, step),
+                Resolving::Here | Resolving::Done => [Resolving::Done; 2],
+            };
+            for (own, state) in halves.into_iter().zip(states) {
+                self.set_state(own, column, state);
             }
         }
-        for (half, refine) in halves.into_iter().zip(refine) {
-            self.resolve(half, refine, step, at)?;
+        for own in halves {
+            self.resolve(own, step, at)?;
         }
         Ok(())
+    }
+
+    /// What becomes of a column over both halves of a part over which it was not resolved.
+    fn cut_column(
+        &mut self,
+        whole: Half,
+        halves: [Half; 2],
+        column: usize,
+        step: MeasuredStep,
+    ) -> [Resolving; 2] {
+        let open = halves.map(|half| self.is_open(half, column, step));
+        let depth = whole.depth + 1;
+        let before = self.polynomial(whole, column).tail();
+        let [one, other] = halves.map(|half| self.polynomial(half, column).tail());
+        let smaller = one.min(other);
+        if open == [true; 2] && smaller > 0.5 * before && depth >= PATIENCE {
+            // Both halves are as rough as the whole.
+            if let Some(known) = self.columns.get_mut(column) {
+                known.noise = known.noise.max(smaller);
+            }
+            return [Resolving::Here; 2];
+        }
+        open.map(|open| match open && depth < DEEPEST {
+            true => Resolving::Further,
+            false => Resolving::Here,
+        })
     }
 
     fn add(&mut self, half: Half, step: MeasuredStep) {
@@ -280,6 +349,9 @@ impl Measures {
             let Some((reader, column)) = self.readers.get(index) else {
                 continue;
             };
+            if self.state(half, *column) != Resolving::Here {
+                continue;
+            }
             let polynomial = self.polynomial(half, *column);
             let size = self.columns.get(*column).map_or(0.0, |known| known.size);
             let tail = polynomial.tail();
