@@ -14,6 +14,9 @@ use crate::metric::MetricReader;
 use polynomial::{POINTS, Polynomial};
 use sum::Sum;
 
+/// Writes the columns at a part of a step, 0 … 1.
+type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a;
+
 /// The most halvings of a step.
 const DEEPEST: usize = 30;
 /// Halvings after which what does not get smaller is noise.
@@ -199,7 +202,7 @@ impl Measures {
     pub(crate) fn step(
         &mut self,
         step: MeasuredStep,
-        at: &mut dyn FnMut(f64, &mut [f64]) -> Result<(), StepError>,
+        at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         let whole = Half {
             depth: 0,
@@ -226,7 +229,7 @@ impl Measures {
         &mut self,
         half: Half,
         counts: &dyn Fn(Resolving) -> bool,
-        at: &mut dyn FnMut(f64, &mut [f64]) -> Result<(), StepError>,
+        at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         let count = self.columns.len();
         let [low, high] = half.part;
@@ -277,7 +280,7 @@ impl Measures {
         &mut self,
         half: Half,
         step: MeasuredStep,
-        at: &mut dyn FnMut(f64, &mut [f64]) -> Result<(), StepError>,
+        at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         self.add(half, step);
         let all = 0..self.columns.len();
