@@ -92,7 +92,8 @@ fn a_requirement_that_is_not_shown_has_its_exit_code() {
 #[test]
 fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
     let folder = Folder::new("case");
-    let file = folder.file("dispersed.toml", DISPERSED);
+    let fine = format!("{DISPERSED}every = \"0.05 ms\"\n");
+    let file = folder.file("dispersed.toml", &fine);
     let [out, alone] = ["out", "alone"].map(|name| folder.0.join(name).display().to_string());
     run(&["campaign", "swing", &file, "--out", &out]).unwrap();
     let cases = std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap();
@@ -128,11 +129,11 @@ fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
             .iter()
             .position(|it| it.starts_with("rope_left.tension"));
         let tensions = lines.map(|line| line[at.unwrap()].parse::<f64>().unwrap());
-        // The metric sees what is between two rows, too.
+        // The metric sees what is between two rows, too; these are fine.
         let highest = tensions.reduce(f64::max).unwrap();
         let peak = row[peak_at].parse::<f64>().unwrap();
         assert!(
-            peak >= highest && peak < 1.01 * highest,
+            peak >= highest && peak < 1.001 * highest,
             "{row:?} {highest}"
         );
         let summary = std::fs::read_to_string(Path::new(&alone).join("summary.json")).unwrap();
