@@ -74,7 +74,7 @@ impl<S: Real> TreeSystem<S> {
         into_state(evaluation, &mut out[layout.nq..layout.nq + n]);
     }
 
-    /// Eliminates and writes what solutions need: the factor, T of the bodies that float, the margin.
+    /// Eliminates and writes what solutions need: the factor, T of the bodies that float, what is known of the dependent speeds, the margin.
     pub fn write_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         self.prepare(evaluation, |_, _| S::zero());
         let plan = &evaluation.layout.elimination;
@@ -85,8 +85,8 @@ impl<S: Real> TreeSystem<S> {
         };
         factored(plan, |bank, at| next(self.system.factored(bank, at)));
         each_floating(evaluation, |_, axes| axes.iter().for_each(|x| next(*x)));
-        next(self.system.margin(plan));
         self.dependent.each_factored(|number| next(*number));
+        next(self.system.margin(plan));
     }
 
     /// Solves by that list, and writes x and y.
@@ -115,7 +115,8 @@ impl<S: Real> TreeSystem<S> {
         };
         self.along.copy_from_slice(&asked[..layout.nv]);
         turn(place, true, &mut self.along);
-        let mut behind = list[count - DependentSpeeds::<S>::factored_len(layout)..].iter();
+        let behind = DependentSpeeds::<S>::factored_len(layout);
+        let mut behind = list[count - 1 - behind..count - 1].iter();
         self.dependent.each_factored(|number| {
             if let Some(listed) = behind.next() {
                 *number = *listed;
