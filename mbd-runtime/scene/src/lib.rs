@@ -37,7 +37,7 @@ mod vocabulary;
 
 pub use direction::turns_direction;
 pub use evaluate::{
-    Handed, Scratch, commands, evaluate, evaluate_with_multipliers, handed, impulses,
+    Handed, Scratch, ToldMotion, commands, evaluate, evaluate_with_multipliers, handed, impulses,
     jumping_angles, locked, masses, sensitivity, settings,
 };
 pub use event::{
