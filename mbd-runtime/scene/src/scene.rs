@@ -288,10 +288,13 @@ impl Scene {
     #[must_use]
     pub fn is_of_time(&self, formula: &Formula) -> bool {
         use Formula::{Apply, Component, Const, Let, Lookup, Number, Param, Time, Vector};
-        let of_time = |part: &Formula| match part {
-            Number(_) | Const(_) | Param(_) | Time => true,
-            Let(_) | Vector(_) | Component(..) | Apply(..) | Lookup(..) => true,
-            _ => false,
+        let of_time = |part: &Formula| {
+            let known = matches!(part, Number(_) | Const(_) | Param(_) | Time);
+            known
+                || matches!(
+                    part,
+                    Let(_) | Vector(_) | Component(..) | Apply(..) | Lookup(..)
+                )
         };
         !self.contains(formula, |part| !of_time(part))
     }

@@ -70,7 +70,7 @@ impl Commands {
         (scene, numbers): (&Scene, &Numbers<f64>),
         (time, span): (f64, f64),
     ) -> Result<(), StepError> {
-        self.check_parts::<T>((scene, numbers), (time, span))?;
+        self.check_parts((scene, numbers), (time, span))?;
         let pairs = self.last.iter().zip(&self.now);
         let mut pairs = pairs.zip(&self.known);
         let told = |what, [change, expected]: [f64; 2], motor: String| StepError::Command {
@@ -114,7 +114,7 @@ impl Commands {
     }
 
     /// Whether functions of time go on where they go over from one part to another, by (3).
-    fn check_parts<T: Float>(
+    fn check_parts(
         &self,
         (scene, numbers): (&Scene, &Numbers<f64>),
         (time, span): (f64, f64),
@@ -155,7 +155,7 @@ impl Commands {
                         time: sides[1],
                     };
                     if jump.abs() > JUMP * moved + ROUNDED * value + 8.0 * gap * rate {
-                        return Err(what("value", jump));
+                        return Err(what(course.what, jump));
                     }
                     let jump = after.rate - before.rate;
                     if course.is_rigid && jump.abs() > ROUNDED * rate + 8.0 * gap * curve {

@@ -65,7 +65,7 @@ pub(crate) struct Impulses {
     external: [f64; 6],
     /// Σ |m v| and Σ |r × m v| + |I ω|.
     sizes: [f64; 2],
-    /// Σ |F| and Σ |r × F| + |τ|.
+    /// Σ |F| and Σ |r| |F| + |τ|.
     forces: [f64; 2],
 }
 

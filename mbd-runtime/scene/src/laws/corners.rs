@@ -33,19 +33,22 @@ pub struct CourseInParts {
     pub formula: Formula,
     /// Whether its rate may not jump: a joint would have to move bodies by an impulse.
     pub is_rigid: bool,
+    /// What the formula is: `value`, or `rate` where that is told beside it.
+    pub what: &'static str,
 }
 
 /// Every prescribed motion of time alone that has parts.
 #[must_use]
 pub fn in_parts(scene: &Scene) -> Vec<CourseInParts> {
     let mut all = Vec::new();
-    let mut add = |of: PrescribedMotion, formula: &Formula, is_rigid: bool| {
+    let mut add = |of: PrescribedMotion, formula: &Formula, is_rigid: bool, what| {
         if scene.contains(formula, has_parts) && scene.is_of_time(formula) {
             let formula = formula.clone();
             all.push(CourseInParts {
                 of,
                 formula,
                 is_rigid,
+                what,
             });
         }
     };
@@ -57,8 +60,8 @@ pub fn in_parts(scene: &Scene) -> Vec<CourseInParts> {
                 course => std::slice::from_ref(course),
             };
             let has_rate = told.len() > 1;
-            for part in told {
-                add(PrescribedMotion::Motor(joint, index), part, !has_rate);
+            for (part, what) in told.iter().zip(["value", "rate"]) {
+                add(PrescribedMotion::Motor(joint, index), part, !has_rate, what);
             }
         }
     }
@@ -70,12 +73,12 @@ pub fn in_parts(scene: &Scene) -> Vec<CourseInParts> {
             .any(|joint| [joint.parent, joint.child].contains(&place));
         let rotation = declared.rotation.iter().flatten().flatten();
         for formula in declared.position.iter().chain(rotation) {
-            add(PrescribedMotion::Frame(frame), formula, is_rigid);
+            add(PrescribedMotion::Frame(frame), formula, is_rigid, "value");
         }
     }
     for (line, declared) in scene.lines.iter().enumerate() {
         let (length, _) = declared.free_length_and_rate();
-        add(PrescribedMotion::Line(line), length, false);
+        add(PrescribedMotion::Line(line), length, false, "value");
     }
     all
 }

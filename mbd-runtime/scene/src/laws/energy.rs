@@ -118,8 +118,8 @@ pub fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     write(out, 3, &angular);
 }
 
-/// P, L, then force and torque of gravity and loads, then Σ |m v| and Σ |r × m v| + |I ω|, then the sizes of these forces and torques likewise; about
-/// the world origin.
+/// P, L, then force and torque of gravity and loads, then Σ |m v| and Σ |r × m v| + |I ω|, then the sizes of these forces and, for
+/// their torques, of forces times levers; about the world origin.
 pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     momentum(evaluation, out);
     let (mut force, mut torque) = forces::loads(evaluation);
@@ -130,7 +130,7 @@ pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         force += weight;
         torque += position.cross(&weight);
         push += norm(&weight);
-        twist += norm(&position.cross(&weight));
+        twist += norm(position) * norm(&weight);
         linear += norm(p);
         angular += norm(&position.cross(p)) + norm(spin);
     });
