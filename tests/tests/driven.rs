@@ -12,7 +12,7 @@ fn cause(text: &str, options: Options, until: f64) -> Option<StepError> {
     let generic = Generic::<f64>::with_defaults(read(text)).expect("defaults");
     let interpreted = Interpreted::<f64>::new(read(text), generic.params()).expect("defaults");
     let [a, b] = [&generic as &dyn Model<f64>, &interpreted].map(|model| {
-        let mut run = Simulation::new(model, options.clone()).expect("options");
+        let mut run = Simulation::new(model, options).expect("options");
         run.run(until).err().map(|error| error.cause)
     });
     assert_eq!(
@@ -216,7 +216,7 @@ fn what_is_prescribed_may_neither_jump_nor_have_a_corner() {
         Options::rodas5p(1e-6),
     ] {
         for (course, word) in jumps {
-            let cause = cause(&motor(course), options.clone(), 1.0);
+            let cause = cause(&motor(course), options, 1.0);
             assert!(
                 matches!(&cause, Some(StepError::Jump { of, what, .. }) if of == "j.angle" && *what == word),
                 "{course}: {cause:?}"
@@ -228,7 +228,7 @@ fn what_is_prescribed_may_neither_jump_nor_have_a_corner() {
             "if(time < 0.5 s, 1 rad/s^2 * time^2, 0.25 rad + 1 rad/s * (time - 0.5 s))",
             "0.5 rad * abs(sin(1 rad/s * time))",
         ] {
-            let cause = cause(&motor(smooth), options.clone(), 1.0);
+            let cause = cause(&motor(smooth), options, 1.0);
             assert!(cause.is_none(), "{smooth}: {cause:?}");
         }
     }
@@ -318,13 +318,13 @@ fn what_hovers_or_rests_has_lost_nothing() {
     };
     let hovering = "model Table { gravity: [0, 0, -9.81] m/s^2; point a { mass: 1.7 kg, start at [0.3, 0.1, 1] m }
         load n on a = [0, 0, 1.7 kg * (9.81 m/s^2 - 1e-9 m/s^2 * sin(time * 10 rad/s))]; }";
-    let run = run_of::<f64>(hovering, options.clone(), 2.0);
+    let run = run_of::<f64>(hovering, options, 2.0);
     let momentum = run.momentum_imbalance().expect("told");
     assert_eq!(momentum.relative(), 0.0, "{momentum:?}");
     let resting = "model Rest { gravity: [0, 0, -9.81] m/s^2; coordinates: relative; planar: xz;
         body boom { mass: 900 kg, inertia: diag(40, 1300, 1300) kg*m^2, frame foot at [-1.9, 0, 0] m }
         joint pin: hinge from world to boom.foot { axis: -y, motor: 0.3 rad, filter: 0.1 s } }";
-    let run = run_of::<f64>(resting, options.clone(), 2.0);
+    let run = run_of::<f64>(resting, options, 2.0);
     let energy = run.imbalance().expect("told");
     assert_eq!(energy.relative(), 0.0, "{energy:?}");
     // What an event changes by declaration is no loss.
