@@ -250,29 +250,69 @@ impl Scene {
             || self.world_frames.iter().any(|frame| frame.moves(self))
     }
 
-    /// The joint coordinates whose motors follow inputs without a filter between: joint, number of the coordinate.
-    pub fn commanded(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let input = |part: &Formula| matches!(part, Formula::Input(_));
-        let follows = move |course: &Formula| match course {
-            Formula::Vector(parts) => parts
-                .first()
-                .is_some_and(|value| self.contains(value, input)),
-            _ => false,
-        };
+    /// The joint coordinates whose motors are told value, rate and acceleration without a filter between, with what they are told: joint, number of the
+    /// coordinate.
+    pub fn commanded(&self) -> impl Iterator<Item = ([usize; 2], &[Formula])> + '_ {
         let joints = self.joints.iter().enumerate();
-        joints.flat_map(move |(joint, declared)| {
-            let motors = declared.motors().filter(move |(_, course)| follows(course));
-            motors.map(move |(index, _)| (joint, index))
+        joints.flat_map(|(joint, declared)| {
+            declared
+                .forces
+                .iter()
+                .filter_map(move |forces| match (&forces.motor, &forces.filter) {
+                    (Some(Formula::Vector(parts)), None) => {
+                        Some(([joint, forces.coordinate], parts.as_slice()))
+                    }
+                    _ => None,
+                })
         })
     }
 
-    /// The lines whose free length follows inputs and whose rate is said beside it.
-    pub fn commanded_lines(&self) -> impl Iterator<Item = usize> + '_ {
-        let input = |part: &Formula| matches!(part, Formula::Input(_));
+    /// The lines whose rate is said beside their free length, with both.
+    pub fn commanded_lines(&self) -> impl Iterator<Item = (usize, &[Formula])> + '_ {
         let lines = self.lines.iter().enumerate();
-        lines.filter_map(move |(index, line)| match line.free_length_and_rate() {
-            (length, Some(_)) => self.contains(length, input).then_some(index),
+        lines.filter_map(|(index, line)| match &line.free_length {
+            Formula::Vector(parts) => Some((index, parts.as_slice())),
             _ => None,
+        })
+    }
+
+    /// Whether the rate of a formula of inputs, states and time follows from the declaration: without inputs, whose rates only the caller knows, and
+    /// without tables, whose rows are rounded.
+    #[must_use]
+    pub fn tells_rate(&self, formula: &Formula) -> bool {
+        let untold = |part: &Formula| matches!(part, Formula::Input(_) | Formula::Lookup(..));
+        !self.contains(formula, untold)
+    }
+
+    /// Whether nothing but time changes a formula during a run.
+    #[must_use]
+    pub fn is_of_time(&self, formula: &Formula) -> bool {
+        use Formula::{Apply, Component, Const, Let, Lookup, Number, Param, Time, Vector};
+        let of_time = |part: &Formula| {
+            let known = matches!(part, Number(_) | Const(_) | Param(_) | Time);
+            known
+                || matches!(
+                    part,
+                    Let(_) | Vector(_) | Component(..) | Apply(..) | Lookup(..)
+                )
+        };
+        !self.contains(formula, |part| !of_time(part))
+    }
+
+    /// Whether the work of loads on equilibrium points is told: these have a velocity of their own, or the loads change with time alone.
+    #[must_use]
+    pub fn tells_node_work(&self) -> bool {
+        self.loads.iter().all(|load| {
+            let Place::Point(point) = load.at else {
+                return true;
+            };
+            let without_rate = self.points.get(point).is_some_and(
+                |point| matches!(&point.kind, PointKind::Node(model) if *model != NodeModel::Rate),
+            );
+            match &load.kind {
+                LoadKind::Force(force) if without_rate => self.is_of_time(force),
+                _ => !without_rate,
+            }
         })
     }
 

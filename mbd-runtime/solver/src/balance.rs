@@ -32,16 +32,17 @@ pub struct Imbalance {
     pub energy: f64,
     /// The energy that moved: the largest kinetic energy, change of a potential one or work [J].
     pub moved: f64,
+    /// What of the first rounding explains, by the sizes of the energies [J].
+    pub rounding: f64,
 }
 
 impl Imbalance {
-    /// The imbalance over the energy that moved; zero where nothing moved.
+    /// The imbalance over the energy that moved, without what rounding explains; zero where nothing moved.
     #[must_use]
     pub fn relative(&self) -> f64 {
-        if self.moved > 0.0 {
-            self.energy / self.moved
-        } else {
-            0.0
+        match self.moved > 0.0 && (self.energy.is_nan() || self.energy > self.rounding) {
+            true => (self.energy - self.rounding) / self.moved,
+            false => 0.0,
         }
     }
 }
@@ -174,19 +175,19 @@ impl EnergyBalance {
         changed.fold(self.kinetic, f64::max)
     }
 
-    /// The largest imbalance so far.
-    pub(crate) fn imbalance(&self) -> Imbalance {
+    /// The largest imbalance so far, in numbers of this `precision`.
+    pub(crate) fn imbalance(&self, precision: f64) -> Imbalance {
         Imbalance {
             energy: self.most,
             moved: self.moved(),
+            rounding: ROUNDING * precision * self.size,
         }
     }
 
     /// The most that was made (positive, if more is made than lost now) or lost, over the energy that moved, without what rounding at this `precision`
     /// explains.
     pub(crate) fn excess(&self, precision: f64) -> f64 {
-        let explained = ROUNDING * precision * self.size;
-        let over = (self.most - explained).max(0.0);
+        let over = (self.most - ROUNDING * precision * self.size).max(0.0);
         match (over > 0.0, self.moved()) {
             (false, _) => 0.0,
             (true, moved) if moved > 0.0 => over.copysign(self.surplus) / moved,
@@ -286,7 +287,7 @@ mod tests {
         balance.take_up(reading(10.0, 0.0));
         balance.take_up(reading(15.0, 0.0));
         balance.take(0.1, 0.0, reading(14.0, 0.0));
-        assert_eq!(balance.imbalance().energy, 1.0);
+        assert_eq!(balance.imbalance(0.0).energy, 1.0);
         assert!((balance.excess(0.0) + 1.0 / 15.0).abs() < 1e-15);
     }
 }

@@ -1,78 +1,201 @@
-//! Motors whose value, rate and acceleration are inputs, and lines whose free length and its rate are: they must tell one motion.
+//! Prescribed motions must tell one motion: motors whose value, rate and acceleration are told, lines whose free length and its rate are, and
+//! whatever is a function of time with parts.
 //!
 //! ```text
 //! |x₁ − x₀ − h (ẋ₀ + ẋ₁)/2| ≤ 0.1 max(|x₁ − x₀|, h |ẋ|, h² |ẍ|)          over a step h; the same for ẋ and ẍ, ẍ         (1)
+//! |dx/dt − ẋ| ≤ 1e-3 max(|dx/dt|, |ẋ|, h |ẍ|)                            at the end of a step; the same for ẋ and ẍ    (2)
+//! x, ẋ the same on both sides of where a function of time goes over to another of its parts                            (3)
 //! ```
 //!
-//! A smooth command of which a step sees a sixth of a period or less satisfies (1): the trapezoid is off by h³ x‴/12. With h = 0 it says that neither
-//! value nor rate may jump when inputs change. What breaks it would be put right by the projection, without a word: bodies would be carried where the
-//! joints allow, and the accelerations would be those of another motion. Of a line it would be in no balance: a winch does the work −T L̇0 with the
-//! rate that is told. Nobody tells the acceleration of a line; in (1) it is the difference of the rates over the step. A rate that is wrong
-//! by less than a tenth is not seen.
+//! Of what has no inputs and no tables in it dx/dt is known: (2). Of the rest (1): a smooth command of which a step sees a sixth of a period or less
+//! satisfies it: the trapezoid is off by h³ x‴/12. With h = 0 it says that neither value nor rate may jump when inputs change or an event acts. What
+//! breaks it would be put right by the projection, without a word: bodies would be carried where the joints allow, and the accelerations would be
+//! those of another motion. Of a line it would be in no balance: a winch does the work −T L̇0 with the rate that is told. Nobody tells the
+//! acceleration of a line; in (1) it is the difference of the rates over the step. A rate that is wrong by less than a tenth, or in (2) by a
+//! thousandth, is not seen. (3): of a line, and of a frame at which no joint ends, the rate may jump, its force follows.
 
-use mbd_scene::{Float, Scene};
+use mbd_scene::laws::Numbers;
+use mbd_scene::laws::corners::{CourseInParts, PrescribedMotion, in_parts};
+use mbd_scene::{Float, Scene, ToldMotion};
 
 use crate::columns::line_name;
 use crate::error::StepError;
 
-/// How far the two sides of (1) may differ [1].
+/// How far the two sides of (1) may differ [1], and those of (2).
 const SHARE: f64 = 0.1;
+const EXACT: f64 = 1e-3;
+/// How far both sides of (3) may differ, of the change over the step, and of the number itself.
+const JUMP: f64 = 1e-6;
+const ROUNDED: f64 = 1e-7;
+/// How many numbers away from a change of parts both sides are compared.
+const NEAR: f64 = 4.0;
+/// How often a step is looked at for (3), and how many changes of parts between two looks.
+const LOOKS: usize = 8;
+const CHANGES: usize = 16;
 
-/// What motors were commanded at the last accepted step, and room for the next.
+/// What is prescribed, and what was told at the last accepted step, with room for the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Commands {
-    pub last: Vec<[f64; 3]>,
-    pub now: Vec<[f64; 3]>,
+    /// Of each motor, then each line that is told its rate: whether the rates of value and rate are known.
+    known: Vec<[bool; 2]>,
+    in_parts: Vec<CourseInParts>,
+    pub last: Vec<ToldMotion<f64>>,
+    pub now: Vec<ToldMotion<f64>>,
 }
 
 impl Commands {
-    /// Room for a scene; `None` where nothing follows inputs.
+    /// Room for a scene; `None` where nothing is told and nothing has parts.
     pub(crate) fn new(scene: &Scene) -> Option<Self> {
-        let count = scene.commanded().count() + scene.commanded_lines().count();
-        (count > 0).then(|| Commands {
+        let motors = scene.commanded().map(|(_, parts)| parts);
+        let all = motors.chain(scene.commanded_lines().map(|(_, parts)| parts));
+        let known = all.map(|parts| {
+            [0, 1].map(|order| {
+                let part = parts.get(order).filter(|_| order + 1 < parts.len());
+                part.is_some_and(|part| scene.tells_rate(part))
+            })
+        });
+        let known: Vec<[bool; 2]> = known.collect();
+        let (in_parts, count) = (in_parts(scene), known.len());
+        (count > 0 || !in_parts.is_empty()).then(|| Commands {
+            known,
+            in_parts,
             last: Vec::with_capacity(count),
             now: Vec::with_capacity(count),
         })
     }
 
-    /// Whether what is commanded now goes on from the last step, `span` before [s], by (1).
+    /// Whether what is commanded now goes on from the last step, `span` before [s].
     pub(crate) fn check<T: Float>(
         &self,
-        scene: &Scene,
+        (scene, numbers): (&Scene, &Numbers<f64>),
         (time, span): (f64, f64),
     ) -> Result<(), StepError> {
-        let mut pairs = self.last.iter().zip(&self.now);
-        let told = |what, [change, expected]: [f64; 2], name: String| StepError::Command {
-            motor: name,
+        self.check_parts((scene, numbers), (time, span))?;
+        let pairs = self.last.iter().zip(&self.now);
+        let mut pairs = pairs.zip(&self.known);
+        let told = |what, [change, expected]: [f64; 2], motor: String| StepError::Command {
+            motor,
             time,
             what,
             change,
             expected,
         };
-        for ((joint, index), (last, now)) in scene.commanded().zip(pairs.by_ref()) {
-            let Some((joint, coordinate)) = scene.coordinate(joint, index) else {
-                continue;
-            };
+        for (([joint, index], _), ((last, now), known)) in scene.commanded().zip(pairs.by_ref()) {
+            let motor = || motor_name(scene, [joint, index]);
             for (order, word) in ["value", "rate"].into_iter().enumerate() {
-                if let Some(changes) = contradiction::<T>(&last[order..], &now[order..], span) {
-                    let name = format!("{}.{}", joint.name, coordinate.name);
-                    return Err(told(word, changes, name));
+                let found = match known[order] && span > 0.0 {
+                    true => untrue::<T>(now, order, span),
+                    false => contradiction::<T>(&last.told[order..], &now.told[order..], span),
+                };
+                if let Some(changes) = found {
+                    return Err(told(word, changes, motor()));
                 }
             }
         }
-        for (line, (last, now)) in scene.commanded_lines().zip(pairs) {
+        for ((line, _), ((last, now), known)) in scene.commanded_lines().zip(pairs) {
             let curve = match span > 0.0 {
-                true => (now[1] - last[1]) / span,
+                true => (now.told[1] - last.told[1]) / span,
                 false => 0.0,
             };
-            let [last, now] = [last, now].map(|numbers| [numbers[0], numbers[1], curve]);
-            if let Some(changes) = contradiction::<T>(&last, &now, span) {
+            let [last, now] = [last, now].map(|own| ToldMotion {
+                told: [own.told[0], own.told[1], curve],
+                ..*own
+            });
+            let found = match known[0] && span > 0.0 {
+                true => untrue::<T>(&now, 0, span),
+                false => contradiction::<T>(&last.told, &now.told, span),
+            };
+            if let Some(changes) = found {
                 let name = format!("{}.free_length", line_name(scene, line));
                 return Err(told("value", changes, name));
             }
         }
         Ok(())
     }
+
+    /// Whether functions of time go on where they go over from one part to another, by (3).
+    fn check_parts(
+        &self,
+        (scene, numbers): (&Scene, &Numbers<f64>),
+        (time, span): (f64, f64),
+    ) -> Result<(), StepError> {
+        if span.is_nan() || span <= 0.0 {
+            return Ok(());
+        }
+        for course in &self.in_parts {
+            let ends = [time - span, time].map(|at| course.at(scene, numbers, at));
+            let look = |number: usize| time - span * (1.0 - number as f64 / LOOKS as f64);
+            for number in 0..LOOKS {
+                let [mut from, to] = [look(number), look(number + 1)];
+                for _ in 0..CHANGES {
+                    let Some(sides) = course.change((scene, numbers), [from, to]) else {
+                        break;
+                    };
+                    // Where both sides are equal the rate may be that of either.
+                    let off = NEAR * (sides[1] - sides[0]);
+                    let around = [sides[0] - off, sides[1] + off];
+                    let gap = around[1] - around[0];
+                    let around = around.map(|at| course.at(scene, numbers, at));
+                    let sizes = |of: &dyn Fn(&mbd_scene::Jet<f64>) -> f64| {
+                        let all = ends.iter().chain(&around).map(|jet| of(jet).abs());
+                        all.fold(0.0, f64::max)
+                    };
+                    let [value, rate, curve] = [
+                        sizes(&|jet| jet.value),
+                        sizes(&|jet| jet.rate),
+                        sizes(&|jet| jet.curve),
+                    ];
+                    let moved = (ends[1].value - ends[0].value).abs();
+                    let [before, after] = around;
+                    let jump = after.value - before.value;
+                    let what = |what, change| StepError::Jump {
+                        of: prescribed_name(scene, course.of),
+                        what,
+                        change,
+                        time: sides[1],
+                    };
+                    if jump.abs() > JUMP * moved + ROUNDED * value + 8.0 * gap * rate {
+                        return Err(what(course.what, jump));
+                    }
+                    let jump = after.rate - before.rate;
+                    if course.is_rigid && jump.abs() > ROUNDED * rate + 8.0 * gap * curve {
+                        return Err(what("rate", jump));
+                    }
+                    from = sides[1];
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A coordinate that a motor drives, as a message calls it.
+fn motor_name(scene: &Scene, [joint, index]: [usize; 2]) -> String {
+    match scene.coordinate(joint, index) {
+        Some((joint, coordinate)) => format!("{}.{}", joint.name, coordinate.name),
+        None => String::new(),
+    }
+}
+
+fn prescribed_name(scene: &Scene, of: PrescribedMotion) -> String {
+    match of {
+        PrescribedMotion::Motor(joint, index) => motor_name(scene, [joint, index]),
+        PrescribedMotion::Frame(frame) => {
+            let frame = scene.world_frames.get(frame);
+            frame.map_or_else(String::new, |frame| format!("world.{}", frame.name))
+        }
+        PrescribedMotion::Line(line) => format!("{}.free_length", line_name(scene, line)),
+    }
+}
+
+/// The change of a number over the last step as it follows and as its rate tells it, where (2) does not hold.
+fn untrue<T: Float>(now: &ToldMotion<f64>, order: usize, span: f64) -> Option<[f64; 2]> {
+    let (told, follows) = (now.told[order + 1], now.follows[order]);
+    let bend = now.told.get(order + 2).map_or(0.0, |next| next * span);
+    let size = told.abs().max(follows.abs()).max(bend.abs());
+    let rounding = 64.0 * T::EPSILON.to_f64() * now.told[order].abs() / span;
+    let wrong = (follows - told).abs() > (EXACT * size).max(rounding);
+    wrong.then_some([follows * span, told * span])
 }
 
 /// The change of a number over a step and that which its rate tells, where (1) does not hold. `last` and `now`: the number and its rates.

@@ -237,7 +237,7 @@ step_errors! {
     }
     "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
 
-    /// A motor or a wound line follows inputs that contradict each other: its value does not change as its rate says, or its rate not as its
+    /// A motor or a wound line is told a motion that contradicts itself: its value does not change as its rate says, or its rate not as its
     /// acceleration says.
     Command {
         /// The coordinate of the motor, `rail.slide`, or the length of the line, `rope.free_length`.
@@ -253,7 +253,22 @@ step_errors! {
     }
     "command",
     format!("the {what} that `{motor}` follows changes by {change:.3e} at {time} s where its own rate says {expected:.3e}"),
-    "give value, rate and acceleration as functions of time (`Simulation::control`), or let the motor follow one input through a filter, `motor: wish, filter: 20 ms`, and wind the line by a state, `state paid = 5 m { rate: winch_speed }`";
+    "give the derivatives of the value as rate and acceleration (inputs: as functions of time, `Simulation::control`), or let the motor follow one input through a filter, `motor: wish, filter: 20 ms`, and wind the line by a state, `state paid = 5 m { rate: winch_speed }`";
+
+    /// A motion that is prescribed as a function of time jumps, or its rate does where joints would have to carry bodies along by an impulse.
+    Jump {
+        /// The coordinate of a motor, `rail.slide`, a frame, `world.road`, or the length of a line, `rope.free_length`.
+        of: String,
+        /// When [s].
+        time: f64,
+        /// `value` or `rate`.
+        what: &'static str,
+        /// By how much [m, rad, or per second].
+        change: f64,
+    }
+    "jump",
+    format!("the {what} that `{of}` is prescribed jumps by {change:.3e} at {time} s"),
+    "join its parts without corners, with `smoothstep` or powers of `time`, or let a motor follow it through a filter, `motor: …, filter: 20 ms`";
 
     /// A number that became infinite or NaN.
     NonFinite {

@@ -24,6 +24,11 @@ impl Laws {
         }
     }
 
+    /// The numbers of the scene.
+    pub(crate) fn numbers(&self) -> &Numbers<f64> {
+        &self.numbers
+    }
+
     /// Writes a quantity of the scene that `model` runs; entries of matrices that are always zero, too.
     pub(crate) fn evaluate<T: Float>(
         &mut self,

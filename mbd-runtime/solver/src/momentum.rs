@@ -21,6 +21,9 @@ const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
+/// What of a number rounding may leave, in units of the precision.
+const ROUNDING: f64 = 64.0;
+
 /// What a run made or lost of momentum without a cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MomentumImbalance {
@@ -32,15 +35,23 @@ pub struct MomentumImbalance {
     pub linear_moved: f64,
     /// The same about the world origin, the largest Σ |r × m v| + |I ω| [kg m²/s].
     pub angular_moved: f64,
+    /// What of both rounding and the tolerance of the run explain, by the impulses of gravity and loads and what moved.
+    pub explained: [f64; 2],
 }
 
 impl MomentumImbalance {
-    /// The larger of both imbalances over what moved of their kind; zero where nothing moved.
+    /// The larger of both imbalances over what moved of their kind, without what rounding and the tolerance explain; zero where nothing moved.
     #[must_use]
     pub fn relative(&self) -> f64 {
-        let share = |part: f64, of: f64| if of > 0.0 { part / of } else { 0.0 };
-        let angular = share(self.angular, self.angular_moved);
-        let linear = share(self.linear, self.linear_moved);
+        let [linear, angular] = self.explained;
+        let share = |part: f64, explained: f64, of: f64| match of > 0.0
+            && (part.is_nan() || part > explained)
+        {
+            true => (part - explained) / of,
+            false => 0.0,
+        };
+        let angular = share(self.angular, angular, self.angular_moved);
+        let linear = share(self.linear, linear, self.linear_moved);
         if linear >= angular { linear } else { angular }
     }
 }
@@ -54,6 +65,8 @@ pub(crate) struct Impulses {
     external: [f64; 6],
     /// Σ |m v| and Σ |r × m v| + |I ω|.
     sizes: [f64; 2],
+    /// Σ |F| and Σ |r| |F| + |τ|.
+    forces: [f64; 2],
 }
 
 /// (1) so far.
@@ -75,8 +88,23 @@ impl MomentumBalance {
         balance
     }
 
-    /// Takes a step that ended with `now` and in which gravity and loads gave `impulse`.
-    fn take(&mut self, impulse: [f64; 6], now: &Impulses) {
+    /// Goes on after momentum jumped by declaration: what jumped is neither made nor lost.
+    fn take_up(&mut self, now: &Impulses) {
+        self.last = now.momentum;
+        self.widen(now);
+    }
+
+    /// Takes a step that ended with `now` and in which gravity and loads gave `impulse`, and their sizes did; `share`: what tolerance and rounding
+    /// make of a number.
+    fn take(&mut self, (impulse, sizes): ([f64; 6], [f64; 2]), now: &Impulses, share: f64) {
+        for (explained, (impulse, moved)) in self
+            .so_far
+            .explained
+            .iter_mut()
+            .zip(sizes.iter().zip(now.sizes))
+        {
+            *explained += share * impulse + f64::EPSILON * moved;
+        }
         for (index, surplus) in self.surplus.iter_mut().enumerate() {
             *surplus += now.momentum[index] - self.last[index] - impulse[index];
         }
@@ -120,17 +148,32 @@ impl<T: Float> Simulation<T> {
         let Some(mut balance) = self.momentum else {
             return;
         };
+        let tolerance = self
+            .options
+            .method
+            .tolerance()
+            .map_or(0.0, |[rtol, _]| rtol);
+        let share = tolerance.max(ROUNDING * T::EPSILON.to_f64());
         self.momentum = self.impulse_of(step).map(|impulse| {
             let end = self.time + step;
             let now = self.system.impulses(end, self.method.next(), false);
-            balance.take(impulse, &now);
+            balance.take(impulse, &now, share);
             balance
         });
     }
 
-    /// ∫ of F and τ over the attempted step.
-    fn impulse_of(&mut self, step: f64) -> Option<[f64; 6]> {
-        let mut impulse = [0.0; 6];
+    /// Takes up the momentum after something jumped by declaration.
+    pub(crate) fn rebase_momentum(&mut self) {
+        if let Some(mut balance) = self.momentum {
+            let now = self.system.impulses(self.time, &self.state, false);
+            balance.take_up(&now);
+            self.momentum = Some(balance);
+        }
+    }
+
+    /// ∫ of F and τ over the attempted step, and of their sizes.
+    fn impulse_of(&mut self, step: f64) -> Option<([f64; 6], [f64; 2])> {
+        let (mut impulse, mut sizes) = ([0.0; 6], [0.0; 2]);
         for (theta, weight) in GAUSS {
             self.inside_state(theta, step).ok()?;
             let span = theta * step;
@@ -140,25 +183,29 @@ impl<T: Float> Simulation<T> {
             for (sum, rate) in impulse.iter_mut().zip(inside.external) {
                 *sum += weight * step * rate;
             }
+            for (sum, size) in sizes.iter_mut().zip(inside.forces) {
+                *sum += weight * step * size;
+            }
         }
-        Some(impulse)
+        Some((impulse, sizes))
     }
 }
 
 impl<T: Float> System<T> {
     /// Momentum and what changes it by the laws, at the stage that was evaluated last or at the state that [`System::look`] saw last.
     fn impulses(&mut self, time: f64, state: &[T], seen: bool) -> Impulses {
-        let mut numbers = [0.0; 14];
+        let mut numbers = [0.0; 16];
         self.by_laws_at((time, state), seen, |laws, model, at| {
             laws.run(model, at, |scene, layout, laws, at, scratch| {
                 mbd_scene::impulses(scene, layout, laws, at, scratch, &mut numbers);
             });
         });
-        let [a, b, c, d, e, f, g, h, i, j, k, l, sizes @ ..] = numbers;
+        let [a, b, c, d, e, f, g, h, i, j, k, l, p, q, forces @ ..] = numbers;
         Impulses {
             momentum: [a, b, c, d, e, f],
             external: [g, h, i, j, k, l],
-            sizes,
+            sizes: [p, q],
+            forces,
         }
     }
 }

@@ -370,7 +370,8 @@ impl<T: Float> System<T> {
             mbd_scene::commands(scene, layout, numbers, at, scratch, &mut commands.now);
         });
         if let Some(span) = span {
-            commands.check::<T>(self.model.scene(), (time, span))?;
+            let known = (self.model.scene(), laws.numbers());
+            commands.check::<T>(known, (time, span))?;
         }
         std::mem::swap(&mut commands.last, &mut commands.now);
         Ok(())

@@ -27,6 +27,9 @@ const LIMIT: f64 = 2.5;
 pub(crate) const NEGLIGIBLE: f64 = 1e-3;
 /// The part of the energy that moved that a fixed-step run may make or lose.
 const ENERGY: f64 = 0.02;
+/// For how many steps in a row it must be. From rest energy grows like a power of time, and the first step has an error like its whole: the
+/// balance of a run that is right holds after the next.
+const PERSISTS: u64 = 3;
 /// The part of what is allowed at which a state is still good: nothing has grown.
 const GOOD: f64 = 0.1;
 /// How many steps are remembered, and how many of them may exceed the limit.
@@ -39,6 +42,8 @@ pub(crate) struct Watch {
     above: u64,
     /// hρ of the last step above the limit.
     last: f64,
+    /// After how many steps in a row the energy was out of balance.
+    over: u64,
 }
 
 impl Watch {
@@ -70,9 +75,11 @@ impl Watch {
         self.above == 0 && excess.abs() <= GOOD * ENERGY
     }
 
-    /// Whether a run made or lost too much energy.
-    pub(crate) fn is_too_much(excess: f64) -> bool {
-        excess.is_nan() || excess.abs() > ENERGY
+    /// Records the balance of energy, `steps` after the last look at it; true when the run made or lost too much, and goes on to.
+    pub(crate) fn sees_energy(&mut self, excess: f64, steps: u64) -> bool {
+        let is_over = excess.is_nan() || excess.abs() > ENERGY;
+        self.over = if is_over { self.over + steps } else { 0 };
+        self.over >= PERSISTS || !excess.is_finite()
     }
 }
 

@@ -351,27 +351,38 @@ pub fn settings<S: Real>(
     out.extend(all.map(|setting| formula::scalar(&setting.value, &evaluation)));
 }
 
-/// Appends value, rate and acceleration of every motor whose value is an input, or depends on one: what the caller commands. In the order of
-/// [`Scene::commanded`], then free length and rate of the lines of [`Scene::commanded_lines`], whose acceleration nobody gives: zero.
+/// What a motor is told, or a line that is wound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToldMotion<S> {
+    /// Value, rate and acceleration of a motor; free length and rate of a line, whose acceleration nobody gives: zero.
+    pub told: [S; 3],
+    /// The rates of value and rate as they follow from their expressions, inputs held; of a line that of its free length alone.
+    pub follows: [S; 2],
+}
+
+/// Appends what every motor is told, in the order of [`Scene::commanded`], then every line of [`Scene::commanded_lines`].
 pub fn commands<S: Real>(
     scene: &Scene,
     layout: &Layout,
     numbers: &Numbers<S>,
     at: &At<'_, S>,
     scratch: &mut Scratch<S>,
-    out: &mut Vec<[S; 3]>,
+    out: &mut Vec<ToldMotion<S>>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    for (joint, index) in scene.commanded() {
-        let motors = scene.joints[joint].motors();
-        for (_, course) in motors.filter(|(driven, _)| *driven == index) {
-            let course = evaluation.course(course);
-            out.push([course.value, course.rate, course.curve]);
-        }
-    }
-    for line in scene.commanded_lines() {
-        let told = [evaluation.wound(line), evaluation.rate_of_winding(line)];
-        let [length, rate] = told.map(|number| number.unwrap_or_else(|| S::from_f64(f64::NAN)));
-        out.push([length, rate, S::zero()]);
+    let motors = scene.commanded().map(|(_, parts)| parts);
+    for parts in motors.chain(scene.commanded_lines().map(|(_, parts)| parts)) {
+        let number = |index: usize| match parts.get(index) {
+            Some(part) => formula::scalar(part, &evaluation),
+            None => S::zero(),
+        };
+        let follows = |index: usize| match parts.get(index + 1) {
+            Some(_) => evaluation.rate_of(&parts[index]),
+            None => S::zero(),
+        };
+        out.push(ToldMotion {
+            told: [0, 1, 2].map(number),
+            follows: [0, 1].map(follows),
+        });
     }
 }

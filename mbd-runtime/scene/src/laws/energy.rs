@@ -118,15 +118,19 @@ pub fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     write(out, 3, &angular);
 }
 
-/// P, L, then force and torque of gravity and loads, then Σ |m v| and Σ |r × m v| + |I ω|; about the world origin.
+/// P, L, then force and torque of gravity and loads, then Σ |m v| and Σ |r × m v| + |I ω|, then the sizes of these forces and, for
+/// their torques, of forces times levers; about the world origin.
 pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     momentum(evaluation, out);
     let (mut force, mut torque) = forces::loads(evaluation);
     let [mut linear, mut angular] = [S::zero(); 2];
+    let [mut push, mut twist] = [norm(&force), norm(&torque)];
     visit_moving(evaluation, |place, mass, position, p, spin| {
         let weight = gravity::at(evaluation, place).map(|g| mass * g);
         force += weight;
         torque += position.cross(&weight);
+        push += norm(&weight);
+        twist += norm(position) * norm(&weight);
         linear += norm(p);
         angular += norm(&position.cross(p)) + norm(spin);
     });
@@ -142,7 +146,8 @@ pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
     write(out, 6, &force);
     write(out, 9, &torque);
-    for (slot, size) in out.iter_mut().skip(12).zip([linear, angular]) {
+    let sizes = [linear, angular, push, twist];
+    for (slot, size) in out.iter_mut().skip(12).zip(sizes) {
         *slot = size;
     }
 }

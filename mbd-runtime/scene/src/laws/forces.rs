@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::formula;
 use crate::laws::joint_forces::JointForcesAt;
-use crate::{InputSource, Layout, LoadKind, Place, PointSlots, Real};
+use crate::{InputSource, Layout, LoadKind, Place, Real};
 
 /// Force and torque on everything that moves, world axes; torque about the centre of mass.
 #[derive(Clone, Debug)]
@@ -168,6 +168,20 @@ pub fn node_load<S: Real>(evaluation: &Evaluation<'_, S>, point: usize) -> Vecto
     total
 }
 
+/// Ẇ: the rate of the load on a node [N/s] as time changes it; [`Scene::tells_node_work`] says where nothing else does.
+pub fn node_load_rate<S: Real>(evaluation: &Evaluation<'_, S>, point: usize) -> Vector3<S> {
+    let mut total = Vector3::zeros();
+    for load in &evaluation.scene.loads {
+        if load.at == Place::Point(point)
+            && let LoadKind::Force(formula) = &load.kind
+            && evaluation.scene.is_of_time(formula)
+        {
+            total += evaluation.rates_of(formula);
+        }
+    }
+    total
+}
+
 /// Force of all loads [N] and their torque about the world origin [N m]; loads on nodes, which their lines pass on, among them.
 pub fn loads<S: Real>(evaluation: &Evaluation<'_, S>) -> (Vector3<S>, Vector3<S>) {
     let (mut total, mut torque) = (Vector3::zeros(), Vector3::zeros());
@@ -184,12 +198,11 @@ pub fn loads<S: Real>(evaluation: &Evaluation<'_, S>) -> (Vector3<S>, Vector3<S>
     (total, torque)
 }
 
-/// Power of the loads on bodies and points with mass [W]; loads on nodes do work on the bodies through the lines and are not counted here.
+/// Power of the loads [W]; those on nodes do work as the nodes move, on the bodies and in the lines.
 pub fn load_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     let mut power = S::zero();
     for (index, load) in evaluation.scene.loads.iter().enumerate() {
-        let is_node = matches!(load.at, Place::Point(p) if !matches!(evaluation.layout.points.get(p), Some(PointSlots::Mass(_))));
-        let velocity = evaluation.velocity_of(load.at).filter(|_| !is_node);
+        let velocity = evaluation.velocity_of(load.at);
         let velocity = velocity.map(|velocity| evaluation.rate_in_world(velocity));
         let spin = match load.at {
             Place::Body(body, _) => evaluation

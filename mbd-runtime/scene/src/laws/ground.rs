@@ -20,6 +20,41 @@ struct GroundMotion<'a, S: Real> {
     time: S,
 }
 
+/// The leaves of a formula of time, at a time.
+pub fn at_time<'a>(
+    scene: &'a Scene,
+    numbers: &'a Numbers<f64>,
+    time: f64,
+) -> impl Context<f64> + 'a {
+    let params = &numbers.params;
+    AtTime(GroundMotion {
+        scene,
+        params,
+        time,
+    })
+}
+
+/// The same without derivatives.
+struct AtTime<'a>(GroundMotion<'a, f64>);
+
+impl Context<f64> for AtTime<'_> {
+    fn scene(&self) -> &Scene {
+        self.0.scene
+    }
+
+    fn param(&self, index: usize) -> Option<f64> {
+        self.0.params.get(index).copied()
+    }
+
+    fn named(&self, index: usize) -> Option<Value<f64>> {
+        of_let(index, self)
+    }
+
+    fn time(&self) -> Option<f64> {
+        Some(self.0.time)
+    }
+}
+
 impl<S: Real> Context<OfTime<S>> for GroundMotion<'_, S> {
     fn scene(&self) -> &Scene {
         self.scene

@@ -15,6 +15,7 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::laws::evaluation::Evaluation;
+use crate::laws::forces::node_load_rate;
 use crate::laws::line;
 use crate::scalar::algebra::{elements, fill, labelled, solve_coupled, vector, write};
 use crate::{At, Layout, LineEnd, Network, Real};
@@ -321,6 +322,12 @@ pub fn velocities<S: Real>(evaluation: &Evaluation<'_, S>, network: usize) -> Ve
             for k in 0..3 {
                 b[(3 * local + row, 0)] += block[(row, k)] * velocity[k];
             }
+        }
+    }
+    for (local, &node) in network.nodes.iter().enumerate() {
+        let rate = node_load_rate(evaluation, layout.nodes[node].point);
+        for row in 0..3 {
+            b[(3 * local + row, 0)] += rate[row];
         }
     }
     solve_coupled(&fill(network.nodes.len(), &network.blocks), &mut h, &mut b);

@@ -8,9 +8,11 @@
 //!
 //! (3) closes the balance: the ends take −T ḋ, the elastic energy grows by f(s) ṡ, the damping loses (T − f) ṡ. Derived.
 
+use nalgebra::Vector3;
+
 use crate::laws::evaluation::Evaluation;
-use crate::laws::formula::{Context, Value, of_let, scalar};
-use crate::{Dual, Real, Scene};
+use crate::laws::formula::{Context, Value, of_let, scalar, vector};
+use crate::{Dual, Formula, Real, Scene};
 
 /// A number with its rate.
 type WithRate<S> = Dual<S, 1>;
@@ -53,6 +55,17 @@ impl<S: Real> Context<WithRate<S>> for Winding<'_, '_, S> {
 }
 
 impl<S: Real> Evaluation<'_, S> {
+    /// The rate of an expression of inputs, states and time by (1).
+    pub(crate) fn rate_of(&self, formula: &Formula) -> S {
+        let [rate] = scalar(formula, &Winding(self)).slopes;
+        rate
+    }
+
+    /// The same of a vector.
+    pub(crate) fn rates_of(&self, formula: &Formula) -> Vector3<S> {
+        vector(formula, &Winding(self)).map(|part| part.slopes[0])
+    }
+
     /// The free length of a line that is wound [m]; `None` of one that is not.
     pub(crate) fn wound(&self, line: usize) -> Option<S> {
         let declared = self.scene.lines.get(line)?;
@@ -73,10 +86,7 @@ impl<S: Real> Evaluation<'_, S> {
         S::section(&declared.name);
         let rate = match declared.free_length_and_rate() {
             (_, Some(rate)) => scalar(rate, self),
-            (length, None) => {
-                let [rate] = scalar(length, &Winding(self)).slopes;
-                rate
-            }
+            (length, None) => self.rate_of(length),
         };
         Some(rate.label("winding"))
     }

@@ -1,10 +1,10 @@
-//! Where nothing is given: all coordinates are zero, and what that cannot hold stays where it is.
+//! Where nothing is given: all coordinates are zero, or what couplings make of that, and what that cannot hold stays where it is.
 
 use super::{CLOSED, JointStart, Placement, PlacingJoint};
 use crate::{Part, Quantity};
 
 impl Placement<'_> {
-    /// All coordinates zero but these: parts between the ends of a joint that does not hold then, and all that hangs on them, stay where they are.
+    /// All coordinates zero but these and what is coupled to something else than zero: parts between the ends of a joint that does not hold then, and all that hangs on them, stay where they are.
     pub(super) fn rest(&mut self, motors: &[JointStart], state: &mut [f64]) {
         for motor in motors {
             let lists = [&mut self.q, &mut self.u];
@@ -16,6 +16,7 @@ impl Placement<'_> {
                 }
             }
         }
+        self.follow_couplings(motors);
         if self.holds_anywhere() {
             self.walk(state);
             return;

@@ -23,6 +23,7 @@ use crate::{
 };
 
 mod at_zero;
+mod couplings;
 
 /// Iterations that close the loops.
 const ITERATIONS: usize = 100;

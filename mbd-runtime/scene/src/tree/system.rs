@@ -93,7 +93,7 @@ pub(super) fn rotate<S: Real>(
 impl<S: Real> TreeSystem<S> {
     /// Room for one scene.
     pub fn new(layout: &Layout) -> Self {
-        let count = links(layout).len();
+        let (count, square) = (links(layout).len(), layout.nv * layout.nv);
         TreeSystem {
             system: BlockSystem::new(&layout.elimination),
             rows: TreeRows::new(layout),
@@ -106,7 +106,7 @@ impl<S: Real> TreeSystem<S> {
             along: vec![S::zero(); layout.nv],
             rates: vec![S::zero(); layout.nv],
             multipliers: vec![S::zero(); layout.nc],
-            mass: vec![S::zero(); if count > 0 { layout.nv * layout.nv } else { 0 }],
+            mass: vec![S::zero(); square],
         }
     }
 

@@ -247,6 +247,7 @@ impl<T: Float> Simulation<T> {
         self.system
             .follow_commands(self.time, Some(0.0), &self.state)?;
         self.rebase();
+        self.rebase_momentum();
         Ok(())
     }
 

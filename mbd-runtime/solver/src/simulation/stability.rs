@@ -32,7 +32,8 @@ impl<T: Float> Simulation<T> {
     /// the [work](crate::Options::work) of what gives and takes it, or nothing has run yet.
     #[must_use]
     pub fn imbalance(&self) -> Option<Imbalance> {
-        self.balance.as_ref().map(EnergyBalance::imbalance)
+        let balance = self.balance.as_ref();
+        balance.map(|balance| balance.imbalance(T::EPSILON.to_f64()))
     }
 
     /// Begins to watch a run at its start.
@@ -86,7 +87,8 @@ impl<T: Float> Simulation<T> {
             Pace::Fixed(_) => integrates || self.judged,
             Pace::Adaptive(..) => !exchanges || integrates,
         };
-        if !self.options.watch || !tells || scene.gravity == Gravity::Field {
+        let told = scene.gravity != Gravity::Field && scene.tells_node_work();
+        if !self.options.watch || !tells || !told {
             return Meter::Nothing;
         }
         let model = Meter::Model { exchanges };
@@ -152,7 +154,8 @@ impl<T: Float> Simulation<T> {
         let work = self.work_of(&balance, step, &now);
         balance.take(step, work, now);
         let excess = self.excess(&balance);
-        if Watch::is_too_much(excess) {
+        let steps = if self.meter == Meter::Laws { SELDOM } else { 1 };
+        if self.watch.sees_energy(excess, steps) {
             return Err(self.unstable(step, Instability::Energy(excess)));
         }
         self.balance = Some(balance);

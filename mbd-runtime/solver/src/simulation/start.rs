@@ -6,8 +6,8 @@ use std::sync::Arc;
 use mbd_scene::laws::starts;
 use mbd_scene::similar::did_you_mean;
 use mbd_scene::{
-    Float, InputSlots, InputSource, JointStart, Layout, Model, NodeModel, PlacementError, Quantity,
-    Scene, declared_beside, declared_parts, place_declared,
+    Coordinate, Float, Formula, InputSlots, InputSource, Joint, JointStart, Layout, Model,
+    NodeModel, PlacementError, Quantity, Scene, declared_beside, declared_parts, place_declared,
 };
 
 use super::act::Changes;
@@ -516,6 +516,15 @@ fn reversible<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), S
             "leave `stabilise` as it is: this method holds the joints by itself",
         );
     }
+    if let Some((joint, coordinate)) = follows_states(model.scene()) {
+        return refuse(
+            format!(
+                "{method} with the motor of `{}.{}`, whose value is a state: the joints would be held to it half a part of a step too early,",
+                joint.name, coordinate.name
+            ),
+            "prescribe a function of time without a filter, or take another method: `rk4`, `tsit5`, `vern7`",
+        );
+    }
     let mut nodes = model.layout().nodes.iter();
     let Some(node) = nodes.find(|node| node.model != NodeModel::Static) else {
         return Ok(());
@@ -527,6 +536,17 @@ fn reversible<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), S
         ),
         "declare the node `static` or give the point a mass, or take another method: `rk4`, `tsit5`",
     )
+}
+
+/// The first coordinate that a motor holds to a value in which there are states, those of its filter among them.
+fn follows_states(scene: &Scene) -> Option<(&Joint, Coordinate)> {
+    let mut joints = scene.joints.iter().enumerate();
+    joints.find_map(|(joint, declared)| {
+        let mut motors = declared.motors();
+        let state = |part: &Formula| matches!(part, Formula::State(_));
+        let (index, _) = motors.find(|(_, course)| scene.contains(course, state))?;
+        scene.coordinate(joint, index)
+    })
 }
 
 /// Refuses inputs that are functions of time and state to a method that solves with derivatives of the rates.
