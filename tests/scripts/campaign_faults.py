@@ -1,6 +1,6 @@
 """Campaigns that meet faults, and what others read of them: a full disk, twenty kills, 100,000 cases, pandas and polars.
 
-    pip install pandas polars
+    pip install pandas polars pyarrow
     python tests/scripts/campaign_faults.py target/release/mbd
 
 A disk is full where a limit of the shell on the size of files says so: writing fails there as it does on a full disk.
@@ -42,6 +42,9 @@ east = { final = "stone.x" }
 [envelopes]
 columns = ["height"]
 every = "0.25 s"
+
+[histories]
+cases = [0, 3]
 
 [run]
 until = "1 s"
@@ -96,6 +99,22 @@ def full_disk(mbd, work):
     # The page, too, is written whole or not at all.
     done = run(limited + [str(mbd), "report", str(work / "full")])
     demand(done.returncode == 1 and not (work / "full" / "report.html").exists(), "half a page is there")
+    demand(run([str(mbd), "report", str(work / "full")]).returncode == 0, "there is room, and no page")
+    for case in (0, 3):
+        alike(work / "full" / "histories" / f"case_{case:06}")
+
+
+def alike(path):
+    """The frames of a table, which pandas and polars read alike from both of its files."""
+    import pandas
+    import polars
+
+    cases, frame = pandas.read_csv(path.with_suffix(".csv")), polars.read_csv(path.with_suffix(".csv"), infer_schema_length=None)
+    columns, other = polars.read_parquet(path.with_suffix(".parquet")), pandas.read_parquet(path.with_suffix(".parquet"))
+    # What CSV has no word for: numbers that happen to be whole, and texts that are all missing.
+    demand(columns.cast(frame.schema).equals(frame), f"{path}: polars reads another table from Parquet")
+    demand(other.astype(cases.dtypes.to_dict()).equals(cases), f"{path}: pandas reads another table from Parquet")
+    return cases, frame
 
 
 def kills(mbd, work):
@@ -153,19 +172,15 @@ def many(mbd, work):
 
 def libraries(folder):
     import numpy
-    import pandas
     import polars
 
     manifest = json.loads((folder / "manifest.json").read_text())
-    cases, frame = pandas.read_csv(folder / "cases.csv"), polars.read_csv(folder / "cases.csv", infer_schema_length=None)
+    cases, frame = alike(folder / "cases")
     names = [f"{it['name']} [{it['unit']}]" for it in manifest["dispersed"] + manifest["metrics"]]
     for name in names:
         demand(cases[name].dtype == "float64" and frame[name].dtype == polars.Float64, f"{name} is not read as numbers")
         demand((cases[name].to_numpy() == frame[name].to_numpy()).all(), f"{name} is read differently")
     demand(len(cases) == frame.height == manifest["cases"] == 100_001, "cases are missing")
-    # Parquet in one line, and back, to the bit.
-    frame.write_parquet(folder / "cases.parquet")
-    demand(polars.read_parquet(folder / "cases.parquet").equals(frame), "Parquet changes numbers")
     over_time = polars.read_csv(folder / "envelopes.csv")
     blocks = [numpy.load(path) for path in sorted((folder / "envelopes").glob("*.npy"))]
     numbers = numpy.concatenate(blocks, axis=2)

@@ -41,6 +41,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
         list(layout.ni, 5.0),
         list(layout.nc, 1.0),
     );
+    let turns = list(layout.turns.len(), 20.0);
     let origin = list(scene.runs.origin.map_or(0, |_| NUMBERS), 4.0);
     let effective = (0..layout.effective_lines)
         .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
@@ -54,6 +55,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
             true => -2.0 * random.below(2) as f64,
             false => random.below(3) as f64 - 1.0,
         })
+        .chain(turns)
         .chain(origin)
         .collect();
     Instant {

@@ -12,6 +12,7 @@ pub mod jet;
 pub mod linkage;
 pub mod looped;
 pub mod mechanism;
+pub mod minimal;
 pub mod networks;
 pub mod obeying;
 pub mod oracle;

@@ -2,7 +2,7 @@
 
 use mbd_compiler::{Interpreted, read_toml, write_toml};
 use mbd_runtime::{Generic, Options, Simulation, StepError, model};
-use mbd_scene::Scene;
+use mbd_scene::{Model, Quantity, Scene};
 use tests::assert_close;
 use tests::declared::read;
 
@@ -35,7 +35,7 @@ const PENDULUM: &str = "model Pendulum {
 fn begun(mut simulation: Simulation<f64>) -> (Vec<f64>, f64) {
     simulation.start().expect("a consistent start");
     let mut outputs = vec![0.0; simulation.model().layout().columns];
-    let outputs_of = mbd_scene::Quantity::Outputs;
+    let outputs_of = Quantity::Outputs;
     simulation
         .evaluate(outputs_of, &mut outputs)
         .expect("outputs");
@@ -341,4 +341,49 @@ fn what_hangs_on_bodies_that_are_put_a_little_apart_hangs_at_zero() {
     let (found, moved) = begun_as_declared(&scene);
     assert_close(&found, &[0.0, 3.0], 0.0, 1e-3, "below the others");
     assert!(moved < 2e-3, "{moved}");
+}
+
+#[test]
+fn a_stewart_platform_is_assembled_from_all_bodies_at_the_origin_and_every_body_that_moved_is_told()
+{
+    let scene = read(
+        "model Stewart {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            world { frame foot[i in 0..6] at polar(0.7 m, (60 * i + 10 * (-1)^i) * 1 deg, 0 m) }
+            body platform {
+                mass: 40 kg,
+                inertia: diag(2, 2, 4) kg*m^2,
+                frame corner[i in 0..6] at polar(0.4 m, (60 * i + 30 * (-1)^i) * 1 deg, 0 m),
+            }
+            body cylinder[i in 0..6] { mass: 5 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame foot at [0.0, 0.0, -0.25] m }
+            body rod[i in 0..6] { mass: 3 kg, inertia: diag(0.06, 0.06, 0.003) kg*m^2, frame head at [0.0, 0.0, 0.25] m }
+            joint foot[i in 0..6]: universal from world.foot[i] to cylinder[i].foot { axes: [x, y] }
+            joint leg[i in 0..6]: prismatic from cylinder[i].foot to rod[i].head { axis: z, motor: 1.1 m }
+            joint ball[i in 0..6]: spherical from rod[i].head to platform.corner[i];
+        }",
+    );
+    let model = Generic::<f64>::with_defaults(scene).expect("no params");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+    let mut origin = vec![0.0; model.layout().nx()];
+    let upright: Vec<usize> = model.layout().quaternions().collect();
+    upright.iter().for_each(|&at| origin[at] = 1.0);
+    run.set_state(0.0, &origin).expect("numbers");
+    run.start().expect("it can be assembled");
+    let mut gaps = vec![0.0; model.layout().len(Quantity::Constraint)];
+    run.evaluate(Quantity::Constraint, &mut gaps).expect("rows");
+    let open = gaps.iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
+    assert!(open < 1e-9, "open by {open:.1e}");
+    // Legs of one length: level, and as high as they reach.
+    let apart = 0.4_f64.powi(2) + 0.7_f64.powi(2) - 0.56 * 20_f64.to_radians().cos();
+    let height = (1.1_f64.powi(2) - apart).sqrt();
+    let level = [0.0, 0.0, height, 1.0, 0.0, 0.0, 0.0];
+    assert_close(&run.state()[..7], &level, 0.0, 1e-9, "the platform");
+    let moved = run.start_moved();
+    assert_eq!(moved.len(), 13, "{moved:?}");
+    let names: Vec<&str> = moved.iter().map(|one| one.name.as_str()).collect();
+    for name in ["platform", "cylinder[0]", "rod[5]"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    assert!(moved.iter().all(|one| one.distance > 0.3), "{moved:?}");
+    run.run(0.05).expect("it stands");
 }

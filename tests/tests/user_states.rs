@@ -1,8 +1,8 @@
 //! States of the user's own: first-order equations of motors, controllers and filters beside the mechanics, against their closed forms.
 
 use mbd_runtime::{
-    Content, Generic, Linearisation, Model, Options, RunError, Sampling, Simulation, StepError,
-    Trajectory, model,
+    Content, Generic, Linearisation, Model, Options, Quantity, RunError, Sampling, Simulation,
+    StepError, Trajectory, model,
 };
 use tests::agreement::{agrees, agrees_along};
 
@@ -267,4 +267,63 @@ fn states_are_in_the_derivatives() {
     let entry = |row: usize, column: usize| linear.state().at(row, column);
     assert_eq!([entry(3, 0), entry(3, 6), entry(3, 7)], [-6.0, 2.0, -4.0]);
     assert_eq!([entry(6, 0), entry(7, 3), entry(7, 7)], [-1.0, 20.0, -20.0]);
+}
+
+/// A cart on a spring of half a turn a second, and two states that turn about each other.
+fn beside_a_cart(rate: f64) -> (u64, f64) {
+    let scene = tests::declared::read(&format!(
+        "model Beside {{
+            units: si;
+            gravity: none;
+            body cart {{ mass: 1, inertia: diag(1, 1, 1) }}
+            joint rail: prismatic from world to cart.com {{ axis: x, stiffness: 9.87, start: 0.3 }}
+            state cosine = 1 {{ rate: -{rate:.1} * sine }}
+            state sine = 0 {{ rate: {rate:.1} * cosine }}
+        }}"
+    ));
+    let model = Generic::<f64>::with_defaults(scene).expect("no params");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-6)).expect("options that fit");
+    run.run(2.0).expect("a smooth motion");
+    let x = run.state();
+    let (sin, cos) = (2.0 * rate).sin_cos();
+    let error = (x[x.len() - 2] - cos).hypot(x[x.len() - 1] - sin);
+    (run.statistics().steps, error)
+}
+
+#[test]
+fn a_fast_state_beside_slow_mechanics_limits_the_step() {
+    let [slow, fast] = [3.0, 300.0].map(beside_a_cart);
+    assert!(slow.1 < 1e-4 && fast.1 < 1e-2, "{slow:?} {fast:?}");
+    // A hundred times the rate: steps are a hundred times as short where the state is what is judged.
+    assert!(fast.0 > 40 * slow.0, "{slow:?} {fast:?}");
+}
+
+#[test]
+fn a_motor_in_amperes_volts_and_ohms_is_the_motor_in_plain_numbers() {
+    let scene = tests::declared::read(
+        "model Wound {
+            gravity: none;
+            const R = 2 ohm; const L = 0.1 V*s/A; const k = 0.5 N*m/A;
+            input u: voltage = 0.012 kV;
+            body rotor { mass: 1 kg, inertia: diag(0.05, 0.05, 0.05) kg*m^2 }
+            joint pin: hinge from world to rotor.com { axis: z, force: k * i }
+            state i = 300 mA { rate: (u - R * i - k * pin.angle_rate) / L }
+            output heat = R * i^2 in kW;
+            output speed = pin.angle_rate;
+        }",
+    );
+    let model = Generic::<f64>::with_defaults(scene).expect("no params");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-11)).expect("options that fit");
+    run.run(0.3).expect("a smooth motion");
+    let mut outputs = [0.0; 2];
+    run.evaluate(Quantity::Outputs, &mut outputs)
+        .expect("no node");
+    let [current, speed] = closed_form(0.3);
+    let want = [2e-3 * current * current, speed];
+    for (got, want) in outputs.iter().zip(want) {
+        assert!(
+            (got - want).abs() < 1e-8 * (1.0 + want.abs()),
+            "{got} {want}"
+        );
+    }
 }

@@ -279,3 +279,118 @@ fn a_length_that_does_not_follow_its_own_rate_is_refused_by_name() {
         "{refused}"
     );
 }
+
+/// A platform on cables between the corners of a frame of 4 m by 3 m and its own of 1 m by 0.4 m, each cable with its length and rate as inputs.
+fn cable_robot(components: &str) -> mbd_runtime::scene::Scene {
+    tests::declared::read(&format!(
+        "model CableRobot {{
+            gravity: [0.0, 0.0, -9.81] m/s^2; {components}
+            input length[i in 0..4]: length = 1.98 m;
+            input rate[i in 0..4]: speed = 0 m/s;
+            const W = 2 m; const H = 1.5 m; const w = 0.5 m; const h = 0.2 m;
+            world {{
+                frame post[i in 0..2] at [(2 * i - 1) * W, 0, H],
+                frame foot[i in 0..2] at [(2 * i - 1) * W, 0, -H],
+            }}
+            body platform {{
+                mass: 6 kg,
+                inertia: diag(0.3, 0.6, 0.8) kg*m^2,
+                frame up[i in 0..2] at [(2 * i - 1) * w, 0, h],
+                frame down[i in 0..2] at [(2 * i - 1) * w, 0, -h],
+            }}
+            joint loose: free from world to platform.com;
+            line high[i in 0..2] from world.post[i] to platform.up[i] {{
+                free_length: [length[i], rate[i]], stiffness: 20 kN/m, damping: 40 N*s/m
+            }}
+            line low[i in 0..2] from world.foot[i] to platform.down[i] {{
+                free_length: [length[i + 2], rate[i + 2]], stiffness: 20 kN/m, damping: 40 N*s/m
+            }}
+            output pull_high[i in 0..2] = high[i].tension;
+            output pull_low[i in 0..2] = low[i].tension;
+        }}"
+    ))
+}
+
+/// Length of a cable of the platform at rest in the middle, and the sine of its slope.
+fn middle() -> [f64; 2] {
+    let length = 1.5_f64.hypot(1.3);
+    [length, 1.3 / length]
+}
+
+#[test]
+fn a_cable_robot_stands_where_its_tensions_carry_its_weight() {
+    for components in ["", "planar: xz;"] {
+        let model = mbd_runtime::Generic::<f64>::with_defaults(cable_robot(components));
+        let model = model.expect("no params");
+        // 2 (T_high − T_low) sin α = m g in the middle: the free lengths that give these tensions.
+        let ([length, slope], low) = (middle(), 120.0);
+        let high = low + 6.0 * G / (2.0 * slope);
+        let mut asked = mbd_runtime::trim(&model);
+        for (cable, tension) in [high, high, low, low].into_iter().enumerate() {
+            asked = asked.input(&format!("length[{cable}]"), length - tension / 20e3);
+        }
+        let found = asked.solve().expect("a balance");
+        let place = &found.state[..3];
+        assert!(place.iter().all(|x| x.abs() < 1e-9), "{place:?}");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+        run.set_inputs(&found.inputs).expect("numbers");
+        run.set_state(0.0, &found.state).expect("a state");
+        let mut pulls = [0.0; 4];
+        run.evaluate(Quantity::Outputs, &mut pulls)
+            .expect("no node");
+        let apart = pulls.iter().zip([high, high, low, low]);
+        let apart = apart
+            .map(|(got, want)| (got - want).abs())
+            .fold(0.0, f64::max);
+        assert!(apart < 1e-6, "{pulls:?}");
+    }
+}
+
+#[test]
+fn a_cable_robot_that_is_driven_by_all_its_cables_closes_its_balance() {
+    let model = mbd_runtime::Generic::<f64>::with_defaults(cable_robot(""));
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-9)
+    };
+    let model = model.expect("no params");
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    // The middle goes along an ellipse; each cable is as long as its corners are apart, less a pretension.
+    let goal = |t: f64| [0.6 * t.sin(), 0.3 * (1.0 - t.cos())];
+    let speed = |t: f64| [0.6 * t.cos(), 0.3 * t.sin()];
+    let arm = |cable: usize, [x, z]: [f64; 2]| {
+        let side = if cable.is_multiple_of(2) { -1.0 } else { 1.0 };
+        let up = if cable < 2 { 1.0 } else { -1.0 };
+        [1.5 * side - x, 1.3 * up - z]
+    };
+    run.control(move |now, inputs: &mut Vec<f64>| {
+        for cable in 0..4 {
+            let ([dx, dz], [vx, vz]) = (arm(cable, goal(now.time)), speed(now.time));
+            let length = dx.hypot(dz);
+            inputs[cable] = length - 0.01;
+            inputs[4 + cable] = -(dx * vx + dz * vz) / length;
+        }
+    })
+    .expect("plain numbers");
+    let mut x = vec![0.0; 13];
+    (x[3], x[7]) = (1.0, 0.6);
+    run.set_state(0.0, &x).expect("a state");
+    run.start().expect("taut");
+    let before = energy(&mut run);
+    for half in 1..=6 {
+        let t = 0.5 * f64::from(half);
+        run.run(t).expect("a smooth motion");
+        let ([gx, gz], place) = (goal(t), [run.state()[0], run.state()[2]]);
+        assert!(
+            (place[0] - gx).abs() < 0.02 && (place[1] - gz).abs() < 0.02,
+            "{place:?} at {t} s"
+        );
+    }
+    let gained = energy(&mut run) - before;
+    let [loads, lost, drives] = run.work().expect("asked for");
+    assert_eq!(loads, 0.0);
+    // It lifts the platform by 0.6 m.
+    assert!(drives > 30.0 && lost < -0.01, "{drives} J, {lost} J");
+    let error = gained - drives - lost;
+    assert!(error.abs() < 1e-6 * drives, "{error:e} of {drives} J");
+}

@@ -210,9 +210,13 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let nodes = slots(3 * layout.nodes.len(), Slot::Node);
     let effective = slots(2 * layout.effective_lines, Slot::Effective);
     let mut hold = slots(layout.holds(), Slot::Hold);
-    hold.extend(slots(of_origin(scene), |number| Slot::Origin {
+    hold.extend(slots(layout.turns.len(), |number| Slot::Turn {
         number,
         at: layout.holds() + number,
+    }));
+    hold.extend(slots(of_origin(scene), |number| Slot::Origin {
+        number,
+        at: layout.origin_at() + number,
     }));
     let ends = slots(layout.len(Quantity::AnchorStates), Slot::Ends);
     let inputs = slots(layout.ni, Slot::Input);

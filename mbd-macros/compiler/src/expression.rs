@@ -29,6 +29,13 @@ pub enum Slot {
     Ends(usize),
     /// An input.
     Input(usize),
+    /// The last value of an angle whose turns are counted.
+    Turn {
+        /// Which of them.
+        number: usize,
+        /// Where it stands behind the modes.
+        at: usize,
+    },
     /// A number of how the origin moves.
     Origin {
         /// Which of them.
@@ -294,6 +301,7 @@ fn code(node: TermKind) -> [u64; 2] {
                 Slot::Motion(index) => (10, index),
                 Slot::Factored(index) => (11, index),
                 Slot::Origin { number, .. } => (12, number),
+                Slot::Turn { number, .. } => (13, number),
             };
             [kinds(2, kind), index as u64]
         }

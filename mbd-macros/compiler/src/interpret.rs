@@ -58,7 +58,9 @@ impl Program {
                 Slot::Ends(i) => at.ends.get(i),
                 Slot::Input(i) => at.inputs.get(i),
                 Slot::Row(i) | Slot::Motion(i) | Slot::Factored(i) => at.rows.get(i),
-                Slot::Origin { at: i, .. } => Some(at.hold.get(i).unwrap_or(&zero)),
+                Slot::Turn { at: i, .. } | Slot::Origin { at: i, .. } => {
+                    Some(at.hold.get(i).unwrap_or(&zero))
+                }
                 Slot::Param(i) => params.get(i),
                 Slot::Derived(i) => derived.get(i),
             };

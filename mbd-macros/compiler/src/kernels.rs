@@ -285,7 +285,7 @@ impl Sharing<'_> {
             Slot::Node(i) => i / 3,
             Slot::Effective(i) => i / 2,
             Slot::Ends(i) => i / 6,
-            Slot::Hold(i) | Slot::Param(i) => i,
+            Slot::Hold(i) | Slot::Param(i) | Slot::Turn { number: i, .. } => i,
             Slot::Origin { number, .. } => number / 3,
             Slot::Input(i) => layout.inputs.iter().filter(|slots| slots.at <= i).count(),
             Slot::Row(i) => layout.joints.iter().filter(|slots| slots.row <= i).count(),

@@ -31,6 +31,8 @@ pub enum NumberList {
     Ends,
     /// Inputs.
     Inputs,
+    /// Last values of angles whose turns are counted.
+    Turns,
     /// How the origin moves.
     Origin,
     /// Right-hand sides of rows.
@@ -47,7 +49,7 @@ pub enum NumberList {
 
 impl NumberList {
     /// Every list, in the order of arguments.
-    pub const ALL: [NumberList; 16] = [
+    pub const ALL: [NumberList; 17] = [
         NumberList::Time,
         NumberList::Q,
         NumberList::V,
@@ -58,6 +60,7 @@ impl NumberList {
         NumberList::Hold,
         NumberList::Ends,
         NumberList::Inputs,
+        NumberList::Turns,
         NumberList::Origin,
         NumberList::Rows,
         NumberList::Motion,
@@ -80,6 +83,7 @@ impl NumberList {
             NumberList::Hold => "hold",
             NumberList::Ends => "ends",
             NumberList::Inputs => "inputs",
+            NumberList::Turns => "turns",
             NumberList::Origin => "origin",
             NumberList::Rows => "rows",
             NumberList::Motion => "motion",
@@ -112,6 +116,7 @@ impl NumberList {
             Slot::Hold(i) => (NumberList::Hold, i),
             Slot::Ends(i) => (NumberList::Ends, i),
             Slot::Input(i) => (NumberList::Inputs, i),
+            Slot::Turn { number, .. } => (NumberList::Turns, number),
             Slot::Origin { number, .. } => (NumberList::Origin, number),
             Slot::Row(i) => (NumberList::Rows, i),
             Slot::Motion(i) => (NumberList::Motion, i),
@@ -136,6 +141,7 @@ impl NumberList {
             NumberList::Hold => layout.holds(),
             NumberList::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
             NumberList::Inputs => layout.ni,
+            NumberList::Turns => layout.turns.len(),
             NumberList::Origin => of_origin(&equations.scene),
             NumberList::Rows => layout.nc,
             NumberList::Motion => layout.nv + layout.nc,

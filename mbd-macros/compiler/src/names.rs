@@ -95,6 +95,16 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
         },
         Slot::Ends(index) => end(scene, layout, index),
         Slot::Input(index) => input(scene, layout, index),
+        Slot::Turn { number, .. } => {
+            let angle = layout.turns.get(number);
+            let named = angle.and_then(|&(joint, index)| scene.coordinate(joint, index));
+            named.map_or_else(
+                || "angle_before".to_owned(),
+                |(joint, coordinate)| {
+                    format!("{}_{}_before", identifier(&joint.name), coordinate.name)
+                },
+            )
+        }
         Slot::Origin {
             number: index @ 0..3,
             ..

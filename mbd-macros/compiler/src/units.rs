@@ -170,6 +170,7 @@ const FOREIGN: &[(&str, &str)] = &[
 
 /// Units that are not here, and what one of them is.
 const INSTEAD: &[(&str, &str)] = &[
+    ("mohm", "`1e-3 ohm` for a milliohm, `1e6 ohm` for a megohm"),
     ("lb", POUND_TEXT),
     ("lbs", POUND_TEXT),
     ("pound", POUND_TEXT),

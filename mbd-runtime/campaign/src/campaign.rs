@@ -1,4 +1,4 @@
-//! A campaign: a model, how it is run, what is dispersed, what is read from every run.
+//! A campaign: a model, how it is run, what is dispersed, what is read from every run; models that go on from it where its events say so.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
-use mbd_runtime::scene::{Packed, fingerprint};
+use mbd_runtime::scene::{Packed, Scene, fingerprint};
 use mbd_runtime::{
-    Batch, Case, Content, FailedCase, Finished, Model, RunError, Sampling, Simulation, StepError,
-    Trajectory,
+    Batch, Case, Content, Ended, FailedCase, Finished, Joined, Model, Onward, RunError, Sampling,
+    Simulation, StepError, Trajectory,
 };
 use toml::{Table, Value};
 
@@ -23,7 +23,13 @@ use crate::manifest::{Manifest, ResultColumn, ResultOptions};
 use crate::metric::Metrics;
 use crate::results::CaseRow;
 use crate::run::names::wrong;
-use crate::run::{PlanError, RunPlan, Settings};
+use crate::run::{GoingRun, Phase, PlanError, RunPlan, Settings, go_on};
+use settled::{given, planned, settings_of};
+
+mod replay;
+mod settled;
+
+pub(crate) use replay::CasePart;
 
 /// Cases that share a file of results, where the campaign file says nothing.
 const BLOCK: u64 = 100;
@@ -33,6 +39,12 @@ pub struct Campaign {
     model: Arc<dyn Model<f64>>,
     settings: Settings,
     nominal: RunPlan,
+    /// Everything that a run may come to, the model with its settings first.
+    phases: Vec<Phase>,
+    /// How those behind the first are run.
+    later: Vec<RunPlan>,
+    /// The columns of histories that come to several models.
+    columns: Option<Joined>,
     dispersions: Dispersions,
     metrics: Metrics,
     envelopes: Option<Envelopes>,
@@ -81,13 +93,21 @@ impl Campaign {
         model: Arc<dyn Model<f64>>,
         settings: Settings,
     ) -> Result<Self, Failure> {
+        Campaign::read_phases(file, Phase::alone(model, settings), Vec::new())
+    }
+
+    /// The campaign of a file whose runs begin in a scene, and go on in others `later` where its events or theirs say so.
+    ///
+    /// # Errors
+    /// As [`Campaign::read`].
+    pub fn read_phases(file: &Path, first: Phase, later: Vec<Phase>) -> Result<Self, Failure> {
         let name = file.display();
         let text = fs::read_to_string(file)
             .map_err(|error| Failure::Usage(format!("cannot read {name}: {error}")))?;
         let written: CampaignFile =
             toml::from_str(&text).map_err(|error| Failure::Invalid(format!("{name}: {error}")))?;
         let folder = file.parent().unwrap_or(Path::new(""));
-        Campaign::new(&written, folder, model, settings)
+        Campaign::new(&written, folder, first, later)
             .map_err(|error| Failure::Invalid(format!("{name}: {error}")))
     }
 
@@ -109,33 +129,50 @@ impl Campaign {
     fn new(
         written: &CampaignFile,
         folder: &Path,
-        model: Arc<dyn Model<f64>>,
-        settings: Settings,
+        mut first: Phase,
+        later: Vec<Phase>,
     ) -> Result<Self, PlanError> {
-        let settings = settings_of(written, &*model, settings)?;
-        let scene = (model.scene(), model.layout());
-        let mut nominal = RunPlan::with_layout(scene, &settings)?;
-        let dispersions = Dispersions::new(written, scene, (&nominal, &settings), folder)?;
-        let every_step = nominal.every.is_none();
+        let (own, given) = given(written)?;
+        let model = first.model.clone();
+        first.settings = settings_of(own, &*model, first.settings);
+        let phases: Vec<Phase> = std::iter::once(first).chain(later).collect();
+        let (phases, mut plans) = planned(phases, &given)?;
+        let models: Vec<&dyn Model<f64>> = phases.iter().map(|phase| &*phase.model).collect();
+        let every_step = plans.iter().all(|plan| plan.every.is_none());
         let mut content = columns::NOTHING;
+        let mut nominal = plans.remove(0);
+        let settings = phases.first().map(|phase| phase.settings.clone());
+        let settings = settings.unwrap_or_default();
+        let later = models.iter().skip(1).map(|model| model.scene());
+        let later: Vec<(&Scene, &RunPlan)> = later.zip(&plans).collect();
+        let scene = (model.scene(), model.layout());
+        let run = ((&nominal, &settings), later.as_slice());
+        let dispersions = Dispersions::new(written, scene, run, folder)?;
         let envelopes = written.envelopes.as_ref();
         let envelopes = envelopes
-            .map(|written| Envelopes::new(written, (&*model, &nominal), &mut content))
+            .map(|written| Envelopes::new(written, (&models, &nominal), &mut content))
             .transpose()?;
-        let metrics = Metrics::new(written.metrics.iter(), (&*model, content), every_step)?;
+        let metrics = Metrics::new(written.metrics.iter(), (&models, content), every_step)?;
+        let columns = models.len() > 1;
+        let columns = columns.then(|| columns::joined(&models, metrics.content));
         // Work is integrated for those who ask for energy: no step with it is made in lanes.
-        nominal.options.work &= metrics.content.energy;
+        for plan in std::iter::once(&mut nominal).chain(&mut plans) {
+            plan.options.work &= metrics.content.energy;
+        }
         tell_apart(&metrics, &dispersions)?;
         let asked = asked(written, &metrics, dispersions.cases)?;
         let block = written.block.unwrap_or(BLOCK).clamp(1, 1 << 20);
         Ok(Campaign {
             settings,
             nominal,
+            later: plans,
             dispersions,
             metrics,
             envelopes,
             asked,
             block,
+            columns,
+            phases,
             model,
         })
     }
@@ -156,7 +193,15 @@ impl Campaign {
     #[must_use]
     pub fn manifest(&self) -> Manifest {
         let hash = |text: String| format!("{:016x}", fingerprint(text.bytes()));
-        let scene = self.model.scene();
+        let scenes = || self.phases.iter().map(|phase| phase.model.scene());
+        let names: Vec<&str> = scenes().map(|scene| scene.name.as_str()).collect();
+        let mut declaration: String = scenes().map(Packed::packed).collect();
+        let mut settings = format!("{:?}", self.nominal);
+        if !self.later.is_empty() {
+            let next = self.phases.iter().map(|phase| &phase.next);
+            declaration += &format!("{:?}", next.collect::<Vec<_>>());
+            settings += &format!("{:?}", self.later);
+        }
         let dispersed = self.dispersions.varied.iter().map(|varied| ResultColumn {
             name: varied.known.name.clone(),
             unit: varied.known.unit.clone(),
@@ -168,10 +213,10 @@ impl Campaign {
             require: metric.require,
         });
         Manifest {
-            model: scene.name.clone(),
-            declaration: hash(scene.packed()),
+            model: names.join(" → "),
+            declaration: hash(declaration),
             dispersions: hash(format!("{:?} {:?}", self.dispersions, self.metrics)),
-            settings: hash(format!("{:?}", self.nominal)),
+            settings: hash(settings),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             seed: self.dispersions.seed,
@@ -206,6 +251,41 @@ impl Campaign {
             .plan((&self.nominal, &self.settings), scene, &values)
     }
 
+    /// The plans of a case in all scenes that its run may come to.
+    ///
+    /// # Errors
+    /// As [`Campaign::plan`].
+    pub fn plans(&self, case: u64) -> Result<Vec<RunPlan>, PlanError> {
+        let all = 0..self.phases.len();
+        all.map(|phase| self.plan_in(case, phase)).collect()
+    }
+
+    /// The scenes that runs may come to.
+    #[must_use]
+    pub fn phases(&self) -> &[Phase] {
+        &self.phases
+    }
+
+    /// The plan of a case in a scene that its run may come to.
+    fn plan_in(&self, case: u64, phase: usize) -> Result<RunPlan, PlanError> {
+        let later = phase.checked_sub(1).and_then(|at| self.later.get(at));
+        let (Some(nominal), Some(own)) = (later, self.phases.get(phase)) else {
+            return self.plan(case);
+        };
+        if case == 0 {
+            return Ok(nominal.clone());
+        }
+        let values = self.dispersions.values(case)?;
+        let scene = (own.model.scene(), own.model.layout());
+        self.dispersions
+            .plan_later((nominal, &own.settings), scene, &values)
+    }
+
+    /// The run that goes on after an event ended one of a case.
+    fn go_on(&self, case: u64, ended: Ended<'_>) -> Result<Option<GoingRun>, RunError> {
+        go_on(&self.phases, ended, &|phase| self.plan_in(case, phase))
+    }
+
     /// Runs so many cases, whose numbers `number` says by their place, and hands them to `deliver`, in order.
     pub fn run(
         &self,
@@ -214,10 +294,20 @@ impl Campaign {
         resources: Resources,
         mut deliver: impl FnMut(FlownCase) -> ControlFlow<()>,
     ) {
-        let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
+        let sampling = sampling(&self.nominal);
         let mut batch = Batch::new(&*self.model, self.nominal.options, self.nominal.until);
         if let Some(lanes) = resources.lanes {
             batch = batch.lanes(lanes);
+        }
+        if let Some(columns) = &self.columns {
+            batch = batch.then(columns, |case, ended| {
+                let goes = self.go_on(number(case.number()), ended)?;
+                Ok(goes.map(|goes| Onward {
+                    model: goes.phase,
+                    history: empty(&goes.plan, &**goes.run.model(), self.metrics.content),
+                    run: goes.run,
+                }))
+            });
         }
         batch
             .cases((0..count).map(|place| self.params(number(place))))
@@ -312,48 +402,16 @@ impl Campaign {
             },
         }
     }
+}
 
-    /// Runs one case again, with everything in its history. The row is that of the campaign, to the bit.
-    ///
-    /// # Errors
-    /// There is no such case.
-    pub fn replay(&self, case: u64) -> Result<(CaseRow, Trajectory), PlanError> {
-        self.check(case)?;
-        let mut found = None;
-        let resources = Resources {
-            threads: 1,
-            lanes: Some(1),
-        };
-        self.run(1, &|_| case, resources, |flown| {
-            found = Some(flown.row);
-            ControlFlow::Break(())
-        });
-        let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
-        let mut history = Trajectory::new(&*self.model, sampling, Content::ALL);
-        // What stops the run stands in the row.
-        let _ = self.record(case, &mut history);
-        let row = found.ok_or_else(|| wrong("case", "its run was cancelled"))?;
-        Ok((row, history))
-    }
+/// When rows of a planned run are written.
+fn sampling(plan: &RunPlan) -> Sampling {
+    plan.every.map_or(Sampling::Steps, Sampling::Every)
+}
 
-    /// The model of a case, with its params, and its plan.
-    ///
-    /// # Errors
-    /// It cannot be run.
-    pub(crate) fn flown(&self, case: u64) -> Result<(Arc<dyn Model<f64>>, RunPlan), PlanError> {
-        let plan = self.plan(case)?;
-        let model = self.model.with_params(&plan.params);
-        let model = model.map_err(|error| wrong(format!("case {case}"), error.to_string()))?;
-        Ok((model, plan))
-    }
-
-    fn record(&self, case: u64, history: &mut Trajectory) -> Option<()> {
-        let (model, plan) = self.flown(case).ok()?;
-        let mut run = Simulation::new(&*model, plan.options).ok()?;
-        plan.begin(&mut run).ok()?;
-        run.record(plan.until, history).ok()?;
-        Some(())
-    }
+/// The history of a planned run, with nothing in it yet.
+fn empty(plan: &RunPlan, model: &dyn Model<f64>, content: Content) -> Trajectory {
+    Trajectory::new(model, sampling(plan), content)
 }
 
 /// What the file asks to be told beside the metrics.
@@ -391,47 +449,5 @@ fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), PlanEr
             "another column of the results has this name: give it one of its own",
         )),
         None => Ok(()),
-    }
-}
-
-/// The settings of the runs: those of the file, else those of the scene; params that neither gives are those of the model.
-fn settings_of(
-    written: &CampaignFile,
-    model: &dyn Model<f64>,
-    mut settings: Settings,
-) -> Result<Settings, PlanError> {
-    let own: Settings = toml::Value::Table(written.run.clone())
-        .try_into()
-        .map_err(|error: toml::de::Error| wrong("run", error.message()))?;
-    if own.step.is_some() || own.tolerance.is_some() || own.method.is_some() {
-        (settings.step, settings.tolerance, settings.method) =
-            (own.step, own.tolerance, own.method);
-    }
-    settings.until = own.until.or(settings.until);
-    settings.every = own.every.or(settings.every);
-    settings.max_steps = own.max_steps.or(settings.max_steps);
-    settings.locate = own.locate.or(settings.locate);
-    settings.estimate = own.estimate.or(settings.estimate);
-    settings.instants = own.instants.or(settings.instants);
-    merge(&mut settings.figures, own.figures);
-    merge(&mut settings.start, own.start);
-    merge(&mut settings.inputs, own.inputs);
-    merge(&mut settings.params, own.params);
-    for (param, value) in model.scene().params.iter().zip(model.params()) {
-        let given = settings.params.entry(&param.name);
-        given.or_insert(toml::Value::Float(*value));
-    }
-    Ok(settings)
-}
-
-/// Puts one table over another.
-fn merge(under: &mut Table, over: Table) {
-    for (name, value) in over {
-        match (under.get_mut(&name), value) {
-            (Some(toml::Value::Table(under)), toml::Value::Table(over)) => merge(under, over),
-            (_, value) => {
-                under.insert(name, value);
-            }
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! Which columns histories have to hold, so that what is asked of them can be read.
 
 use mbd_runtime::scene::similar::did_you_mean;
-use mbd_runtime::{Content, Model, Name, Sampling, Trajectory};
+use mbd_runtime::{Content, Joined, Model, Name, Sampling, Trajectory};
 
 use crate::run::PlanError;
 use crate::run::names::wrong;
@@ -46,25 +46,37 @@ fn groups() -> [Content; 6] {
     ]
 }
 
-/// The columns of a history with this content.
-pub fn names(model: &dyn Model<f64>, content: Content) -> Vec<Name> {
-    Trajectory::new(model, Sampling::Steps, content)
-        .names()
-        .to_vec()
+/// The models that a run comes to.
+pub type Models<'m> = [&'m dyn Model<f64>];
+
+/// The columns of a history with this content, of a run that comes to these models.
+pub fn names(models: &Models<'_>, content: Content) -> Vec<Name> {
+    let empty = |model: &&dyn Model<f64>| Trajectory::new(*model, Sampling::Steps, content);
+    match models {
+        [alone] => empty(alone).names().to_vec(),
+        models => joined(models, content).names().to_vec(),
+    }
+}
+
+/// The columns of several models together.
+pub fn joined(models: &Models<'_>, content: Content) -> Joined {
+    let empty = |model: &&dyn Model<f64>| Trajectory::new(*model, Sampling::Steps, content);
+    let histories: Vec<Trajectory> = models.iter().map(empty).collect();
+    Joined::new(&histories.iter().collect::<Vec<_>>())
 }
 
 /// Has histories hold a column; `setting` asks for it.
 ///
 /// # Errors
-/// No history of the model has it.
+/// No history of the models has it.
 pub fn include(
     content: &mut Content,
     column: &str,
-    (setting, model): (&str, &dyn Model<f64>),
+    (setting, models): (&str, &Models<'_>),
 ) -> Result<(), PlanError> {
-    let holds = |group: &Content| names(model, *group).iter().any(|it| it.name == column);
+    let holds = |group: &Content| names(models, *group).iter().any(|it| it.name == column);
     let Some(group) = groups().into_iter().find(holds) else {
-        let all = names(model, Content::ALL);
+        let all = names(models, Content::ALL);
         let near = did_you_mean(column, all.iter().map(|it| it.name.as_str()));
         let text = format!(
             "histories have no column `{column}`{near} The header of the history.csv of `mbd run` names them all"

@@ -23,6 +23,8 @@ pub mod histories;
 mod manifest;
 mod metric;
 mod page;
+mod parquet;
+pub mod phases;
 pub mod progress;
 mod results;
 pub mod run;

@@ -7,7 +7,7 @@ use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
-use mbd_runtime::{Content, MetricReader, MissingMetric, Model, Name, Trajectory};
+use mbd_runtime::{Content, MetricReader, MissingMetric, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -70,40 +70,37 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// The metrics of a declaration, and those of a campaign file; `every_step` says whether histories have a row at every step, and so at every
-    /// event. Of one that is declared, the file may say what it has to be. Histories hold `content`, and what metrics need besides.
+    /// The metrics of the declarations of the models that a run comes to, and those of a campaign file; `every_step` says whether histories have a row at every
+    /// step, and so at every event. Of one that is declared, the file may say what it has to be. Histories hold `content`, and what metrics need besides.
     ///
     /// # Errors
-    /// The first that cannot be read from a history of this model.
-    pub fn new<'m>(
+    /// The first that cannot be read from a history of these models, or that two of them declare differently.
+    pub(crate) fn new<'m>(
         written: impl Iterator<Item = (&'m String, &'m WrittenMetric)> + Clone,
-        (model, content): (&dyn Model<f64>, Content),
+        (models, content): (&columns::Models<'_>, Content),
         every_step: bool,
     ) -> Result<Self, PlanError> {
-        let scene = model.scene();
         let mut metrics = Metrics {
             list: Vec::new(),
             content,
         };
-        let of_declared = scene
-            .runs
-            .metrics
-            .iter()
-            .filter(|metric| metric.output.is_some());
-        for metric in of_declared {
+        let scenes: Vec<&Scene> = models.iter().map(|model| model.scene()).collect();
+        let all = all_declared(&scenes)?;
+        let of_declared = all.iter().filter(|(_, metric)| metric.output.is_some());
+        for (_, metric) in of_declared {
             let setting = format!("metrics.{}", metric.name);
-            columns::include(&mut metrics.content, &metric.name, (&setting, model))?;
+            columns::include(&mut metrics.content, &metric.name, (&setting, models))?;
         }
-        let is_declared = |name: &str| scene.runs.metrics.iter().any(|metric| metric.name == name);
+        let is_declared = |name: &str| all.iter().any(|(_, metric)| metric.name == name);
         let own = written.clone().filter(|(name, _)| !is_declared(name));
         for (name, metric) in own.clone() {
             for column in metric.columns() {
                 let setting = format!("metrics.{name}");
-                columns::include(&mut metrics.content, column, (&setting, model))?;
+                columns::include(&mut metrics.content, column, (&setting, models))?;
             }
         }
-        let names = columns::names(model, metrics.content);
-        for metric in &scene.runs.metrics {
+        let names = columns::names(models, metrics.content);
+        for (scene, metric) in &all {
             let mut declared = declared(metric, scene, &names, every_step)?;
             if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
                 declared.require =
@@ -113,7 +110,7 @@ impl Metrics {
         }
         for (name, written) in own {
             let reader = MetricTextReader::new(name, written, &names);
-            metrics.list.push(reader.metric(scene, every_step)?);
+            metrics.list.push(reader.metric(&scenes, every_step)?);
         }
         Ok(metrics)
     }
@@ -151,6 +148,36 @@ impl WrittenMetric {
         let takes = self.takes().filter(|(take, _)| *take != Take::TimeOf);
         takes.map(|(_, column)| column)
     }
+}
+
+/// The metrics that scenes declare, each once, with a scene that does.
+fn all_declared<'s>(
+    scenes: &[&'s Scene],
+) -> Result<Vec<(&'s Scene, &'s metrics::Metric)>, PlanError> {
+    let told = |scene: &Scene, metric: &metrics::Metric| {
+        let event = metric.event.and_then(|event| scene.events.get(event));
+        let event = event.map(|event| event.name.clone());
+        let numbers = (metric.level, metric.from, metric.to);
+        (metric.take, metric.unit(scene), numbers, event)
+    };
+    let mut all: Vec<(&Scene, &metrics::Metric)> = Vec::new();
+    for scene in scenes {
+        for metric in &scene.runs.metrics {
+            let known = all.iter().find(|(_, known)| known.name == metric.name);
+            match known {
+                None => all.push((scene, metric)),
+                Some((other, known)) if told(other, known) == told(scene, metric) => {}
+                Some((other, _)) => {
+                    let text = format!(
+                        "`{}` and `{}` declare it differently: give one of them another name",
+                        other.name, scene.name
+                    );
+                    return Err(wrong(format!("metric {}", metric.name), text));
+                }
+            }
+        }
+    }
+    Ok(all)
 }
 
 /// A metric of the declaration, read from histories with these columns.
@@ -213,7 +240,7 @@ impl<'r> MetricTextReader<'r> {
         require.map(|it| self.requirement(it, unit)).transpose()
     }
 
-    fn metric(&self, scene: &Scene, every_step: bool) -> Result<CampaignMetric, PlanError> {
+    fn metric(&self, scenes: &[&Scene], every_step: bool) -> Result<CampaignMetric, PlanError> {
         let written = self.written;
         let mut given = written.takes();
         let (Some((take, of)), None) = (given.next(), given.next()) else {
@@ -237,8 +264,8 @@ impl<'r> MetricTextReader<'r> {
         let own = own.map_or("", |name| &name.unit);
         let level = self.in_unit("level", written.level.as_ref(), own)?;
         let event = match take {
-            Take::Value => self.event(scene, written.at.as_deref().unwrap_or_default())?,
-            Take::TimeOf => self.event(scene, of)?,
+            Take::Value => self.event(scenes, written.at.as_deref().unwrap_or_default())?,
+            Take::TimeOf => self.event(scenes, of)?,
             _ => String::new(),
         };
         if take == Take::Value && !every_step {
@@ -317,14 +344,16 @@ impl<'r> MetricTextReader<'r> {
     }
 
     /// An event as histories name it: a declared one, or `riser: taut`.
-    fn event(&self, scene: &Scene, name: &str) -> Result<String, PlanError> {
-        let declared = scene.events.iter().map(|event| event.name.as_str());
+    fn event(&self, scenes: &[&Scene], name: &str) -> Result<String, PlanError> {
+        let events = scenes.iter().flat_map(|scene| &scene.events);
+        let declared = events.map(|event| event.name.as_str());
         let element = name.split_once(": ").map(|(element, _)| element);
         let line = element.is_some_and(|element| {
-            let lines = scene.lines.iter().map(|line| line.name.as_str());
-            let joints = scene.joints.iter().map(|joint| joint.name.as_str());
+            let lines = scenes.iter().flat_map(|scene| &scene.lines);
+            let joints = scenes.iter().flat_map(|scene| &scene.joints);
             lines
-                .chain(joints)
+                .map(|line| line.name.as_str())
+                .chain(joints.map(|joint| joint.name.as_str()))
                 .any(|known| element == known || element.starts_with(&format!("{known}.")))
         });
         if line || declared.clone().any(|known| known == name) {

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::failure::Failure;
 use crate::manifest::{Manifest, ResultColumn};
+use crate::parquet::{self, ParquetCells};
 use crate::table::{cell, cells, heading, number};
 
 /// One case.
@@ -25,12 +26,21 @@ pub struct CaseRow {
     pub why: String,
 }
 
+/// The columns that every table has before the numbers and behind them.
+const BEFORE: [&str; 3] = ["case", "status", "end [s]"];
+const BEHIND: &str = "why";
+
+/// The columns of numbers, as they are headed.
+fn numbers(manifest: &Manifest) -> impl Iterator<Item = String> + '_ {
+    let columns = manifest.dispersed.iter().chain(&manifest.metrics);
+    columns.map(|ResultColumn { name, unit, .. }| heading(name, unit))
+}
+
 /// The head of the table.
 pub fn head(manifest: &Manifest) -> String {
-    let columns = manifest.dispersed.iter().chain(&manifest.metrics);
-    let columns = columns.map(|ResultColumn { name, unit, .. }| cell(&heading(name, unit)));
-    let all = ["case", "status", "end [s]"].map(str::to_owned).into_iter();
-    let all: Vec<String> = all.chain(columns).chain(["why".to_owned()]).collect();
+    let before = BEFORE.map(str::to_owned).into_iter();
+    let columns = numbers(manifest).map(|heading| cell(&heading));
+    let all: Vec<String> = before.chain(columns).chain([BEHIND.to_owned()]).collect();
     all.join(",")
 }
 
@@ -138,6 +148,40 @@ impl Results {
             )));
         }
         Ok(Results { manifest, rows })
+    }
+
+    /// Writes them as a Parquet file with the columns of `cases.csv`.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn to_parquet(&self, to: &mut dyn Write) -> io::Result<()> {
+        let [case, status, end] = BEFORE;
+        let rows = &self.rows;
+        let column = |name: &str, cells| parquet::ParquetColumn {
+            name: name.to_owned(),
+            cells,
+        };
+        let mut columns = vec![
+            column(case, ParquetCells::Whole(Box::new(|row| rows[row].case))),
+            column(
+                status,
+                ParquetCells::Texts(Box::new(|row| &rows[row].status)),
+            ),
+            column(end, ParquetCells::Numbers(Box::new(|row| rows[row].time))),
+        ];
+        let dispersed = self.manifest.dispersed.len();
+        for (at, name) in numbers(&self.manifest).enumerate() {
+            let cells: Box<dyn Fn(usize) -> f64 + '_> = match at.checked_sub(dispersed) {
+                None => Box::new(move |row: usize| rows[row].values[at]),
+                Some(at) => Box::new(move |row: usize| rows[row].metrics[at]),
+            };
+            columns.push(column(&name, ParquetCells::Numbers(cells)));
+        }
+        columns.push(column(
+            BEHIND,
+            ParquetCells::Texts(Box::new(|row| &rows[row].why)),
+        ));
+        parquet::write(to, rows.len(), &columns)
     }
 
     /// A dispersed number of every case after the nominal.

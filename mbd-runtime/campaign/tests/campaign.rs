@@ -547,6 +547,7 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
         ),
         ("sigma = \"5 %\"", "sigma = \"5 m\"", "wrong unit"),
         ("sigma = \"5 %\"", "sigma = \"0 kg\"", "must be positive"),
+        ("sigma = \"5 %\"", "sigma = \"-0.1 kg\"", "must be positive"),
         (
             "sigma = \"5 %\"",
             "low = \"1 kg\"",

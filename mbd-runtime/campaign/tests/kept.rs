@@ -142,7 +142,12 @@ fn threads_lanes_shards_and_resumes_change_no_byte_of_what_is_kept() {
         run(&folder, &campaign, &out, shards, resources);
         reported(&out).expect("a page");
         // Broken off among the histories: what is missing is flown again.
-        for name in ["case_000017.html", "case_000000.csv", "case_000000.html"] {
+        for name in [
+            "case_000017.html",
+            "case_000000.csv",
+            "case_000000.parquet",
+            "case_000000.html",
+        ] {
             fs::remove_file(out.join("histories").join(name)).expect("it is there");
         }
         reported(&out).expect("a page");
@@ -155,6 +160,7 @@ fn threads_lanes_shards_and_resumes_change_no_byte_of_what_is_kept() {
         for name in [
             "envelopes.csv",
             "report.html",
+            "cases.parquet",
             "footprint_east_north.svg",
             "envelope_height.svg",
         ] {

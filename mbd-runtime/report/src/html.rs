@@ -63,6 +63,18 @@ impl Report {
         self
     }
 
+    /// Adds a sentence that tells what became of something that is required: whether it holds, or `None` where that is open. It stands out, and says so in words.
+    #[must_use]
+    pub fn verdict(mut self, text: &str, holds: Option<bool>) -> Self {
+        let class = match holds {
+            Some(true) => "holds",
+            Some(false) => "fails",
+            None => "open",
+        };
+        self.body += &format!("<p class=\"verdict {class}\">{}</p>\n", words(text));
+        self
+    }
+
     /// Adds a paragraph that is a link to a file beside the page.
     #[must_use]
     pub fn link(mut self, text: &str, to: &str) -> Self {

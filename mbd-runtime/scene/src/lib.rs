@@ -37,8 +37,8 @@ mod vocabulary;
 
 pub use direction::turns_direction;
 pub use evaluate::{
-    Handed, Scratch, ToldMotion, commands, evaluate, evaluate_with_multipliers, handed, impulses,
-    jumping_angles, locked, masses, sensitivity, settings,
+    Handed, Scratch, ToldMotion, commands, counted_angles, evaluate, evaluate_with_multipliers,
+    handed, impulses, locked, masses, sensitivity, settings,
 };
 pub use event::{
     Actions, Detachable, Direction, Event, MapSource, Mapped, Next, Settable, Setting,

@@ -14,6 +14,16 @@ pub struct Name {
 }
 
 impl Name {
+    /// It as a column is headed in files: `riser.tension [N]`, `close.force.x [N; not unique]`.
+    #[must_use]
+    pub fn heading(&self) -> String {
+        match (self.unit.as_str(), self.remark.as_str()) {
+            ("", "") => self.name.clone(),
+            (unit, "") => format!("{} [{unit}]", self.name),
+            (unit, remark) => format!("{} [{unit}; {remark}]", self.name),
+        }
+    }
+
     pub(crate) fn new(owner: &str, component: &str, unit: &str) -> Self {
         let name = if component.is_empty() {
             owner.to_owned()

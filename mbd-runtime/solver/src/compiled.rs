@@ -64,6 +64,7 @@ doors! {
     fn look(run: &mut Simulation<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = Simulation::look;
     fn give_state(run: &mut Simulation<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = Simulation::give_state;
     fn give_nodes(run: &mut Simulation<Self>, guess: &[Self]) -> Result<(), RunError> = Simulation::give_nodes;
+    fn give_turns(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_turns;
     fn give_joints(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_joints;
     fn give_params(run: &mut Simulation<Self>, params: &[Self]) -> Result<(), ParamError> = Simulation::give_params;
     fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
@@ -285,6 +286,15 @@ impl<T: Scalar> Simulation<T> {
     /// A name that is no joint coordinate; one that others decide; loops that cannot close.
     pub fn set_joints(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
         T::give_joints(self, given)
+    }
+
+    /// Says next to which values the angles of joints begin [rad], of those whose turns are counted and the state tells up to full turns:
+    /// `run.set_turns(&[("pin.angle", 9.0)])`. [`Simulation::set_joints`] does it by itself, [`Simulation::set_state`] begins next to declared starts.
+    ///
+    /// # Errors
+    /// A name that is no joint coordinate.
+    pub fn set_turns(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
+        T::give_turns(self, given)
     }
 
     /// Gives positions of the nodes (3 each) to start their search from; those of `rate` nodes are taken as they are, whatever z is.

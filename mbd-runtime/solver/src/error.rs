@@ -47,8 +47,6 @@ pub struct Statistics {
     pub rows_regularised: u64,
     /// Decimal digits of the accelerations that uneven masses cost at the start, on the strategy of the run; 0 for masses within three decades.
     pub lost_digits: u64,
-    /// Accepted steps in which an angle with a spring or a stop passed half a turn, where it jumps by a full turn, and the torque with it.
-    pub angle_jumps: u64,
 }
 
 impl Statistics {
@@ -59,6 +57,30 @@ impl Statistics {
             0.0
         } else {
             self.node_iterations as f64 / self.node_solves as f64
+        }
+    }
+
+    /// Those of a run and of the one that went on from it, together.
+    #[must_use]
+    pub fn and(self, next: Self) -> Self {
+        Statistics {
+            steps: self.steps + next.steps,
+            stiff_steps: self.stiff_steps + next.stiff_steps,
+            method_changes: self.method_changes + next.method_changes,
+            rejected: self.rejected + next.rejected,
+            redone: self.redone + next.redone,
+            rhs: self.rhs + next.rhs,
+            jacobians: self.jacobians + next.jacobians,
+            factors: self.factors + next.factors,
+            node_solves: self.node_solves + next.node_solves,
+            node_iterations: self.node_iterations + next.node_iterations,
+            node_iterations_max: self.node_iterations_max.max(next.node_iterations_max),
+            node_strategy: self.node_strategy.max(next.node_strategy),
+            switches: self.switches + next.switches,
+            rows_strategy: self.rows_strategy.max(next.rows_strategy),
+            rows_chosen: self.rows_chosen + next.rows_chosen,
+            rows_regularised: self.rows_regularised + next.rows_regularised,
+            lost_digits: self.lost_digits.max(next.lost_digits),
         }
     }
 }

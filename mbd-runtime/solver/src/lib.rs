@@ -47,6 +47,7 @@ mod supply;
 mod system;
 mod trajectory;
 mod trim;
+mod turns;
 mod unilateral;
 mod verify;
 mod watch;
@@ -113,7 +114,7 @@ pub use supply::{Inputs, Sample};
 pub use system::{External, NoLoads};
 
 // Many runs.
-pub use batch::{Batch, Case, Failed as FailedCase, Finished, Tally, Why};
+pub use batch::{Batch, Case, Ended, Failed as FailedCase, Finished, Onward, Tally, Why};
 pub use lanes::{
     Beside, Equations, Forms, InLanes, LaneParameters, Lanes, Lanes4, Lanes8, LockStep,
 };
@@ -124,7 +125,7 @@ pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Sti
 pub use event::{Happening, Occurrence};
 pub use metric::{MetricReader, MetricValue, MissingMetric};
 pub use node::NodeMemory;
-pub use trajectory::{Content, Sampling, Trajectory};
+pub use trajectory::{Content, Joined, Sampling, Trajectory};
 pub use unilateral::Mode;
 pub use watch::Instability;
 

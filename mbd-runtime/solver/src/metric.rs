@@ -148,7 +148,7 @@ impl MetricReader {
         })
     }
 
-    /// Its value in a history; NaN where it has none.
+    /// Its value in a history; NaN where it has none. Of a history of several models ([`Joined`](crate::Joined)) those count that have the quantity.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> f64 {
         match self.take {
@@ -175,29 +175,48 @@ impl MetricReader {
     }
 
     fn over_time(&self, history: &Trajectory) -> f64 {
-        let (times, values) = between(history.times(), history.values(self.column), self.window);
-        let (times, values) = (times.as_slice(), values.as_slice());
-        if values.is_empty() || values.iter().any(|value| value.is_nan()) {
+        let (times, values) = (history.times(), history.values(self.column));
+        let pieces = history.pieces(self.column).map(|rows| {
+            let (times, values) = (times.get(rows.clone()), values.get(rows));
+            between(
+                times.unwrap_or_default(),
+                values.unwrap_or_default(),
+                self.window,
+            )
+        });
+        let pieces: Vec<(Vec<f64>, Vec<f64>)> =
+            pieces.filter(|(times, _)| !times.is_empty()).collect();
+        let values = || pieces.iter().flat_map(|(_, values)| values).copied();
+        let Some(last) = values().last().filter(|_| !values().any(f64::is_nan)) else {
             return f64::NAN;
-        }
-        let span = times[times.len() - 1] - times[0];
+        };
+        let span: f64 = pieces
+            .iter()
+            .map(|(times, _)| times[times.len() - 1] - times[0])
+            .sum();
         // ∫ of a function that is a polynomial of the column between two rows.
         let integral = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-            let rows = times.windows(2).zip(values.windows(2));
+            let rows = pieces
+                .iter()
+                .flat_map(|(times, values)| times.windows(2).zip(values.windows(2)));
             rows.map(|(t, x)| (t[1] - t[0]) * of(x[0], x[1])).sum()
         };
         let over_span = |sum: f64, alone: f64| if span > 0.0 { sum / span } else { alone };
-        let last = values[values.len() - 1];
         match self.take {
-            Take::Max => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            Take::Min => values.iter().copied().fold(f64::INFINITY, f64::min),
+            Take::Max => values().fold(f64::NEG_INFINITY, f64::max),
+            Take::Min => values().fold(f64::INFINITY, f64::min),
             Take::Mean => over_span(integral(&|a, b| 0.5 * (a + b)), last),
             Take::Rms => {
                 over_span(integral(&|a, b| (a * a + a * b + b * b) / 3.0), last * last).sqrt()
             }
             Take::Integral => integral(&|a, b| 0.5 * (a + b)),
             Take::TimeAbove => integral(&|a, b| part_above(a, b, self.level)),
-            Take::FirstAbove => first_above(times, values, self.level),
+            Take::FirstAbove => {
+                let mut found = pieces
+                    .iter()
+                    .map(|(times, values)| first_above(times, values, self.level));
+                found.find(|time| !time.is_nan()).unwrap_or(f64::NAN)
+            }
             _ => last,
         }
     }

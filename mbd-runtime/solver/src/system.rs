@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use mbd_scene::{At, Float, Model, Quantity, Scene, Work};
+use mbd_scene::{At, Float, Model, Quantity, Work};
 
 use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
@@ -16,6 +16,7 @@ use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::origin::Following;
 use crate::projection::Projection;
 use crate::supply::{Gauge, Law, Moment, check_supplied};
+use crate::turns::Turning;
 use crate::unilateral::Mode;
 use crate::watch;
 
@@ -96,7 +97,7 @@ pub(crate) struct System<T: Float> {
     /// How the rows are solved.
     pub fallback: Fallback,
     /// The laws themselves, once something asked for them.
-    laws: Option<Laws>,
+    pub(crate) laws: Option<Laws>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
     /// Derivatives of the rates, for a method that asks for them.
@@ -105,8 +106,8 @@ pub(crate) struct System<T: Float> {
     pub free_motion: FreeMotion,
     /// What motors that follow inputs were commanded.
     commands: Option<Commands>,
-    /// The angles with a spring or a stop at the last accepted step, and room for those of the next; `None` where there is no such angle.
-    angles: Option<[Vec<f64>; 2]>,
+    /// The angles whose turns are counted.
+    pub(crate) turning: Turning,
     /// Room for a quantity by the laws themselves.
     wide: Vec<f64>,
     /// Room for joint coordinates.
@@ -119,19 +120,6 @@ pub(crate) struct System<T: Float> {
     pub following: Option<Following>,
     /// Room for a state in the world.
     world: Vec<T>,
-}
-
-/// Whether a spring or a stop acts along an angle that jumps at half a turn.
-fn has_jumping_angles(scene: &Scene) -> bool {
-    scene.joints.iter().any(|joint| {
-        let mut sprung = joint.forces.iter().filter(|forces| {
-            forces.stiffness.is_some() || forces.stops.iter().any(Option::is_some)
-        });
-        sprung.any(|forces| {
-            let coordinate = joint.law.coordinate(forces.coordinate);
-            coordinate.is_some_and(|coordinate| coordinate.is_periodic())
-        })
-    })
 }
 
 fn stage<'a, T: Float>(
@@ -174,7 +162,7 @@ impl<T: Float> System<T> {
             jacobian: None,
             free_motion: FreeMotion::default(),
             commands: Commands::new(model.scene()),
-            angles: has_jumping_angles(model.scene()).then(Default::default),
+            turning: Turning::new(),
             wide: Vec::new(),
             measured: vec![
                 T::zero();
@@ -342,27 +330,6 @@ impl<T: Float> System<T> {
             });
         }
         values
-    }
-
-    /// Looks at the angles with a spring or a stop at the end of a step that is to be taken, or at a start (`first`); whether one jumped.
-    pub(crate) fn follow_angles(&mut self, time: f64, state: &[T], first: bool) -> bool {
-        let Some([last, now]) = &mut self.angles else {
-            return false;
-        };
-        let state = state.get(..self.nx).unwrap_or_default();
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        now.clear();
-        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
-            mbd_scene::jumping_angles(scene, layout, numbers, at, scratch, now);
-        });
-        let jumped = |(now, last): (&f64, &f64)| (now - last).abs() > std::f64::consts::PI;
-        let jumps = !first && now.iter().zip(last.iter()).any(jumped);
-        if jumps {
-            self.counters.angle_jumps = self.counters.angle_jumps.saturating_add(1);
-        }
-        std::mem::swap(last, now);
-        jumps
     }
 
     /// Puts energy and power at the stage that was evaluated last into `energy`.

@@ -8,6 +8,11 @@ use crate::columns::{Name, carried_names, joint_name, line_name, node_name, stat
 use crate::error::{Statistics, StepError};
 use crate::system::{System, WORKS};
 
+mod joined;
+
+pub use joined::Joined;
+use joined::JoinedPart;
+
 /// When a row is written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sampling {
@@ -113,6 +118,8 @@ pub struct Trajectory {
     pub events: Vec<(f64, String)>,
     /// Counters of the run at its last row.
     pub statistics: Statistics,
+    /// Of a history that was put together, its parts; empty of the history of one model.
+    parts: Vec<JoinedPart>,
 }
 
 impl Trajectory {
@@ -149,6 +156,7 @@ impl Trajectory {
             undetermined: 0,
             events: Vec::new(),
             statistics: Statistics::default(),
+            parts: Vec::new(),
         }
     }
 
@@ -158,58 +166,7 @@ impl Trajectory {
         self.events.clear();
         (self.first, self.next, self.undetermined) = (f64::NAN, 0, 0);
         self.statistics = Statistics::default();
-    }
-
-    /// Histories one after the other, of models that went on from each other: a column `phase` counts them from 1, columns of the same name and unit are
-    /// one, and what a model has not is not a number in its rows. A column whose name has another unit elsewhere is told by its phase, `load (2)`.
-    #[must_use]
-    pub fn joined(parts: &[&Trajectory]) -> Self {
-        let mut names = vec![Name::new("time", "", "s"), Name::new("phase", "", "")];
-        // Per part, where each of its columns goes.
-        let mut places: Vec<Vec<usize>> = Vec::with_capacity(parts.len());
-        for (phase, part) in parts.iter().enumerate() {
-            let mut own = Vec::with_capacity(part.names.len());
-            for name in &part.names {
-                let alike = |known: &Name| known.name == name.name && known.unit == name.unit;
-                let taken = names.iter().any(|known| known.name == name.name);
-                let known = names.iter().position(alike);
-                own.push(known.unwrap_or(names.len()));
-                if known.is_none() {
-                    let told = match taken {
-                        true => format!("{} ({})", name.name, phase + 1),
-                        false => name.name.clone(),
-                    };
-                    names.push(Name {
-                        name: told,
-                        ..name.clone()
-                    });
-                }
-            }
-            places.push(own);
-        }
-        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-        for ((part, own), phase) in parts.iter().zip(&places).zip(1_u32..) {
-            let (before, rows) = (columns[0].len(), part.len());
-            for (place, column) in own.iter().zip(&part.columns) {
-                columns[*place].extend_from_slice(column);
-            }
-            columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
-            let all = columns.iter_mut();
-            all.for_each(|column| column.resize(before + rows, f64::NAN));
-        }
-        let content = parts.first().map_or(Content::RESULTS, |part| part.content);
-        Trajectory {
-            row: Vec::new(),
-            content,
-            sampling: Sampling::Steps,
-            first: columns[0].first().copied().unwrap_or(f64::NAN),
-            next: 0,
-            undetermined: parts.iter().map(|part| part.undetermined).sum(),
-            events: parts.iter().flat_map(|part| part.events.clone()).collect(),
-            statistics: Statistics::default(),
-            names,
-            columns,
-        }
+        self.parts.clear();
     }
 
     /// Number of rows.
@@ -263,12 +220,7 @@ impl Trajectory {
     pub fn to_csv(&self, mut to: impl Write) -> io::Result<()> {
         for (index, column) in self.names.iter().enumerate() {
             let comma = if index == 0 { "" } else { "," };
-            write!(to, "{comma}{}", column.name)?;
-            match (column.unit.as_str(), column.remark.as_str()) {
-                ("", "") => {}
-                (unit, "") => write!(to, " [{unit}]")?,
-                (unit, remark) => write!(to, " [{unit}; {remark}]")?,
-            }
+            write!(to, "{comma}{}", column.heading())?;
         }
         writeln!(to)?;
         for row in 0..self.len() {

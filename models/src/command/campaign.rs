@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
+use mbd_campaign::run::Phase;
 use mbd_campaign::{Campaign, CampaignArgs, GatherArgs, ResultSource};
 use mbd_runtime::Model;
 
 use super::failure::CommandFailure;
+use super::phases::Phases;
 use super::scene_file::SceneFile;
 
 /// The scene of a campaign, and the campaign.
@@ -21,8 +23,7 @@ pub struct SceneCampaignArgs {
 
 /// Runs a campaign of a scene, or a shard of it.
 pub fn campaign(args: &SceneCampaignArgs) -> Result<String, CommandFailure> {
-    let file = SceneFile::find_alone(&args.scene, "campaign")?;
-    let model = nominal(&file)?;
+    let phases = phases(&args.scene)?;
     let source = |campaign: &Path| ResultSource {
         command: format!(
             "mbd run {} --campaign {}",
@@ -32,13 +33,7 @@ pub fn campaign(args: &SceneCampaignArgs) -> Result<String, CommandFailure> {
         scene: Some(args.scene.clone()),
         campaign: campaign.to_owned(),
     };
-    let settings = file.settings;
-    Ok(mbd_campaign::campaign(
-        &args.campaign,
-        model,
-        settings,
-        &source,
-    )?)
+    Ok(mbd_campaign::campaign(&args.campaign, phases, &source)?)
 }
 
 /// Writes the page of a campaign, with the histories it chooses.
@@ -56,9 +51,13 @@ fn reopen(source: &ResultSource) -> Result<Campaign, mbd_campaign::Failure> {
         return Err(mbd_campaign::Failure::Usage(text));
     };
     let told = |failure: CommandFailure| mbd_campaign::Failure::Invalid(failure.to_string());
-    let file = SceneFile::find_alone(scene, "campaign").map_err(told)?;
-    let model = nominal(&file).map_err(told)?;
-    Campaign::read(&source.campaign, model, file.settings)
+    let (first, later) = phases(scene).map_err(told)?;
+    Campaign::read_phases(&source.campaign, first, later)
+}
+
+/// The scenes that the runs of a campaign come to: the one that begins, and those that go on.
+fn phases(scene: &Path) -> Result<(Phase, Vec<Phase>), CommandFailure> {
+    Phases::of(SceneFile::find(scene)?, scene)?.of_many()
 }
 
 /// Puts the results of all shards together.

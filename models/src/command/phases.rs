@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use mbd_campaign::run::RunPlan;
+use mbd_campaign::run::{GivenSettings, Phase, RunPlan, settings_of_all};
 use mbd_compiler::{Location, Message, misfits};
 use models::run::{PlanError, Settings};
 
+use super::campaign::nominal;
 use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::SceneFile;
@@ -96,28 +97,45 @@ impl Phases {
         Ok(())
     }
 
-    /// How each is flown: as its own settings say, until the end of the first; method and tolerance are those of the first where it says none. What was
-    /// typed is in the settings of the first, and counts before both.
+    /// How each is run, where the first has these settings, with what was given in them.
     ///
     /// # Errors
     /// Settings that a scene cannot be run with.
     pub fn planned(
         &self,
-        first: &RunPlan,
-        settings: &Settings,
-        typed: &TypedSettings,
+        first: &Settings,
+        given: &GivenSettings,
     ) -> Result<Vec<RunPlan>, CommandFailure> {
-        let mut plans = vec![first.clone()];
-        for file in self.files.iter().skip(1) {
-            let own = after(settings, &file.settings, typed, |name| {
-                file.scene.params.iter().any(|param| param.name == name)
-            });
-            let plan = RunPlan::new(&file.scene, &own);
-            plans.push(plan.map_err(|error: PlanError| {
+        let files = self.files.iter();
+        let own: Vec<_> = files.map(|file| (&file.scene, &file.settings)).collect();
+        let settings = settings_of_all(first, given, &own);
+        let planned = self.files.iter().zip(&settings).map(|(file, settings)| {
+            let plan = RunPlan::new(&file.scene, settings);
+            plan.map_err(|error: PlanError| {
                 CommandFailure::Invalid(format!("{}: {error}", file.name))
-            })?);
+            })
+        });
+        planned.collect()
+    }
+
+    /// They for many runs: the one that begins, and those that go on.
+    ///
+    /// # Errors
+    /// A scene that cannot be run as it is declared.
+    pub fn of_many(&self) -> Result<(Phase, Vec<Phase>), CommandFailure> {
+        let mut all = Vec::with_capacity(self.files.len());
+        for (file, next) in self.files.iter().zip(&self.next) {
+            all.push(Phase {
+                model: nominal(file)?,
+                settings: file.settings.clone(),
+                next: next.clone(),
+            });
         }
-        Ok(plans)
+        let mut all = all.into_iter();
+        match all.next() {
+            Some(first) => Ok((first, all.collect())),
+            None => Err(CommandFailure::Usage("there is no scene to run".to_owned())),
+        }
     }
 
     /// What is said of them: which scene goes on from which, and where.
@@ -156,52 +174,6 @@ impl Phases {
         }
         remarks
     }
-}
-
-/// What of the settings was typed.
-#[derive(Debug, Default)]
-pub struct TypedSettings {
-    /// The method, the step or the tolerance.
-    pub method: bool,
-    /// How often a row is kept.
-    pub every: bool,
-    /// The most steps.
-    pub max_steps: bool,
-    /// Params, by name.
-    pub params: Vec<String>,
-}
-
-/// The settings of a scene that goes on from one with the settings `first`: of its params those that were typed count here, too.
-fn after(
-    first: &Settings,
-    own: &Settings,
-    typed: &TypedSettings,
-    has: impl Fn(&str) -> bool,
-) -> Settings {
-    let mut settings = own.clone();
-    settings.until.clone_from(&first.until);
-    if typed.method {
-        (settings.step, settings.tolerance, settings.method) = (None, None, None);
-    }
-    if typed.every {
-        settings.every = None;
-    }
-    if typed.max_steps {
-        settings.max_steps = None;
-    }
-    if settings.step.is_none() && settings.tolerance.is_none() && settings.method.is_none() {
-        settings.step.clone_from(&first.step);
-        settings.tolerance.clone_from(&first.tolerance);
-        settings.method.clone_from(&first.method);
-    }
-    settings.every = settings.every.or_else(|| first.every.clone());
-    settings.max_steps = settings.max_steps.or(first.max_steps);
-    settings.estimate = Some(false);
-    let counts = |name: &String| typed.params.contains(name) && has(name);
-    for (name, value) in first.params.iter().filter(|(name, _)| counts(name)) {
-        settings.params.insert(name.clone(), value.clone());
-    }
-    settings
 }
 
 /// The bodies and points that settings place.

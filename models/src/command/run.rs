@@ -4,6 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use mbd_campaign::Campaign;
+use mbd_campaign::run::GivenSettings;
 use mbd_runtime::scene::Scene;
 use models::progress::ProgressLine;
 use models::report::ReportTable;
@@ -15,7 +16,7 @@ use toml::Value;
 
 use super::failure::CommandFailure;
 use super::list;
-use super::phases::{MOST, Phases, TypedSettings};
+use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -155,53 +156,27 @@ pub fn run(args: &RunArgs) -> Result<String, CommandFailure> {
 
 /// Runs several scenes one after the other.
 fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
+    if args.gltf {
+        return Err(CommandFailure::Usage(
+            "--gltf takes a scene that flies alone: an event of this one lets another scene go on"
+                .into(),
+        ));
+    }
     let Some(first) = phases.files.first() else {
         return Ok(String::new());
     };
-    if args.campaign.is_some() || args.gltf {
-        return Err(CommandFailure::Usage(
-            "--campaign and --gltf take a scene that flies alone: an event of this one lets another scene go on".into(),
-        ));
-    }
-    let known = |name: &str| {
-        let mut params = phases.files.iter().flat_map(|file| &file.scene.params);
-        params.any(|param| param.name == name)
-    };
-    let settings = with_flags(first.settings.clone(), args)?;
-    let set = args.set.iter().filter_map(|set| set.split_once('='));
-    let typed = TypedSettings {
-        method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
-        every: args.every.is_some(),
-        max_steps: args.max_steps.is_some(),
-        params: set.map(|(name, _)| name.trim().to_owned()).collect(),
-    };
-    // A param of a later scene alone is none of the first.
-    let mut own = settings.clone();
-    own.params.retain(|name, _| {
-        let mut params = first.scene.params.iter();
-        params.any(|param| param.name == *name)
-            || !known(name)
-            || !typed.params.iter().any(|set| set == name)
-    });
-    let plan = RunPlan::new(&first.scene, &own)
-        .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", args.scene.display())))?;
-    let plans = phases.planned(&plan, &settings, &typed)?;
-    let makers: Vec<_> = phases
-        .files
-        .iter()
-        .map(|file| move |params: &[f64]| file.model(params))
-        .collect();
-    let all: Vec<Phase<'_>> = (phases.files.iter().zip(&makers))
-        .zip(plans)
-        .zip(&phases.next)
-        .map(|(((file, make), plan), next)| Phase {
-            scene: &file.scene,
-            plan,
-            make,
+    let plans = plans(args, phases)?;
+    let mut all = Vec::with_capacity(plans.len());
+    for ((file, plan), next) in phases.files.iter().zip(&plans).zip(&phases.next) {
+        let model = file.model(&plan.params);
+        all.push(Phase {
+            model: model
+                .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", file.name)))?,
+            settings: file.settings.clone(),
             next: next.clone(),
-        })
-        .collect();
-    let segments = fly_phases(&all, &mut ProgressLine::new());
+        });
+    }
+    let segments = fly_phases(&all, &plans, &mut ProgressLine::new());
     let folder = args.folder();
     let table = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
     let (mut warnings, mut doubtful) = (Vec::new(), false);
@@ -209,9 +184,13 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         .iter()
         .filter_map(|segment| Some((segment, all.get(segment.phase)?)))
     {
-        let doubt = doubt(phase.scene, &segment.plan, &segment.outcome);
+        let doubt = doubt(phase.model.scene(), &segment.plan, &segment.outcome);
         doubtful |= doubt.is_some();
-        warnings.extend(warning(phase.scene, &segment.plan, &segment.outcome));
+        warnings.extend(warning(
+            phase.model.scene(),
+            &segment.plan,
+            &segment.outcome,
+        ));
         warnings.extend(doubt);
     }
     let told = if args.json {
@@ -239,6 +218,26 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             first.scene.name
         ))),
     }
+}
+
+/// How each of several scenes is flown.
+fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure> {
+    if let Some(file) = &args.campaign {
+        let (first, later) = phases.of_many()?;
+        let plans = Campaign::read_phases(file, first, later)?.plans(args.case);
+        return plans
+            .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", file.display())));
+    }
+    let first = phases.files.first().map(|file| file.settings.clone());
+    let settings = with_flags(first.unwrap_or_default(), args)?;
+    let set = args.set.iter().filter_map(|set| set.split_once('='));
+    let given = GivenSettings {
+        method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
+        every: args.every.is_some(),
+        max_steps: args.max_steps.is_some(),
+        params: set.map(|(name, _)| name.trim().to_owned()).collect(),
+    };
+    phases.planned(&settings, &given)
 }
 
 /// Runs a scene that flies alone.

@@ -5,6 +5,7 @@ use super::*;
 
 mod arguments;
 mod campaign;
+mod campaign_phases;
 mod checks;
 mod compare;
 mod conversion;

@@ -11,10 +11,10 @@ mod start;
 mod summary;
 
 pub use estimate::{Estimate, doubt};
-pub use mbd_campaign::run::{PlanError, RunPlan, Settings, split};
+pub use mbd_campaign::run::{Phase, PlanError, RunPlan, Settings, split};
 pub use metrics::metrics;
 pub use outcome::{RunOutcome, fly, fly_model};
-pub use phases::{Phase, Segment, fly_phases};
+pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{publish_phases, summary as phases_json};
 pub use quality::Quality;

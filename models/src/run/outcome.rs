@@ -59,7 +59,7 @@ pub fn fly_model(
     plan: &RunPlan,
     progress: &mut ProgressLine,
 ) -> RunOutcome {
-    let mut outcome = fly_on(model, plan, progress, &mut |_| Ok(())).outcome;
+    let mut outcome = fly_on(begun(model, plan), model, plan, progress).outcome;
     if outcome.error.is_none() && plan.estimate {
         outcome.estimate = estimate(model, plan, &outcome.trajectory);
     }
@@ -74,26 +74,30 @@ pub(super) struct FlownPhase {
     pub run: Option<(Simulation<f64>, Stop)>,
 }
 
-/// Runs a model as planned, from where `begin` puts the run that the plan has begun.
+/// A run where its plan begins, which tells of its momentum.
+pub(super) fn begun(model: &dyn Model<f64>, plan: &RunPlan) -> Result<Simulation<f64>, RunError> {
+    let options = Options {
+        momentum: true,
+        ..plan.options
+    };
+    let mut run = Simulation::new(model, options)?;
+    plan.begin(&mut run)?;
+    Ok(run)
+}
+
+/// Flies a run of a model that has begun, until the end of its plan.
 pub(super) fn fly_on(
+    run: Result<Simulation<f64>, RunError>,
     model: &dyn Model<f64>,
     plan: &RunPlan,
     progress: &mut ProgressLine,
-    begin: &mut dyn FnMut(&mut Simulation<f64>) -> Result<(), RunError>,
 ) -> FlownPhase {
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
     let mut trajectory = Trajectory::new(model, sampling, CONTENT);
     let started = Instant::now();
     let (mut time, mut moved) = (0.0, Vec::new());
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
-    let options = Options {
-        momentum: true,
-        ..plan.options
-    };
-    let mut run = || {
-        let mut simulation = Simulation::new(model, options)?;
-        plan.begin(&mut simulation)?;
-        begin(&mut simulation)?;
+    let mut fly = |mut simulation: Simulation<f64>| {
         let mut watch = |now: f64| {
             progress.show(now / plan.until, &model.scene().name);
             true
@@ -105,7 +109,7 @@ pub(super) fn fly_on(
         momentum = simulation.momentum_imbalance();
         stop.map(|stop| (simulation, stop))
     };
-    let (run, error) = match run() {
+    let (run, error) = match run.and_then(&mut fly) {
         Ok(run) => (Some(run), None),
         Err(error) => (None, Some(error)),
     };

@@ -1,31 +1,11 @@
 //! A run through several scenes: where an event lets another scene go on, that one flies from there.
 
-use std::sync::Arc;
+use mbd_campaign::phases::FlownPart;
+use mbd_campaign::run::{Phase, RunPlan, go_on};
+use mbd_runtime::{Ended, Handover, Options, Stop};
 
-use mbd_campaign::run::RunPlan;
-use mbd_runtime::scene::Scene;
-use mbd_runtime::{Handover, Model, ParamError, RunError, Simulation, StepError, Stop};
-
-use super::outcome::{RunOutcome, fly_on};
+use super::outcome::{RunOutcome, begun, fly_on};
 use crate::progress::ProgressLine;
-
-/// Scenes that let each other go on more often than this never come to an end.
-const MOST: usize = 1000;
-
-/// Makes a model with these params.
-pub type Maker<'a> = dyn Fn(&[f64]) -> Result<Arc<dyn Model<f64>>, ParamError> + 'a;
-
-/// A scene that a run may come to.
-pub struct Phase<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// How it is flown; the end is that of the first phase.
-    pub plan: RunPlan,
-    /// Its model with these params.
-    pub make: &'a Maker<'a>,
-    /// Per event of the scene the phase that goes on after it, by index.
-    pub next: Vec<Option<usize>>,
-}
 
 /// A part of a run, flown in one phase.
 #[derive(Clone, Debug)]
@@ -44,90 +24,82 @@ pub struct Segment {
     pub outcome: RunOutcome,
 }
 
-/// Flies the first phase, and what goes on from it, until the end that the first one plans.
+impl Segment {
+    /// It, as it is told.
+    #[must_use]
+    pub fn told<'s>(&'s self, phase: &'s Phase) -> FlownPart<'s> {
+        FlownPart {
+            scene: phase.model.scene(),
+            from: self.from,
+            until: self.outcome.time,
+            handover: self.handover.as_ref(),
+            ended_by: self.ended_by,
+        }
+    }
+}
+
+/// Flies the first phase, whose model has the params of its plan, and what goes on from it, until the end that the first one plans.
 #[must_use]
-pub fn fly_phases(phases: &[Phase<'_>], progress: &mut ProgressLine) -> Vec<Segment> {
+pub fn fly_phases(
+    phases: &[Phase],
+    plans: &[RunPlan],
+    progress: &mut ProgressLine,
+) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();
-    let mut last: Option<(Simulation<f64>, usize)> = None;
-    let mut index = 0;
-    let until = phases.first().map_or(0.0, |phase| phase.plan.until);
-    while let Some(phase) = phases.get(index) {
-        let mut plan = phase.plan.clone();
+    let (Some(first), Some(plan)) = (phases.first(), plans.first()) else {
+        return segments;
+    };
+    // What a run tells of itself asks for its momentum.
+    let told = |plan: &RunPlan| RunPlan {
+        options: Options {
+            momentum: true,
+            ..plan.options
+        },
+        ..plan.clone()
+    };
+    let until = plan.until;
+    let (mut phase, mut plan, mut handover) = (0, told(plan), None);
+    let mut next = begun(&*first.model, &plan);
+    let mut from = 0.0;
+    loop {
+        let model = &phases.get(phase).unwrap_or(first).model;
         plan.until = until;
-        let from = last.as_ref().map_or(0.0, |(run, _)| run.time());
-        let begun = match &mut last {
-            Some((run, event)) => run.params_after(*event, phase.scene, &mut plan.params),
-            None => Ok(()),
+        let flown = fly_on(next, &**model, &plan, progress);
+        let (mut run, ended_by) = match flown.run {
+            Some((run, Stop::Event(event))) => (Some(run), Some(event)),
+            _ => (None, None),
         };
-        let made = begun.and_then(|()| {
-            let made = (phase.make)(&plan.params);
-            made.map_err(|error| unfit(phase, from, error.to_string()))
+        segments.push(Segment {
+            phase,
+            from,
+            handover,
+            ended_by,
+            outcome: flown.outcome,
+            plan,
         });
-        let model = match made {
-            Ok(model) => model,
+        let (Some(run), Some(event)) = (&mut run, ended_by) else {
+            return segments;
+        };
+        let ended = Ended {
+            run,
+            model: phase,
+            event,
+            before: segments.len() - 1,
+        };
+        let of = |index: usize| Ok(told(plans.get(index).unwrap_or(&segments[0].plan)));
+        match go_on(phases, ended, &of) {
+            Ok(None) => return segments,
+            Ok(Some(goes)) => {
+                from = goes.run.time();
+                (phase, plan, handover) = (goes.phase, goes.plan, Some(goes.handover));
+                next = Ok(goes.run);
+            }
             Err(error) => {
                 if let Some(segment) = segments.last_mut() {
                     segment.outcome.error = Some(error);
                 }
                 return segments;
             }
-        };
-        let mut handover = None;
-        let flown = fly_on(&*model, &plan, progress, &mut |simulation| {
-            if let Some((run, event)) = &mut last {
-                handover = Some(simulation.take_over_at(run, *event, &plan.placed)?);
-            }
-            Ok(())
-        });
-        let mut outcome = flown.outcome;
-        if outcome.trajectory.is_empty() {
-            // It could not begin.
-            outcome.time = from;
         }
-        let (run, ended_by) = match flown.run {
-            Some((run, Stop::Event(event))) => (Some(run), Some(event)),
-            _ => (None, None),
-        };
-        segments.push(Segment {
-            phase: index,
-            from,
-            handover,
-            ended_by,
-            outcome,
-            plan,
-        });
-        let next = ended_by.and_then(|event| *phase.next.get(event)?);
-        let (Some(run), Some(event), Some(next)) = (run, ended_by, next) else {
-            return segments;
-        };
-        if segments.len() == MOST {
-            let name = phase.scene.events.get(event);
-            let endless = StepError::EventChatter {
-                line: name.map_or_else(String::new, |event| event.name.clone()),
-                count: MOST,
-                window: run.time(),
-            };
-            if let Some(segment) = segments.last_mut() {
-                segment.outcome.error = Some(failed(endless));
-            }
-            return segments;
-        }
-        (last, index) = (Some((run, event)), next);
-    }
-    segments
-}
-
-fn unfit(phase: &Phase<'_>, time: f64, why: String) -> RunError {
-    failed(StepError::Action {
-        event: phase.scene.name.clone(),
-        time,
-        why,
-    })
-}
-
-fn failed(cause: StepError) -> RunError {
-    RunError {
-        cause,
-        progress: Box::default(),
     }
 }

@@ -54,7 +54,6 @@ struct RunNumbers<'a> {
     rows_chosen: u64,
     rows_regularised: u64,
     lost_digits: u64,
-    angle_jumps: u64,
     undetermined_rows: u64,
     wall_s: f64,
     wall_s_per_s: f64,
@@ -151,7 +150,6 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
         rows_chosen: statistics.rows_chosen,
         rows_regularised: statistics.rows_regularised,
         lost_digits: statistics.lost_digits,
-        angle_jumps: statistics.angle_jumps,
         undetermined_rows: trajectory.undetermined,
         wall_s: outcome.wall_s,
         wall_s_per_s: per_second(outcome.wall_s),
@@ -241,13 +239,6 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         if statistics.lost_digits > 0 {
             let digits = Cell::Count(statistics.lost_digits);
             rows.push(("digits that uneven masses cost at the start", digits));
-        }
-        if statistics.angle_jumps > 0 {
-            let jumps = Cell::Count(statistics.angle_jumps);
-            rows.push((
-                "times an angle with a spring or a stop jumped at ±180°",
-                jumps,
-            ));
         }
         if outcome.trajectory.undetermined > 0 {
             let undetermined = Cell::Count(outcome.trajectory.undetermined);

@@ -167,7 +167,7 @@ pub fn end(body: &Instance, seat: &Seat, components: AngularVelocity) -> End<f64
 }
 
 #[test]
-fn an_angle_jumps_at_half_a_turn_and_a_thread_counts_turns() {
+fn an_angle_that_nothing_counts_is_within_half_a_turn_and_a_thread_counts_turns() {
     let mut random = Random::new(23);
     for (keyword, wanted) in [("hinge", 4.0 - std::f64::consts::TAU), ("screw", 4.0)] {
         let (law, numbers) = all_joints()

@@ -24,3 +24,4 @@ mod singular;
 mod split;
 mod told;
 mod trees;
+mod turns;

@@ -1,10 +1,9 @@
-//! What a run tells beside its numbers: reactions that are not unique or have no value, angles of springs that jump.
+//! What a run tells beside its numbers: reactions that are not unique or have no value.
 
 use mbd_runtime::{Content, External, Generic, NoLoads, Options, Sampling, Simulation, Trajectory};
 use mbd_scene::joints::JointForces;
-use mbd_scene::{Formula, Function, Scene};
+use mbd_scene::{Formula, Function};
 use nalgebra::Vector3;
-use tests::declared::read;
 use tests::linkage::{Linkage, cranks};
 use tests::{assert_close, largest_difference};
 
@@ -141,42 +140,4 @@ fn a_motor_drives_through_positions_at_which_rows_lose_rank_and_its_power_is_kno
             (0, true)
         );
     }
-}
-
-fn door(spring: &str) -> Scene {
-    read(&format!(
-        "model Door {{ gravity: none;
-           body leaf {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
-           joint pin: hinge from world to leaf.com {{ axis: z {spring} }} }}"
-    ))
-}
-
-#[test]
-fn an_angle_with_a_spring_that_passes_half_a_turn_is_counted() {
-    let jumps = |spring: &str, rate: f64| {
-        let model = Generic::<f64>::with_defaults(door(spring)).expect("a valid scene");
-        let mut run = Simulation::new(&model, Options::rk4(1e-2)).expect("options that fit");
-        let mut x = vec![0.0; 13];
-        (x[3], x[12]) = (1.0, rate);
-        run.set_state(0.0, &x).expect("a valid state");
-        run.run(0.5).expect("a run");
-        let snapshot = run.snapshot();
-        run.run(1.0).expect("a run");
-        let mut other = Simulation::new(&model, Options::rk4(1e-2)).expect("options that fit");
-        other.restore(&snapshot).expect("a snapshot of this model");
-        other.run(1.0).expect("a run");
-        assert_eq!(run.state(), other.state());
-        run.statistics().angle_jumps
-    };
-    // Ten radians a second pass half a turn at 0.31 s and at 0.94 s, with hardly any spring.
-    assert_eq!(jumps(", stiffness: 1e-6 N*m/rad", 10.0), 2);
-    assert_eq!(jumps(", stiffness: 1e-6 N*m/rad", -10.0), 2);
-    assert_eq!(jumps(", stiffness: 1e-6 N*m/rad", 3.0), 0);
-    assert_eq!(jumps(", damping: 1e-6 N*m*s", 10.0), 0);
-    // A stop is passed by no angle, a spring strong enough by none, either.
-    assert_eq!(
-        jumps(", stops: [-1, 1] rad, stop_stiffness: 100 N*m/rad", 10.0),
-        0
-    );
-    assert_eq!(jumps(", stiffness: 100 N*m/rad", 10.0), 0);
 }

@@ -3,7 +3,9 @@
 mod closed_forms;
 mod efforts;
 mod emitted;
+mod mechanisms;
 mod names;
+mod parameters;
 mod trim;
 
 use mbd_runtime::{External, Generic, Options, Simulation, StateSpace, linearise};

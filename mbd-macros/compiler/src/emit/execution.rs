@@ -38,9 +38,9 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             names.push(quote!((q, v, z)));
             values.push(quote!(::mbd_runtime::__private::split(at.state)));
         }
-        // How the origin moves stands behind the modes.
-        let moves = of_origin(&equations.scene) > 0;
-        let holds = whole(equations.layout.holds());
+        // Turns, and how the origin moves, stand behind the modes.
+        let layout = &equations.layout;
+        let more = of_origin(&equations.scene) + layout.turns.len() > 0;
         for group in [
             NumberList::Nodes,
             NumberList::Effective,
@@ -56,18 +56,24 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
                 let given = format_ident!("{}", group.argument());
                 names.push(quote!(#list));
                 values.push(match group {
-                    NumberList::Hold if moves => quote!(at.hold.first_chunk()),
+                    NumberList::Hold if more => quote!(at.hold.first_chunk()),
                     _ => quote!(::mbd_runtime::__private::fixed(at.#given)),
                 });
             }
         }
-        if reads.reads(NumberList::Origin) {
-            names.push(quote!(origin));
-            values.push(quote! {
-                ::core::option::Option::Some(&::mbd_runtime::__private::leading(
-                    at.hold.get(#holds..).unwrap_or_default()
-                ))
-            });
+        for (group, place) in [
+            (NumberList::Turns, layout.holds()),
+            (NumberList::Origin, layout.origin_at()),
+        ] {
+            if reads.reads(group) {
+                let (list, place) = (format_ident!("{}", group.name()), whole(place));
+                names.push(quote!(#list));
+                values.push(quote! {
+                    ::core::option::Option::Some(&::mbd_runtime::__private::leading(
+                        at.hold.get(#place..).unwrap_or_default()
+                    ))
+                });
+            }
         }
         // The lengths of lists that are not read follow from the sizes of this model.
         let sizes = state.then(|| {

@@ -140,10 +140,13 @@ fn signature(context: &EmitContext, what: Quantity, program: Option<&Program>) -
         taken.push(quote!(inputs: &#inputs #used));
         prepared.extend(quote!(let inputs = &inputs.to_array();));
     }
-    if reads.reads(NumberList::Origin) {
-        // A state that is typed is one in the world.
-        let (zero, len) = (context.zero(), whole(NumberList::Origin.len(equations)));
-        prepared.extend(quote!(let origin = &[#zero; #len];));
+    // A state that is typed is one in the world, its angles in (−π, π].
+    for group in [NumberList::Turns, NumberList::Origin] {
+        if reads.reads(group) {
+            let (zero, len) = (context.zero(), whole(group.len(equations)));
+            let list = format_ident!("{}", group.name());
+            prepared.extend(quote!(let #list = &[#zero; #len];));
+        }
     }
     let passed = reads
         .0

@@ -5,12 +5,10 @@ mod source;
 mod told;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::thread::available_parallelism;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use mbd_runtime::Model;
 
 use crate::blocks::{self, Done, Shard};
 use crate::campaign::{Campaign, Resources};
@@ -19,8 +17,9 @@ use crate::histories::{self, Chosen};
 use crate::page::Page;
 use crate::progress::ProgressLine;
 use crate::results::Results;
-use crate::run::Settings;
+use crate::run::Phase;
 use crate::summary::CampaignSummary;
+use mbd_report::files;
 
 pub use program::main;
 pub use source::ResultSource;
@@ -59,18 +58,18 @@ pub struct GatherArgs {
     pub shards: Option<u64>,
 }
 
-/// Runs a campaign, or a shard of it, and tells what came out; `source` says where the campaign of a file is from.
+/// Runs a campaign, or a shard of it, and tells what came out. Its runs begin in a scene, and go on in others `later` where events say so; `source` says where the
+/// campaign of a file is from.
 ///
 /// # Errors
 /// What cannot be read, used or written; requirements that are not shown.
 pub fn campaign(
     args: &CampaignArgs,
-    model: Arc<dyn Model<f64>>,
-    settings: Settings,
+    (first, later): (Phase, Vec<Phase>),
     source: &dyn Fn(&Path) -> ResultSource,
 ) -> Result<String, Failure> {
-    let has_lanes = model.beside().is_some();
-    let campaign = Campaign::read(&args.file, model, settings)?;
+    let has_lanes = first.model.beside().is_some();
+    let campaign = Campaign::read_phases(&args.file, first, later)?;
     let folder = args.out.clone().unwrap_or_else(|| {
         let name = args.file.file_stem().unwrap_or_default();
         Path::new("out").join("campaign").join(name)
@@ -154,6 +153,9 @@ impl Gathered {
     fn of(args: &GatherArgs) -> Result<Self, Failure> {
         let envelopes = blocks::gather(&args.folder, args.shards)?;
         let results = Results::read(&args.folder)?;
+        let file = args.folder.join("cases.parquet");
+        files::write_whole(&file, |to| results.to_parquet(to))
+            .map_err(|error| Failure::unwritten(&error))?;
         Ok(Gathered {
             summary: CampaignSummary::of(&results),
             results,

@@ -13,7 +13,7 @@ use super::{CampaignArgs, GatherArgs, ResultSource, campaign, gather, report};
 use crate::campaign::Campaign;
 use crate::failure::Failure;
 use crate::results::head;
-use crate::run::Settings;
+use crate::run::{Phase, Settings};
 use mbd_report::files;
 
 #[derive(Debug, Parser)]
@@ -131,7 +131,8 @@ fn answer(
                 scene: None,
                 campaign: file.to_owned(),
             };
-            campaign(&args, model.share(), Settings::default(), &source)
+            let alone = Phase::alone(model.share(), Settings::default());
+            campaign(&args, (alone, Vec::new()), &source)
         }
         CampaignCommand::Gather(args) => gather(&args),
         CampaignCommand::Report(args) => report(&args, &|source| {

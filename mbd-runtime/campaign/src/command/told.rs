@@ -118,6 +118,17 @@ fn metric(results: &Results, told: &Told) -> String {
 }
 
 impl RequirementVerdict {
+    /// Whether it is shown, or shown not to be so among the cases that there are; `None` where more cases may decide it.
+    #[must_use]
+    pub fn holds(&self) -> Option<bool> {
+        let allowed = (1.0 - self.require.share) * self.of as f64;
+        match (self.shown, self.missed as f64 > allowed) {
+            (true, _) => Some(true),
+            (_, true) => Some(false),
+            _ => None,
+        }
+    }
+
     /// The requirement and what became of it, in one sentence.
     #[must_use]
     pub fn sentence(&self, name: &str, unit: &str) -> String {
@@ -134,16 +145,13 @@ impl RequirementVerdict {
             self.missed,
             self.of
         );
-        let allowed = (1.0 - self.require.share) * self.of as f64;
-        if self.shown {
-            format!("shown: {what}")
-        } else if self.missed as f64 > allowed {
-            format!("NOT MET: {what}")
-        } else {
-            let needed = self.needed;
-            format!(
-                "NOT ENOUGH CASES: {what}, and {needed} cases with no more misses would show it"
-            )
+        match self.holds() {
+            Some(true) => format!("shown: {what}"),
+            Some(false) => format!("NOT MET: {what}"),
+            None => format!(
+                "NOT ENOUGH CASES: {what}, and {} cases with no more misses would show it",
+                self.needed
+            ),
         }
     }
 }

@@ -62,18 +62,18 @@ pub struct Dispersions {
 }
 
 impl Dispersions {
-    /// Those of a file, for a scene that is run as planned; tables lie in `folder`.
+    /// Those of a file, for a scene that is run as planned and those that go on `later`; tables lie in `folder`.
     ///
     /// # Errors
     /// The first setting that cannot be used.
     pub fn new(
         written: &CampaignFile,
         (scene, layout): (&Scene, &Layout),
-        run: (&RunPlan, &Settings),
+        (run, later): ((&RunPlan, &Settings), &[(&Scene, &RunPlan)]),
         folder: &Path,
     ) -> Result<Self, PlanError> {
         let sampling = sampling(written)?;
-        let known = name::known(scene, layout, run);
+        let known = name::known((scene, layout), run, later);
         let mut distributions = Vec::new();
         let parts = [
             ("", &written.params),
@@ -88,6 +88,7 @@ impl Dispersions {
                     name.clone()
                 };
                 let known = name::find(&known, &setting, &name)?;
+                name::is_one(known, &setting, (scene, run.0), later)?;
                 distributions.push((
                     known.clone(),
                     read::read(&setting, &table, known, folder)?,
@@ -340,7 +341,7 @@ impl Dispersions {
         let mut start: Option<Table> = None;
         for (varied, value) in self.varied.iter().zip(values) {
             match &varied.known.target {
-                DispersionTarget::Param(_) => {}
+                DispersionTarget::Param(_) | DispersionTarget::LaterParam => {}
                 DispersionTarget::Input(at) => plan.inputs[*at] = *value,
                 DispersionTarget::Start(name) => {
                     let table = start.get_or_insert_with(|| settings.start.clone());
@@ -351,6 +352,38 @@ impl Dispersions {
         if start.is_some() || plan.params != nominal.0.params {
             let start = start.unwrap_or_else(|| settings.start.clone());
             plan.place((scene, layout), &start)?;
+        }
+        Ok(plan)
+    }
+
+    /// The plan of a case in a scene that goes on: that of the nominal with the params of these numbers.
+    ///
+    /// # Errors
+    /// A start of its own that cannot be.
+    pub fn plan_later(
+        &self,
+        (plan, settings): (&RunPlan, &Settings),
+        (scene, layout): (&Scene, &Layout),
+        values: &[f64],
+    ) -> Result<RunPlan, PlanError> {
+        let mut plan = plan.clone();
+        let mut changed = false;
+        for (param, own) in scene.params.iter().zip(&mut plan.params) {
+            let mut varied = self.varied.iter().zip(values);
+            let found = varied.find(|(varied, _)| {
+                let is_param = matches!(
+                    varied.known.target,
+                    DispersionTarget::Param(_) | DispersionTarget::LaterParam
+                );
+                is_param && varied.known.name == param.name
+            });
+            if let Some((_, value)) = found {
+                changed |= value != own;
+                *own = *value;
+            }
+        }
+        if changed {
+            plan.place((scene, layout), &settings.start)?;
         }
         Ok(plan)
     }

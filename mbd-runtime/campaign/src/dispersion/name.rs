@@ -1,18 +1,21 @@
 //! What can be dispersed: params, what the start is said in, inputs. Each by the name that its column of the results has.
 
-use mbd_runtime::scene::{InputSource, Scene};
-use mbd_runtime::{Layout, state_names};
+use mbd_runtime::scene::laws::constant;
+use mbd_runtime::scene::{Arguments, InputSource, Parameter, Quantity, Scene, Unit};
+use mbd_runtime::{Generic, Layout, Model, state_names};
 use toml::Value;
 
-use crate::run::names::{PlanError, unknown};
+use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::plan::coordinate_unit;
 use crate::run::{RunPlan, Settings};
 
 /// Where a dispersed number goes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DispersionTarget {
-    /// A param, by index.
+    /// A param, by index; scenes that go on and have one of its name have the same.
     Param(usize),
+    /// A param of scenes that go on, alone.
+    LaterParam,
     /// What the start is said in: a coordinate of the state or of a joint, by name.
     Start(String),
     /// A number of the inputs, by its place.
@@ -34,28 +37,37 @@ pub struct Dispersible {
     pub nominal: f64,
 }
 
-/// Everything that can be dispersed in a scene that is run as planned.
+/// Everything that can be dispersed in a scene that is run as planned, and the params of those that go on from it.
 pub fn known(
-    scene: &Scene,
-    layout: &Layout,
+    (scene, layout): (&Scene, &Layout),
     (plan, settings): (&RunPlan, &Settings),
+    later: &[(&Scene, &RunPlan)],
 ) -> Vec<Dispersible> {
+    let known = |param: &Parameter, target: DispersionTarget, nominal: f64| Dispersible {
+        name: param.name.clone(),
+        target,
+        unit: param.unit.text.clone(),
+        factor: param.unit.factor,
+        nominal,
+    };
     let params = scene.params.iter().zip(&plan.params).enumerate();
     let mut all: Vec<Dispersible> = params
-        .map(|(index, (param, nominal))| Dispersible {
-            name: param.name.clone(),
-            target: DispersionTarget::Param(index),
-            unit: param.unit.text.clone(),
-            factor: param.unit.factor,
-            nominal: *nominal,
-        })
+        .map(|(index, (param, nominal))| known(param, DispersionTarget::Param(index), *nominal))
         .collect();
+    for (scene, plan) in later {
+        for (param, nominal) in scene.params.iter().zip(&plan.params) {
+            if !all.iter().any(|known| known.name == param.name) {
+                all.push(known(param, DispersionTarget::LaterParam, *nominal));
+            }
+        }
+    }
     let states = state_names(scene, layout).into_iter().zip(&plan.state);
     all.extend(states.map(|(name, nominal)| start(name.name, &name.unit, *nominal)));
-    for name in scene.joint_coordinates() {
+    let at_start = coordinates_at_start(scene, layout, plan);
+    for (name, measured) in scene.joint_coordinates().into_iter().zip(at_start) {
         if let Some(unit) = coordinate_unit(scene, &name) {
-            let nominal = written(settings, &name);
-            all.push(start(name, unit, nominal));
+            let said = written(settings, &name).or_else(|| declared(scene, &plan.params, &name));
+            all.push(start(name, unit, said.unwrap_or(measured)));
         }
     }
     for slots in &layout.inputs {
@@ -91,23 +103,102 @@ fn start(name: String, unit: &str, nominal: f64) -> Dispersible {
     }
 }
 
-/// What the settings give a joint coordinate; zero where they say nothing. Numbers were checked when the run was planned.
-fn written(settings: &Settings, name: &str) -> f64 {
+/// The coordinates of all joints with their rates, in the order of their names, where the nominal case begins [m or rad, and per second].
+fn coordinates_at_start(scene: &Scene, layout: &Layout, plan: &RunPlan) -> Vec<f64> {
+    let mut numbers = vec![0.0; layout.len(Quantity::Coordinates)];
+    let Ok(model) = Generic::<f64>::new(scene.clone(), &plan.params) else {
+        return numbers;
+    };
+    let arguments = Arguments {
+        state: plan.state.clone(),
+        nodes: vec![0.0; 3 * layout.nodes.len()],
+        effective: vec![0.0; 2 * layout.effective_lines],
+        hold: vec![0.0; layout.holds()],
+        inputs: plan.inputs.clone(),
+        ..Arguments::default()
+    };
+    let mut work = model.work();
+    model.evaluate(
+        Quantity::Coordinates,
+        &arguments.at(),
+        &mut work,
+        &mut numbers,
+    );
+    numbers
+}
+
+/// Where the declaration starts a joint coordinate, or its rate; `None` where it says nothing.
+fn declared(scene: &Scene, params: &[f64], name: &str) -> Option<f64> {
+    let (joint, number, is_rate) = scene.joint_coordinate(name)?;
+    let mut starts = scene.starts.coordinates.iter();
+    let start = starts.find(|start| (start.joint, start.coordinate) == (joint, number))?;
+    let formula = match is_rate {
+        true => start.rate.as_ref(),
+        false => start.value.as_ref(),
+    };
+    Some(constant(scene, params, formula?))
+}
+
+/// What the settings give a joint coordinate; `None` where they say nothing. Numbers were checked when the run was planned.
+fn written(settings: &Settings, name: &str) -> Option<f64> {
     let mut table = Some(&settings.start);
     let mut words = name.split('.').peekable();
     while let Some(word) = words.next() {
         let value = table.and_then(|table| table.get(word));
         match value {
             Some(Value::Table(inner)) => table = Some(inner),
-            Some(Value::Float(number)) if words.peek().is_none() => return *number,
-            Some(Value::Integer(number)) if words.peek().is_none() => return *number as f64,
+            Some(Value::Float(number)) if words.peek().is_none() => return Some(*number),
+            Some(Value::Integer(number)) if words.peek().is_none() => return Some(*number as f64),
             Some(Value::String(text)) if words.peek().is_none() => {
-                return mbd_compiler::read_number(text).map_or(0.0, |(number, _)| number);
+                return mbd_compiler::read_number(text)
+                    .ok()
+                    .map(|(number, _)| number);
             }
-            _ => return 0.0,
+            _ => return None,
         }
     }
-    0.0
+    None
+}
+
+/// Refuses to disperse a param that scenes have with different nominal values, or in different units: which of them is meant?
+pub fn is_one(
+    known: &Dispersible,
+    setting: &str,
+    first: (&Scene, &RunPlan),
+    later: &[(&Scene, &RunPlan)],
+) -> Result<(), PlanError> {
+    if !matches!(
+        known.target,
+        DispersionTarget::Param(_) | DispersionTarget::LaterParam
+    ) {
+        return Ok(());
+    }
+    let scenes = std::iter::once(&first).chain(later);
+    let of = scenes.filter_map(|(scene, plan)| {
+        let mut params = scene.params.iter().zip(&plan.params);
+        let (param, value) = params.find(|(param, _)| param.name == known.name)?;
+        Some((&scene.name, &param.unit, *value))
+    });
+    let all: Vec<(&String, &Unit, f64)> = of.collect();
+    let Some((one, unit, value)) = all.first() else {
+        return Ok(());
+    };
+    let differs = |(_, other, x): &&(&String, &Unit, f64)| {
+        other.dimension != unit.dimension || x.to_bits() != value.to_bits()
+    };
+    match all.iter().find(differs) {
+        None => Ok(()),
+        Some((two, other, x)) => {
+            let text = format!(
+                "`{one}` has {} {}, and `{two}`, which goes on from it, {} {}: give both one nominal value (here under [run.params]), or one of them another name",
+                value / unit.factor,
+                unit.text,
+                x / other.factor,
+                other.text
+            );
+            Err(wrong(setting, text))
+        }
+    }
 }
 
 /// Something by its name.
@@ -120,7 +211,10 @@ pub fn find<'k>(
     found.ok_or_else(|| {
         let part = |of: &&Dispersible| match name.split_once('.') {
             Some((part @ ("start" | "inputs"), _)) => of.name.starts_with(&format!("{part}.")),
-            _ => matches!(of.target, DispersionTarget::Param(_)),
+            _ => matches!(
+                of.target,
+                DispersionTarget::Param(_) | DispersionTarget::LaterParam
+            ),
         };
         let alike = known.iter().filter(part);
         unknown(setting, name, alike.map(|known| known.name.as_str()))

@@ -59,7 +59,8 @@ pub fn read(
         let near = mbd_runtime::scene::similar::did_you_mean(word, words.clone());
         let all: Vec<&str> = words.collect();
         let text = format!(
-            "there is no distribution `{word}`{near} There are: {}",
+            "there is no distribution `{word}`{near}{} there are: {}",
+            if near.is_empty() { ";" } else { "" },
             all.join(", ")
         );
         return Err(wrong(setting, text));
@@ -148,15 +149,21 @@ impl DispersionReader<'_> {
     }
 
     fn sigma(&self) -> Result<f64, PlanError> {
-        let sigma = match (&self.written.sigma, &self.written.three_sigma) {
-            (Some(sigma), None) => self.number("sigma", sigma)?,
-            (None, Some(three)) => self.number("three_sigma", three)? / 3.0,
+        let (name, value, times) = match (&self.written.sigma, &self.written.three_sigma) {
+            (Some(sigma), None) => ("sigma", sigma, 1.0),
+            (None, Some(three)) => ("three_sigma", three, 3.0),
             _ => return Err(self.wrong("give either `sigma` or `three_sigma`")),
         };
+        let given = self.number(name, value)? / times;
+        let is_percentage = value.as_str().is_some_and(|text| text.contains('%'));
         // A percentage of a negative number.
-        match sigma.abs() {
-            sigma if sigma > 0.0 => Ok(sigma),
-            _ => Err(self.wrong("`sigma` must be positive")),
+        let sigma = match is_percentage {
+            true => given * self.known.nominal.signum(),
+            false => given,
+        };
+        match sigma > 0.0 {
+            true => Ok(sigma),
+            false => Err(self.wrong(format!("`{name}` must be positive"))),
         }
     }
 

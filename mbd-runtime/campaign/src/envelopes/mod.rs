@@ -5,7 +5,7 @@
 mod block;
 mod told;
 
-use mbd_runtime::{Content, Model, Name, Trajectory};
+use mbd_runtime::{Content, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::columns;
@@ -36,13 +36,13 @@ pub struct Envelopes {
 }
 
 impl Envelopes {
-    /// As they are written, for a model that is run as planned; `content` comes to hold the columns.
+    /// As they are written, for a run as planned that comes to these models; `content` comes to hold the columns.
     ///
     /// # Errors
     /// The first setting that cannot be used.
-    pub fn new(
+    pub(crate) fn new(
         written: &WrittenEnvelopes,
-        (model, plan): (&dyn Model<f64>, &RunPlan),
+        (models, plan): (&columns::Models<'_>, &RunPlan),
         content: &mut Content,
     ) -> Result<Self, PlanError> {
         if written.columns.is_empty() {
@@ -56,7 +56,7 @@ impl Envelopes {
                     format!("`{column}` stands here twice"),
                 ));
             }
-            columns::include(content, column, ("envelopes.columns", model))?;
+            columns::include(content, column, ("envelopes.columns", models))?;
         }
         let every = match &written.every {
             Some(value) => positive("envelopes.every", value, "s")?,
@@ -72,7 +72,7 @@ impl Envelopes {
             );
             return Err(wrong("envelopes.every", text));
         }
-        let known = columns::names(model, *content);
+        let known = columns::names(models, *content);
         let unit = |column: &String| {
             let found = known.iter().find(|it| it.name == *column);
             found.map_or(String::new(), |Name { unit, .. }| unit.clone())

@@ -1,4 +1,4 @@
-//! Histories of chosen cases: `case_000017.csv` with the columns of `mbd run`, and `case_000017.html`, its page.
+//! Histories of chosen cases: `case_000017.csv` with the columns of `mbd run`, `case_000017.parquet` with the same numbers, and `case_000017.html`, its page.
 //!
 //! Which cases are worst is known when all are there: they are flown again then, which gives the numbers of their rows to the bit.
 
@@ -6,12 +6,13 @@ mod choice;
 mod page;
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use crate::campaign::Campaign;
 use crate::failure::Failure;
+use crate::parquet;
 use crate::progress::ProgressLine;
 use crate::results::Results;
 use mbd_report::files;
@@ -31,6 +32,12 @@ pub fn history_of(case: u64) -> String {
 #[must_use]
 pub fn page_of(case: u64) -> String {
     format!("{FOLDER}/case_{case:06}.html")
+}
+
+/// The page of a part of a case that came to several scenes, by its number from 1, as it is reached from the folder of results.
+#[must_use]
+pub fn part_of(case: u64, part: usize) -> String {
+    format!("{FOLDER}/case_{case:06}_{part}.html")
 }
 
 /// Whether history and page of a case are in a folder of results. The page is written last: where it is, both are.
@@ -114,8 +121,8 @@ fn write_one(
 ) -> Result<(), Failure> {
     let case = chosen.case;
     let invalid = |text: String| Failure::Invalid(text);
-    let (row, history) = campaign
-        .replay(case)
+    let (row, parts) = campaign
+        .replay_parts(case)
         .map_err(|error| invalid(error.to_string()))?;
     let there = usize::try_from(case)
         .ok()
@@ -128,10 +135,18 @@ fn write_one(
             row.line()
         )));
     }
-    let page = page::page(campaign, (&row, &history), chosen, replay)
-        .map_err(|error| invalid(error.to_string()))?;
-    let [csv, html]: [PathBuf; 2] = [history_of(case), page_of(case)].map(|name| folder.join(name));
+    let history = campaign.whole(&parts);
+    let pages = page::pages(campaign, (&row, &parts, &history), chosen, replay);
+    let csv = folder.join(history_of(case));
     files::write_whole(&csv, |to| history.to_csv(to))
-        .and_then(|()| page.write(&html))
+        .and_then(|()| {
+            files::write_whole(&csv.with_extension("parquet"), |to| {
+                parquet::write_history(to, &history)
+            })
+        })
+        .and_then(|()| {
+            let mut pages = pages.iter();
+            pages.try_for_each(|(file, page)| page.write(folder.join(file)))
+        })
         .map_err(|error| Failure::unwritten(&error))
 }

@@ -1,28 +1,58 @@
-//! The page of a case: what it was, how it ended, its run.
+//! The page of a case: what it was, how it ended, its run; of a run that came to several scenes, the way it took, and a page of each.
 
 use mbd_report::{Cell, Report, ReportTable, Run, with_run};
 use mbd_runtime::Trajectory;
 
 use super::choice::Chosen;
-use crate::campaign::Campaign;
+use super::{page_of, part_of};
+use crate::campaign::{Campaign, CasePart};
+use crate::phases;
 use crate::results::CaseRow;
-use crate::run::PlanError;
 
-/// The page of a case with its row and its history.
-pub fn page(
+/// The pages of a case by the names of their files, from the folder of results: those of the scenes that it came to, where these are several, and its own last.
+pub fn pages(
     campaign: &Campaign,
-    (row, history): (&CaseRow, &Trajectory),
+    (row, parts, history): (&CaseRow, &[CasePart], &Trajectory),
     chosen: &Chosen,
     replay: &str,
-) -> Result<Report, PlanError> {
-    let (model, plan) = campaign.flown(row.case)?;
-    let scene = model.scene();
-    let shown = Run {
-        inputs: Some(&plan.inputs),
-        instants: &plan.instants,
-        figures: &plan.figures,
-        ..Run::new(scene, &plan.params, history)
-    };
+) -> Vec<(String, Report)> {
+    let mut all = Vec::new();
+    let title = format!(
+        "Case {} of a campaign of {}",
+        row.case,
+        campaign.manifest().model
+    );
+    let mut own = opening(title, row, chosen)
+        .table(&numbers(campaign, row))
+        .paragraph("It is repeated, to the bit, by")
+        .command(&format!("{replay} --case {}", row.case));
+    match (campaign.phases(), parts) {
+        (_, []) => {}
+        ([_], [part]) => own = with_part(own, part),
+        (_, parts) => {
+            let told: Vec<phases::FlownPart<'_>> = parts.iter().map(CasePart::told).collect();
+            own = own.table(&phases::table(&told));
+            for (number, part) in (1..).zip(parts) {
+                let name = &part.model.scene().name;
+                let (title, file) = (format!("{number}. {name}"), part_of(row.case, number));
+                let to = file.rsplit('/').next().unwrap_or_default();
+                own = own.link(&format!("{title}, with its motion"), to);
+                let page = Report::new(format!("{title}: case {}", row.case));
+                let back = page_of(row.case);
+                let page = page.link(
+                    "The whole case",
+                    back.rsplit('/').next().unwrap_or_default(),
+                );
+                all.push((file, with_part(page, part)));
+            }
+            own = phases::with_histories(own, &told, history);
+        }
+    }
+    all.push((page_of(row.case), own));
+    all
+}
+
+fn opening(title: String, row: &CaseRow, chosen: &Chosen) -> Report {
     let end = match row.status.as_str() {
         "ok" => format!("It reached its end at {} s.", row.time),
         status => format!(
@@ -30,13 +60,20 @@ pub fn page(
             row.time, row.why
         ),
     };
-    let report = Report::new(format!("Case {} of a campaign of {}", row.case, scene.name))
+    Report::new(title)
         .link("All cases", "../report.html")
         .paragraph(&format!("{end} Chosen as {}.", chosen.why.join("; ")))
-        .table(&numbers(campaign, row))
-        .paragraph("It is repeated, to the bit, by")
-        .command(&format!("{replay} --case {}", row.case));
-    Ok(with_run(report, (&*model, &plan.options), &shown))
+}
+
+/// What was flown in one scene.
+fn with_part(report: Report, part: &CasePart) -> Report {
+    let shown = Run {
+        inputs: Some(&part.plan.inputs),
+        instants: &part.plan.instants,
+        figures: &part.plan.figures,
+        ..Run::new(part.model.scene(), &part.plan.params, &part.history)
+    };
+    with_run(report, (&*part.model, &part.plan.options), &shown)
 }
 
 /// What was dispersed, and the metrics, beside those of the nominal.

@@ -4,6 +4,7 @@ use mbd_report::{Cell, Figure, Look, Report, ReportTable, Series};
 
 use crate::results::Results;
 use crate::summary::Told;
+use crate::table::percent;
 
 /// Drivers of a metric that are told.
 const DRIVERS: usize = 8;
@@ -90,14 +91,14 @@ fn histogram(sorted: &[f64]) -> (Vec<f64>, Vec<f64>) {
 
 fn percentiles(told: &Told) -> ReportTable {
     let mut table = ReportTable::new(format!("Percentiles of {}", told.name))
-        .number("below lie", "%", 6)
+        .column("below lie", "%")
         .number("value", &told.unit, 5)
         .column("from", &told.unit)
         .column("to", &told.unit);
     for percentile in &told.percentiles {
         let end = |end: Option<f64>| end.map_or(Cell::from("not enough cases"), Cell::Number);
         table.push([
-            (100.0 * percentile.part).into(),
+            percent(percentile.part, 4).as_str().into(),
             percentile.value.into(),
             end(percentile.low),
             end(percentile.high),
@@ -109,6 +110,11 @@ fn percentiles(told: &Told) -> ReportTable {
         )),
         None => table,
     }
+}
+
+/// Rank correlations of numbers that drive nothing lie within this, 95 % of them.
+pub fn doubt(told: &Told) -> f64 {
+    2.0 / (told.sorted.len().max(2) as f64 - 1.0).sqrt()
 }
 
 fn drivers(results: &Results, told: &Told) -> ReportTable {
@@ -125,7 +131,7 @@ fn drivers(results: &Results, told: &Told) -> ReportTable {
         let share = driver.index.map_or(Cell::Missing, Cell::Number);
         table.push([name.into(), driver.correlation.into(), share]);
     }
-    let doubt = 2.0 / (told.sorted.len().max(2) as f64 - 1.0).sqrt();
+    let doubt = doubt(told);
     table.note(format!(
         "Spearman; of numbers that drive nothing 95 % lie within ±{doubt:.2}. The share is the first-order Sobol index, from 100 cases on: what the number explains alone."
     ))

@@ -15,7 +15,7 @@ use mbd_report::{Cell, Figure, Report, ReportTable, files};
 use crate::envelopes::Envelope;
 use crate::histories::Chosen;
 use crate::results::Results;
-use crate::summary::{CONFIDENCE, CampaignSummary};
+use crate::summary::{CONFIDENCE, CampaignSummary, Told};
 use spread::FootprintCurves;
 
 /// The page of a campaign, beside what its results say.
@@ -70,15 +70,21 @@ impl Page<'_> {
     /// The page.
     #[must_use]
     pub fn html(&self, results: &Results, summary: &CampaignSummary) -> Report {
-        let mut report = Report::new(format!("Campaign of {}", results.manifest.model))
-            .section("Result")
-            .paragraph(&opening(summary));
+        let mut report =
+            Report::new(format!("Campaign of {}", results.manifest.model)).section("Result");
         for told in &summary.metrics {
             if let Some(verdict) = &told.verdict {
-                report = report.paragraph(&verdict.sentence(&told.name, &told.unit));
+                let sentence = verdict.sentence(&told.name, &told.unit);
+                report = report.verdict(&sentence, verdict.holds());
             }
         }
-        report = self.over_time(report.table(&overview(summary)));
+        report = report.paragraph(&opening(summary));
+        report = report.table(&overview(summary));
+        let strongest = strongest(results, summary);
+        if !strongest.is_empty() {
+            report = report.table(&strongest);
+        }
+        report = self.over_time(report);
         report = footprints(report, results);
         for told in &summary.metrics {
             report = metric::metric(report, results, told);
@@ -134,13 +140,11 @@ fn opening(summary: &CampaignSummary) -> String {
         1 => "1 of them did not reach its end".to_owned(),
         n => format!("{n} of them did not reach their end"),
     };
-    format!(
-        "{} cases beside the nominal; {failures}. Percentiles are order statistics of the cases that have a value, each with an interval that holds \
-         that of the distribution with {:.0} % confidence; where there are not enough cases for an end of it, none is told.",
-        summary.cases,
-        100.0 * CONFIDENCE
-    )
+    format!("{} cases beside the nominal; {failures}.", summary.cases)
 }
+
+/// Drivers of a metric that stand beside it.
+const DRIVERS: usize = 2;
 
 fn overview(summary: &CampaignSummary) -> ReportTable {
     let mut table = ReportTable::new("Metrics")
@@ -172,7 +176,44 @@ fn overview(summary: &CampaignSummary) -> ReportTable {
             Cell::Count(told.without),
         ]);
     }
-    table
+    table.note(format!(
+        "Percentiles, below, are order statistics of the cases that have a value, each with an interval that holds that of the distribution with \
+         {:.0} % confidence; where there are not enough cases for an end of it, none is told.",
+        100.0 * CONFIDENCE
+    ))
+}
+
+/// The metrics that something drives, with the strongest of it.
+fn strongest(results: &Results, summary: &CampaignSummary) -> ReportTable {
+    let mut table = ReportTable::new("What drives them most")
+        .column("metric", "")
+        .column("dispersed numbers", "");
+    for told in &summary.metrics {
+        let drivers = driven(results, told);
+        if !drivers.is_empty() {
+            table.push([told.name.as_str().into(), drivers.as_str().into()]);
+        }
+    }
+    table.note("With the share of the variance that each explains alone; where that is not known, with its rank correlation.")
+}
+
+/// The strongest drivers of a metric; nothing that may as well drive nothing.
+fn driven(results: &Results, told: &Told) -> String {
+    let names = &results.manifest.dispersed;
+    let doubt = metric::doubt(told);
+    let drivers = told.drivers.iter().take(DRIVERS);
+    let drivers = drivers.filter(|driver| match driver.index {
+        Some(index) => index >= 0.05,
+        None => driver.correlation.abs() > doubt,
+    });
+    let told = drivers.filter_map(|driver| {
+        let name = &names.get(driver.number)?.name;
+        Some(match driver.index {
+            Some(index) => format!("{name} ({:.0} %)", 100.0 * index),
+            None => format!("{name} ({:+.2})", driver.correlation),
+        })
+    });
+    told.collect::<Vec<_>>().join(", ")
 }
 
 fn dispersed(results: &Results) -> ReportTable {

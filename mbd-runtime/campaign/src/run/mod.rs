@@ -2,9 +2,11 @@
 
 pub(crate) mod names;
 pub(crate) mod number;
+mod phases;
 pub(crate) mod plan;
 mod settings;
 
 pub use names::PlanError;
+pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};
 pub use plan::RunPlan;
 pub use settings::{Settings, split};

@@ -64,7 +64,10 @@ pub(crate) fn unknown<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str>,
 ) -> PlanError {
-    let known: Vec<&str> = known.collect();
+    let mut known: Vec<&str> = known.collect();
+    // A coordinate of a tree is one of the state, too.
+    let mut seen = std::collections::HashSet::new();
+    known.retain(|name| seen.insert(*name));
     // Of a thing that is there, everything it has.
     let owner = name.rsplit_once('.').map(|(owner, _)| format!("{owner}."));
     let own = known.iter().copied();

@@ -30,6 +30,8 @@ pub struct RunPlan {
     pub state: Vec<f64>,
     /// The bodies and points that the settings place or set in motion.
     pub placed: Vec<String>,
+    /// The joint coordinates that the settings start, and where [m or rad, and per second]: the state does not tell full turns.
+    pub joints: Vec<(String, f64)>,
     /// Where the equilibrium points are searched from [m], 3 a node; `None` if nothing was said.
     pub nodes: Option<Vec<f64>>,
     /// What the caller supplies, held constant.
@@ -76,7 +78,7 @@ impl RunPlan {
         let every = seconds("every", &settings.every)?;
         let params = params(scene, &settings.params)?;
         let placed = placed(scene, &settings.start);
-        let (state, nodes) = start((scene, layout), &params, &settings.start, &placed)?;
+        let (state, nodes, joints) = start((scene, layout), &params, &settings.start, &placed)?;
         let placed = with_declared(scene, &settings.start, placed);
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
@@ -99,6 +101,7 @@ impl RunPlan {
             params,
             state,
             placed,
+            joints,
             nodes,
             estimate: settings.estimate.unwrap_or(true),
             inputs: inputs(scene, layout, &settings.inputs)?,
@@ -129,7 +132,7 @@ impl RunPlan {
         given: &Table,
     ) -> Result<(), PlanError> {
         let placed = placed(scene.0, given);
-        (self.state, self.nodes) = start(scene, &self.params, given, &placed)?;
+        (self.state, self.nodes, self.joints) = start(scene, &self.params, given, &placed)?;
         self.placed = with_declared(scene.0, given, placed);
         Ok(())
     }
@@ -142,6 +145,9 @@ impl RunPlan {
         let numbers = |list: &[f64]| -> Vec<T> { list.iter().map(|x| T::from_f64(*x)).collect() };
         run.set_inputs(&numbers(&self.inputs))?;
         run.set_state(0.0, &numbers(&self.state))?;
+        let joints = self.joints.iter();
+        let joints: Vec<(&str, f64)> = joints.map(|(name, x)| (name.as_str(), *x)).collect();
+        run.set_turns(&joints)?;
         match &self.nodes {
             Some(nodes) => run.set_nodes(&numbers(nodes)),
             None => Ok(()),
@@ -261,13 +267,16 @@ fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
     Ok(params)
 }
 
+/// A state, the places of the equilibrium points where any is given, and the joint coordinates that are given.
+type PlannedStart = (Vec<f64>, Option<Vec<f64>>, Vec<(String, f64)>);
+
 /// The state and the places of the equilibrium points, from names of coordinates.
 fn start(
     (scene, layout): (&Scene, &Layout),
     params: &[f64],
     given: &Table,
     placed: &[String],
-) -> Result<(Vec<f64>, Option<Vec<f64>>), PlanError> {
+) -> Result<PlannedStart, PlanError> {
     let mut slots: Vec<(String, &str, f64)> = Vec::new();
     let names = state_names(scene, layout);
     let mut declared = vec![0.0; names.len()];
@@ -275,6 +284,14 @@ fn start(
         declared[upright] = 1.0;
     }
     declared_parts(scene, layout, params, &mut declared);
+    let fixed: Vec<Part> = placed.iter().filter_map(|name| part(scene, name)).collect();
+    if !fixed.is_empty() {
+        // Of a body of which one number is given, the others are as declared. Loops that nothing closes yet are closed below, or told there.
+        let mut alone = declared.clone();
+        if place_declared(scene, layout, (params, 0.0), &[], &[], &mut alone).is_ok() {
+            declared = alone;
+        }
+    }
     for (name, number) in names.iter().zip(declared) {
         slots.push((name.name.clone(), &name.unit, number));
     }
@@ -310,13 +327,12 @@ fn start(
     for quaternion in layout.quaternions() {
         normalise(scene, &mut numbers, quaternion)?;
     }
-    let fixed: Vec<Part> = placed.iter().filter_map(|name| part(scene, name)).collect();
     let named = joints.iter().map(|(name, number)| (name.as_str(), *number));
-    let joints = JointStart::by_name(scene, named)
+    let starts = JointStart::by_name(scene, named)
         .map_err(|name| wrong(format!("start.{name}"), "is no joint coordinate"))?;
-    place_declared(scene, layout, (params, 0.0), &joints, &fixed, &mut numbers)
+    place_declared(scene, layout, (params, 0.0), &starts, &fixed, &mut numbers)
         .map_err(|error| misplaced(scene, error))?;
-    Ok((numbers, places_given.then_some(nodes)))
+    Ok((numbers, places_given.then_some(nodes), joints))
 }
 
 /// The unit of a joint coordinate, `pin.angle`, or of its rate, `pin.angle_rate`; `None` of another name.

@@ -15,7 +15,7 @@ use crate::laws::{
     energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
-    formula, jacobian, joint_forces,
+    formula, jacobian,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
@@ -154,6 +154,16 @@ pub fn evaluate<S: Real>(
             body_accelerations: bodies,
             ..evaluation
         }
+    } else if what == Quantity::JointCoordinates
+        && let Some(given @ [_, ..]) = at.rows.get(..layout.nv)
+    {
+        // Joints that close loops are measured on the bodies that those of the tree move.
+        solver.body_accelerations(&evaluation, given, bodies);
+        Evaluation {
+            accelerations: given,
+            body_accelerations: bodies,
+            ..evaluation
+        }
     } else {
         evaluation
     };
@@ -289,8 +299,8 @@ pub fn impulses<S: Real>(
     energy::impulses(&evaluation, out);
 }
 
-/// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.
-pub fn jumping_angles<S: Real>(
+/// Appends the angles of [`Layout::turns`] [rad], each with its rate [rad/s].
+pub fn counted_angles<S: Real>(
     scene: &Scene,
     layout: &Layout,
     numbers: &Numbers<S>,
@@ -299,11 +309,13 @@ pub fn jumping_angles<S: Real>(
     out: &mut Vec<S>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    joint_forces::visit(&evaluation, |acting| {
-        if acting.jumps() {
-            out.push(acting.value());
-        }
+    let angles = layout.turns.iter().flat_map(|&(joint, number)| {
+        [
+            formula::Context::coordinate(&evaluation, joint, number),
+            formula::Context::coordinate_rate(&evaluation, joint, number),
+        ]
     });
+    out.extend(angles.map(|number| number.unwrap_or_else(|| S::from_f64(f64::NAN))));
 }
 
 /// Appends the coordinate that every lock holds, or would hold [m or rad], in the order of [`JointSlots::held`](crate::JointSlots::held).

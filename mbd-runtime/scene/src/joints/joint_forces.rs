@@ -162,14 +162,10 @@ impl JointForceField {
     /// The field for one coordinate.
     #[must_use]
     pub const fn of(&self, coordinate: &Coordinate) -> Field {
-        let rule = match (self.measured, self.rule) {
-            (Measured::Value, Rule::Finite) if coordinate.is_periodic() => Rule::WithinHalfTurns,
-            (_, rule) => rule,
-        };
         Field {
             name: self.name,
             dimension: self.measured.of(coordinate),
-            rule,
+            rule: self.rule,
         }
     }
 }

@@ -491,7 +491,7 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         let (declared, coordinate) = self.scene.coordinate(joint, index)?;
         S::section(&declared.name);
         let ends = self.ends(joint, AngularVelocity::Body)?;
-        Some(ends.value(&coordinate))
+        Some(self.with_turns(joint, index, ends.value(&coordinate)))
     }
 
     fn motor_effort(&self, joint: usize, index: usize) -> Option<S> {

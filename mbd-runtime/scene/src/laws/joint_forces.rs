@@ -10,7 +10,7 @@
 //! prescribed force. A stop is a line of [`crate::laws::line`] whose stretch is the depth e: same law (2), same care (it never pulls back, and its
 //! damping begins with the touch), same located switches. Friction is Coulomb's level F, led through zero over the rate w: it creeps under
 //! load at about w Q/F instead of sticking, and its slope F/w bounds the step. Singular case: none, w > 0.
-//! An angle that turns through ±π jumps there, and with it a spring's torque: a run counts such steps ([`jumping_angles`]). Rejected: F sign(u), which is no function at u = 0.
+//! An angle counts full turns ([`Evaluation::with_turns`]), so that a spring winds up. Rejected: F sign(u), which is no function at u = 0.
 
 use std::cell::OnceCell;
 
@@ -94,24 +94,16 @@ impl<S: Real> JointForcesAt<'_, S> {
         self.declared.coordinate
     }
 
-    /// Whether it is an angle in (−π, π] that a spring or a stop pushes back: where it jumps by a full turn, so does the torque. Coordinates of the
-    /// tree count turns.
-    pub fn jumps(&self) -> bool {
-        if self.evaluation.layout.carried(self.joint).is_some() {
-            return false;
-        }
-        let numbers = self.numbers;
-        let sprung = numbers.stiffness.is_some() || numbers.stops.iter().any(Option::is_some);
-        sprung && self.coordinate.is_periodic()
-    }
-
     pub fn value(&self) -> S {
         let evaluation = self.evaluation;
         *self
             .value
             .get_or_init(|| match evaluation.carried(self.joint, self.number()) {
                 Some([value, _]) => evaluation.at.state[value],
-                None => self.ends.value(&self.coordinate),
+                None => {
+                    let value = self.ends.value(&self.coordinate);
+                    evaluation.with_turns(self.joint, self.number(), value)
+                }
             })
     }
 

@@ -74,16 +74,13 @@ pub fn coordinates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     });
 }
 
-/// Value, rate and acceleration of every joint coordinate, the latter for the v̇ of [`At::rows`](crate::At::rows), or for none where that is empty.
+/// Value, rate and acceleration of every joint coordinate, the latter for the accelerations of the evaluation, or for none where there are none.
 pub fn joint_coordinates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-    let given = Evaluation {
-        accelerations: evaluation.at.rows,
-        ..*evaluation
-    };
-    each_coordinate(given.scene, out, |joint, index| {
-        let value = given.coordinate(joint, index)?;
-        let rate = given.coordinate_rate(joint, index)?;
-        Some([value, rate, given.coordinate_acceleration(joint, index)?])
+    each_coordinate(evaluation.scene, out, |joint, index| {
+        let value = evaluation.coordinate(joint, index)?;
+        let rate = evaluation.coordinate_rate(joint, index)?;
+        let second = evaluation.coordinate_acceleration(joint, index)?;
+        Some([value, rate, second])
     });
 }
 

@@ -42,7 +42,7 @@ pub struct Origin<S: Real> {
 impl<S: Real> Origin<S> {
     /// By (1); at rest in that of the world where nothing is said.
     pub(crate) fn read(layout: &Layout, at: &At<'_, S>) -> Self {
-        let numbers = at.hold.get(layout.holds()..).unwrap_or_default();
+        let numbers = at.hold.get(layout.origin_at()..).unwrap_or_default();
         let Some(&since) = numbers.get(NUMBERS - 1) else {
             return Origin {
                 position: Vector3::zeros(),

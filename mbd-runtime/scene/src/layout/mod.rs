@@ -7,6 +7,7 @@ mod repeats;
 mod sizes;
 mod slots;
 mod tree;
+mod turns;
 
 pub use elimination::{Below, Carrying, Dependent, Elimination, EliminationStep, Order};
 pub use repeats::{HeldMotor, Redundancy, Repeat};
@@ -78,6 +79,9 @@ pub struct Layout {
     pub detachable_joints: Vec<DetachableJoint>,
     /// Number of locks, whose numbers come behind those of detachable joints in [`At::hold`](crate::At::hold).
     pub locks: usize,
+    /// The angles whose full turns a run counts, by joint and number of the coordinate: what anything reads of joints that are no link of the tree.
+    /// Their values at the last step come behind everything else in [`At::hold`](crate::At::hold) but the origin.
+    pub turns: Vec<(usize, usize)>,
     /// Number of rows n_c of all joints.
     pub nc: usize,
     /// Which rows repeat others: those are left out of the system.
@@ -205,6 +209,19 @@ impl Layout {
     #[must_use]
     pub fn holds(&self) -> usize {
         self.one_way() + self.detachable_joints.len() + self.locks
+    }
+
+    /// The place in [`At::hold`](crate::At::hold) of the last value of an angle whose turns are counted.
+    #[must_use]
+    pub fn turn_of(&self, joint: usize, coordinate: usize) -> Option<usize> {
+        let number = self.turns.iter().position(|it| *it == (joint, coordinate));
+        number.map(|number| self.holds() + number)
+    }
+
+    /// Where [`At::hold`](crate::At::hold) says how the origin moves: behind everything else.
+    #[must_use]
+    pub fn origin_at(&self) -> usize {
+        self.holds() + self.turns.len()
     }
 
     /// Whether what has a place in [`At::hold`](crate::At::hold) is detached at the start, in its order.

@@ -4,7 +4,7 @@ use crate::event::Detachable;
 use crate::joints::JointLaw;
 use crate::layout::{
     Anchor, DetachableJoint, FromSolution, InputSlots, InputSource, JointSlots, Layout, LineEnd,
-    LineSlots, Network, Node, PointSlots, Slots, StopSlots, Tree,
+    LineSlots, Network, Node, PointSlots, Slots, StopSlots, Tree, turns,
 };
 use crate::scalar::Few;
 use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
@@ -56,6 +56,7 @@ impl Layout {
             layout.joints[joint].held = Some(layout.holds());
             layout.locks += 1;
         }
+        layout.turns = turns::counted(scene, &layout);
         layout.asked = [
             FromSolution::by(scene, scene.outputs.iter().map(|output| &output.value)),
             FromSolution::by(scene, scene.events.iter().map(|event| &event.guard)),

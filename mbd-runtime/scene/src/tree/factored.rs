@@ -74,7 +74,7 @@ impl<S: Real> TreeSystem<S> {
         into_state(evaluation, &mut out[layout.nq..layout.nq + n]);
     }
 
-    /// Eliminates and writes what solutions need: the factor, T of the bodies that float, what is known of the dependent speeds, the margin.
+    /// Eliminates and writes what solutions need: the factor, T of the bodies that float, what dependent speeds need; last the margin.
     pub fn write_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         self.prepare(evaluation, |_, _| S::zero());
         let plan = &evaluation.layout.elimination;
@@ -115,8 +115,8 @@ impl<S: Real> TreeSystem<S> {
         };
         self.along.copy_from_slice(&asked[..layout.nv]);
         turn(place, true, &mut self.along);
-        let behind = DependentSpeeds::<S>::factored_len(layout);
-        let mut behind = list[count - 1 - behind..count - 1].iter();
+        let behind = count - 1 - DependentSpeeds::<S>::factored_len(layout);
+        let mut behind = list[behind..count - 1].iter();
         self.dependent.each_factored(|number| {
             if let Some(listed) = behind.next() {
                 *number = *listed;

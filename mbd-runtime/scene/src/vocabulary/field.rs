@@ -25,8 +25,6 @@ pub enum Rule {
     Positive,
     /// Not zero, either sign.
     NotZero,
-    /// Strictly between −π and π.
-    WithinHalfTurns,
     /// Strictly between 0 and π.
     OpenHalfTurn,
 }
@@ -41,7 +39,6 @@ impl Rule {
                 Rule::NotNegative => value >= 0.0,
                 Rule::Positive => value > 0.0,
                 Rule::NotZero => value != 0.0,
-                Rule::WithinHalfTurns => value.abs() < std::f64::consts::PI,
                 Rule::OpenHalfTurn => value > 0.0 && value < std::f64::consts::PI,
             }
     }
@@ -54,7 +51,6 @@ impl Rule {
             Rule::NotNegative => "zero or positive",
             Rule::Positive => "positive",
             Rule::NotZero => "finite and not zero",
-            Rule::WithinHalfTurns => "between -180 and 180 degrees, where the angle jumps",
             Rule::OpenHalfTurn => "between 0 and 180 degrees, both excluded",
         }
     }

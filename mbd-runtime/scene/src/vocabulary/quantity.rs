@@ -165,7 +165,8 @@ pub struct At<'a, S> {
     /// Per line of a static or stepwise node: effective stiffness K_e [N/m] and effective free length L_e [m].
     pub effective: &'a [S],
     /// Per line, then per stop: 0 it decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing. Per
-    /// joint that may be detached whether it is; per lock what it holds its coordinate at [m or rad]. Behind them, of a scene whose
+    /// joint that may be detached whether it is; per lock what it holds its coordinate at [m or rad]. Behind them, per angle
+    /// whose turns are counted, its last value [rad]; left out: zero, the angle is in (−π, π]. Behind these, of a scene whose
     /// origin follows something, the [seven numbers](crate::laws::origin) of its motion; left out: it is that of the world.
     pub hold: &'a [S],
     /// The value of [`Quantity::AnchorStates`], for [`Quantity::Equilibrium`], [`Quantity::NodeByAnchor`], [`Quantity::CondensedStiffness`].

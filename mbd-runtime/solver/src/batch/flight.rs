@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
 
-use mbd_scene::Model;
+use mbd_scene::{Float, Model};
 
 use super::case::{Case, Failed, Finished, Why};
 use super::queue::Desk;
@@ -14,12 +14,44 @@ use crate::compiled::Scalar;
 use crate::error::{RunError, Statistics, StepError};
 use crate::lanes::{Lane, Runs};
 use crate::options::Options;
-use crate::simulation::{Course, Simulation};
-use crate::trajectory::{Content, Sampling, Trajectory};
+use crate::simulation::{Course, Simulation, Stop};
+use crate::trajectory::{Content, Joined, Sampling, Trajectory};
 
 /// What the caller does with a fresh run before it begins.
 pub(super) type Prepare<'b, T> =
     Box<dyn Fn(&Case<T>, &mut Simulation<T>) -> Result<(), RunError> + Sync + 'b>;
+
+/// A run of a case that an event ended: what [`Batch::then`](super::Batch::then) is asked about.
+pub struct Ended<'e, T: Float = f64> {
+    /// Where it stands.
+    pub run: &'e mut Simulation<T>,
+    /// Which model it is of, by its index in the [`Joined`] columns; 0 is that of the batch.
+    pub model: usize,
+    /// The event, by its index in the scene of that model.
+    pub event: usize,
+    /// How many runs of this case came before it.
+    pub before: usize,
+}
+
+/// The run that goes on with a case: see [`Batch::then`](super::Batch::then).
+pub struct Onward<T: Float = f64> {
+    /// Which model it is of, by its index in the [`Joined`] columns.
+    pub model: usize,
+    /// The run, which took over: [`Simulation::take_over`].
+    pub run: Simulation<T>,
+    /// Its history, with nothing in it.
+    pub history: Trajectory,
+}
+
+/// What goes on after an event, by the caller, and the columns of all models.
+pub(super) struct Then<'b, T: Scalar> {
+    pub columns: &'b Joined,
+    pub next: Box<FindOnward<'b, T>>,
+}
+
+/// Finds the run that goes on with a case, if one does.
+pub(super) type FindOnward<'b, T> =
+    dyn Fn(&Case<T>, Ended<'_, T>) -> Result<Option<Onward<T>>, RunError> + Sync + 'b;
 
 /// What all cases of a batch share.
 pub(super) struct Flights<'b, T: Scalar> {
@@ -27,6 +59,7 @@ pub(super) struct Flights<'b, T: Scalar> {
     pub options: Options,
     pub until: f64,
     pub prepare: Option<Prepare<'b, T>>,
+    pub then: Option<Then<'b, T>>,
     /// When a row of each history is written, and what it holds.
     pub record: (Sampling, Content),
     /// The number of the first case.
@@ -40,7 +73,12 @@ struct FlyingCase<T: Scalar> {
     case: Case<T>,
     /// Its run, once it has begun; it stays where it stops.
     run: Option<(Simulation<T>, Course)>,
+    /// Which model the run is of: 0 is that of the batch.
+    model: usize,
     history: Trajectory,
+    /// The histories of the runs that this one goes on from, with their models, and what these cost.
+    earlier: Vec<(usize, Trajectory)>,
+    cost: Statistics,
     began: Instant,
     /// Steps that were tried beside those of other cases.
     beside: u64,
@@ -94,7 +132,8 @@ impl<T: Scalar> Flights<'_, T> {
                 };
                 if let Some(flight) = slot.take() {
                     let number = flight.case.number - self.first;
-                    let (finished, history) = flight.land(result, judge);
+                    let columns = self.then.as_ref().map(|then| then.columns);
+                    let (finished, history) = flight.land(result, columns, judge);
                     histories.push(history);
                     desk.give(number, finished);
                 }
@@ -115,7 +154,10 @@ impl<T: Scalar> Flights<'_, T> {
         FlyingCase {
             case,
             run: None,
+            model: 0,
             history,
+            earlier: Vec::new(),
+            cost: Statistics::default(),
             began: Instant::now(),
             beside: 0,
         }
@@ -129,22 +171,24 @@ impl<T: Scalar> Flights<'_, T> {
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Advance {
         let advanced = catch_unwind(AssertUnwindSafe(|| -> Result<bool, Why> {
-            let (run, course) = match &mut flight.run {
-                Some(run) => run,
-                None => {
-                    if !go_on(0.0) {
-                        return Err(Why::Run(cancelled()));
-                    }
-                    self.begin(&flight.case, &mut flight.run)?
+            if flight.run.is_none() {
+                if !go_on(0.0) {
+                    return Err(Why::Run(cancelled()));
                 }
-            };
-            loop {
+                self.begin(&flight.case, &mut flight.run)?;
+            }
+            while let Some((run, course)) = &mut flight.run {
                 let history = &mut Some(&mut flight.history);
                 let stop = T::follow(run, course, history, go_on).map_err(Why::Run)?;
-                if once || stop.is_some() {
-                    return Ok(stop.is_some());
+                let ended = match stop {
+                    Some(stop) => !self.goes_on(flight, stop).map_err(Why::Run)?,
+                    None => false,
+                };
+                if once || ended {
+                    return Ok(ended);
                 }
             }
+            Ok(true)
         }));
         match advanced {
             Ok(Ok(false)) => Advance::GoesOn,
@@ -155,21 +199,42 @@ impl<T: Scalar> Flights<'_, T> {
     }
 
     /// Begins a case; `run` keeps it, also where it stops.
-    fn begin<'r>(
-        &self,
-        case: &Case<T>,
-        run: &'r mut Option<(Simulation<T>, Course)>,
-    ) -> Result<&'r mut (Simulation<T>, Course), Why> {
+    fn begin(&self, case: &Case<T>, run: &mut Option<(Simulation<T>, Course)>) -> Result<(), Why> {
         let own = match &case.params {
             Some(params) => self.model.with_params(params).map_err(Why::Params)?,
             None => self.model.clone(),
         };
         let fresh = Simulation::new(&*own, self.options).map_err(Why::Run)?;
-        let begun = run.insert((fresh, Course::default()));
-        let (run, course) = begun;
+        let (run, course) = run.insert((fresh, Course::default()));
         self.prepare(case, run).map_err(Why::Run)?;
         *course = T::set_course(run, self.until).map_err(Why::Run)?;
-        Ok(begun)
+        Ok(())
+    }
+
+    /// Whether another run goes on with a case whose run stopped; that one is under way then.
+    fn goes_on(&self, flight: &mut FlyingCase<T>, stop: Stop) -> Result<bool, RunError> {
+        let (Stop::Event(event), Some(then), Some((run, _))) = (stop, &self.then, &mut flight.run)
+        else {
+            return Ok(false);
+        };
+        let statistics = run.statistics();
+        let ended = Ended {
+            run,
+            model: flight.model,
+            event,
+            before: flight.earlier.len(),
+        };
+        let Some(onward) = (then.next)(&flight.case, ended)? else {
+            return Ok(false);
+        };
+        let mut run = onward.run;
+        let course = T::set_course(&mut run, self.until)?;
+        let history = std::mem::replace(&mut flight.history, onward.history);
+        flight.earlier.push((flight.model, history));
+        flight.cost = flight.cost.and(statistics);
+        flight.model = onward.model;
+        flight.run = Some((run, course));
+        Ok(true)
     }
 
     fn prepare(&self, case: &Case<T>, run: &mut Simulation<T>) -> Result<(), RunError> {
@@ -196,28 +261,41 @@ impl<T: Scalar> Flights<'_, T> {
 
 impl<T: Scalar> Runs<T> for Vec<Option<FlyingCase<T>>> {
     fn lane(&mut self, lane: usize) -> Option<Lane<'_, T>> {
-        let flight = self.get_mut(lane)?.as_mut()?;
+        // What goes on is of another model.
+        let flight = self.get_mut(lane)?.as_mut();
+        let flight = flight.filter(|flight| flight.earlier.is_empty())?;
         let (run, course) = flight.run.as_mut()?;
         Some((run, course, &mut flight.beside))
     }
 }
 
 impl<T: Scalar> FlyingCase<T> {
-    /// The result of a flight that ended, `None` where it was given up, and its history.
+    /// The result of a flight that ended, `None` where it was given up, and its history in the model of the batch, to be used again.
     fn land<R>(
         self,
         ended: Result<(), Why>,
+        columns: Option<&Joined>,
         judge: &impl Fn(&Case<T>, &Trajectory) -> R,
     ) -> (Option<Finished<R, T>>, Trajectory) {
         let FlyingCase {
             case,
             run,
+            model,
             history,
+            mut earlier,
+            cost,
             began,
             beside,
         } = self;
+        earlier.push((model, history));
+        let whole = columns.filter(|_| ended.is_ok()).map(|columns| {
+            let parts = earlier.iter().map(|(model, part)| (*model, part));
+            columns.join(&parts.collect::<Vec<_>>())
+        });
+        let history = earlier.swap_remove(0).1;
         let result = ended.and_then(|()| {
-            let judged = catch_unwind(AssertUnwindSafe(|| judge(&case, &history)));
+            let whole = whole.as_ref().unwrap_or(&history);
+            let judged = catch_unwind(AssertUnwindSafe(|| judge(&case, whole)));
             judged.map_err(|words| Why::Panic(spoken(&*words)))
         });
         if let Err(Why::Run(error)) = &result
@@ -228,7 +306,7 @@ impl<T: Scalar> FlyingCase<T> {
         let run = run.as_ref().map(|(run, _)| run);
         let finished = Finished {
             case: case.number,
-            statistics: run.map_or(Statistics::default(), Simulation::statistics),
+            statistics: cost.and(run.map_or(Statistics::default(), Simulation::statistics)),
             result: result.map_err(|why| Failed {
                 why,
                 time: run.map_or(f64::NAN, Simulation::time),

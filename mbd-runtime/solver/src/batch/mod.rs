@@ -14,14 +14,15 @@ use crate::compiled::Scalar;
 use crate::error::RunError;
 use crate::options::Options;
 use crate::simulation::Simulation;
-use crate::trajectory::{Content, Sampling, Trajectory};
+use crate::trajectory::{Content, Joined, Sampling, Trajectory};
 
 mod case;
 mod flight;
 mod queue;
 
 pub use case::{Case, Failed, Finished, Why};
-use flight::Flights;
+pub use flight::{Ended, Onward};
+use flight::{Flights, Then};
 
 /// Many runs of one model.
 ///
@@ -99,6 +100,7 @@ impl<'b, T: Scalar> Batch<'b, T> {
                 options,
                 until,
                 prepare: None,
+                then: None,
                 record: (Sampling::Steps, Content::RESULTS),
                 first: 0,
                 beside: WIDTH,
@@ -168,6 +170,69 @@ impl<'b, T: Scalar, I> Batch<'b, T, I> {
         prepare: impl Fn(&Case<T>, &mut Simulation<T>) -> Result<(), RunError> + Sync + 'b,
     ) -> Self {
         self.flights.prepare = Some(Box::new(prepare));
+        self
+    }
+
+    /// What goes on with a case whose run an event ended (`then: stop`): `next` gives the run that took over, or `None`, and the case is done. The run is flown
+    /// until the end of the batch, alone, and may be ended by an event, too. Histories have the columns of all models then, of which the first is that of the
+    /// batch; counters are the sums of all runs.
+    ///
+    /// ```
+    /// use mbd_runtime::{Batch, Case, Content, Joined, Onward, Options, Sampling, Simulation, Trajectory, model};
+    ///
+    /// model! {
+    ///     /// A capsule under its parachute, until it is released.
+    ///     model Chute {
+    ///         gravity: [0.0, 0.0, -10.0] m/s^2;
+    ///         param c = 200 N*s/m in 50 N*s/m ..= 500 N*s/m;
+    ///         point capsule { mass: 80 kg, start at [0.0, 0.0, 100.0] m }
+    ///         load drag on capsule = -c * capsule.velocity;
+    ///         event released = capsule.position.z falls 95 m { then: stop }
+    ///         output height = capsule.position.z;
+    ///     }
+    /// }
+    ///
+    /// model! {
+    ///     /// The capsule alone.
+    ///     model Fall {
+    ///         gravity: [0.0, 0.0, -10.0] m/s^2;
+    ///         point capsule { mass: 80 kg }
+    ///         output height = capsule.position.z;
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let (chute, fall) = (Chute::new(ChuteParams::default())?, Fall::new(FallParams::default())?);
+    /// let options = Options::tsit5(1e-8);
+    /// let history = || Trajectory::new(&fall, Sampling::Steps, Content::RESULTS);
+    /// let columns = Joined::new(&[&Trajectory::new(&chute, Sampling::Steps, Content::RESULTS), &history()]);
+    /// let finished = Batch::new(&chute, options, 5.0)
+    ///     .cases([100.0, 200.0, 400.0].map(|c| Case::new().params([c])))
+    ///     .then(&columns, |_case, ended| {
+    ///         if ended.model == 1 {
+    ///             return Ok(None);
+    ///         }
+    ///         let mut run = Simulation::new(&fall, options)?;
+    ///         run.take_over(ended.run, &[])?;
+    ///         Ok(Some(Onward { model: 1, run, history: history() }))
+    ///     })
+    ///     .run(|_case, history| history.column("height").and_then(|height| height.last().copied()));
+    /// let heights: Vec<f64> = finished.iter().filter_map(|case| *case.result.as_ref().ok()?).collect();
+    /// // Who was slowed down more was released later, and has fallen less.
+    /// assert!(heights.len() == 3 && heights.is_sorted());
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn then(
+        mut self,
+        columns: &'b Joined,
+        next: impl Fn(&Case<T>, Ended<'_, T>) -> Result<Option<Onward<T>>, RunError> + Sync + 'b,
+    ) -> Self {
+        self.flights.then = Some(Then {
+            columns,
+            next: Box::new(next),
+        });
         self
     }
 

@@ -35,12 +35,14 @@ pub(crate) enum MinimalCoordinate {
         /// The speed.
         speed: usize,
     },
-    /// A small turn about an axis along a component of the angular velocity.
+    /// A small turn of a body, or of what a joint of a tree carries, about an axis along a component of its angular velocity.
     Turn {
-        /// The body.
-        body: usize,
+        /// The speed that is the first component of this angular velocity.
+        first: usize,
         /// The component.
         axis: usize,
+        /// Whether the axes are those of what turns, or those of the world.
+        axes: AngularVelocity,
         /// The speed.
         speed: usize,
     },
@@ -111,13 +113,32 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
         }
     }
     if layout.directions.plane.map(Plane::normal).is_none() {
-        for (body, slots) in layout.own_bodies() {
+        let axes = scene.angular_velocity;
+        let bodies = layout.own_bodies();
+        let bodies = bodies.map(|(body, slots)| {
+            let own = &scene.bodies[body].name;
+            (own, slots.v + moves, axes)
+        });
+        // A joint of a tree that carries an attitude measures nothing of it: its angular velocity is that in frame 2.
+        let carrying = layout.joint_links();
+        let carrying = carrying.filter_map(|(joint, link)| {
+            let joint = &scene.joints[joint];
+            joint.law.attitude()?;
+            let first = link.slots.v + link.speeds - 3;
+            Some((&joint.name, first, AngularVelocity::Body))
+        });
+        for (owner, first, axes) in bodies.chain(carrying) {
             for (axis, word) in ["turn_x", "turn_y", "turn_z"].into_iter().enumerate() {
-                let speed = slots.v + moves + axis;
+                let speed = first + axis;
                 if let Some(rate) = name(layout.nq + speed) {
                     all.push(Minimal {
-                        source: MinimalCoordinate::Turn { body, axis, speed },
-                        coordinate: Name::new(&scene.bodies[body].name, word, "rad"),
+                        source: MinimalCoordinate::Turn {
+                            first,
+                            axis,
+                            axes,
+                            speed,
+                        },
+                        coordinate: Name::new(owner, word, "rad"),
                         rate,
                     });
                 }
@@ -372,15 +393,14 @@ impl Chart {
         moves: &DMatrix<f64>,
     ) -> DMatrix<f64> {
         let mut swept = DMatrix::zeros(1, moves.ncols());
-        let MinimalCoordinate::Turn { body, axis, .. } = one.source else {
+        let MinimalCoordinate::Turn {
+            first, axis, axes, ..
+        } = one.source
+        else {
             return swept;
         };
         let layout = moment.layout();
-        let Some(slots) = layout.bodies[body] else {
-            return swept;
-        };
-        let first = slots.v + layout.directions.translations().len();
-        let sign = match moment.scene().angular_velocity {
+        let sign = match axes {
             AngularVelocity::Body => -1.0,
             AngularVelocity::World => 1.0,
         };

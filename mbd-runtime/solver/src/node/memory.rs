@@ -32,6 +32,9 @@ pub struct NodeMemory<T> {
     /// What each lock holds its coordinate at [m or rad].
     #[serde(default = "Vec::new")]
     pub(crate) held: Vec<T>,
+    /// Angles whose turns are counted, at the last accepted step [rad].
+    #[serde(default = "Vec::new")]
+    pub(crate) turns: Vec<T>,
 }
 
 /// The mode of every element before a run decides it: what is detached at the start, nothing of the rest.
@@ -75,6 +78,7 @@ impl<T: Float> NodeMemory<T> {
             ranks: vec![3; layout.networks.len()],
             modes: start_modes(layout),
             held: list(layout.locks),
+            turns: list(layout.turns.len()),
         }
     }
 
@@ -103,6 +107,7 @@ impl<T: Float> NodeMemory<T> {
             ranks,
             modes,
             held,
+            turns,
         } = other;
         self.nodes.clone_from(nodes);
         self.anchors.clone_from(anchors);
@@ -114,6 +119,7 @@ impl<T: Float> NodeMemory<T> {
         self.ranks.clone_from(ranks);
         self.modes.clone_from(modes);
         self.held.clone_from(held);
+        self.turns.clone_from(turns);
     }
 
     /// The accepted node positions p_n, 3 a node [m].
@@ -178,6 +184,7 @@ impl<T: Float> NodeMemory<T> {
         same("memory of networks", self.smooth.len(), networks)?;
         same("memory of networks", self.ranks.len(), networks)?;
         same("memory of modes", self.modes.len(), layout.holds())?;
-        same("memory of locks", self.held.len(), layout.locks)
+        same("memory of locks", self.held.len(), layout.locks)?;
+        same("memory of turns", self.turns.len(), layout.turns.len())
     }
 }

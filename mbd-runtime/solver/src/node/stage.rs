@@ -77,7 +77,7 @@ impl<T: Float> Nodes<T> {
             ends: list(layout.len(Quantity::AnchorStates)),
             nodes: list(3 * layout.nodes.len()),
             effective: list(2 * layout.effective_lines),
-            hold: list(layout.holds()),
+            hold: list(layout.origin_at()),
             stretch: list(layout.lines.len()),
             modes: vec![Mode::Free; layout.holds()],
             guards: list(layout.len(Quantity::Guards)),
@@ -118,8 +118,14 @@ impl<T: Float> Nodes<T> {
 
     /// Measures places from an origin that moves so: the numbers behind the others of [`At::hold`].
     pub(crate) fn measure_from(&mut self, origin: &[T]) {
-        self.hold.truncate(self.layout.holds());
+        self.hold.truncate(self.layout.origin_at());
         self.hold.extend_from_slice(origin);
+    }
+
+    /// Counts the turns of angles from these values on [rad].
+    pub(crate) fn set_turns(&mut self, angles: &[T]) {
+        let own = self.hold.iter_mut().skip(self.layout.holds());
+        own.zip(angles).for_each(|(own, angle)| *own = *angle);
     }
 
     /// Everything a model may read, with the unknowns of the last solve.
@@ -277,7 +283,7 @@ impl<T: Float> Nodes<T> {
 
     /// Whether there is no line, no stop and no equilibrium point.
     pub(super) fn is_idle(&self) -> bool {
-        self.plans.is_empty() && self.stretch.is_empty() && self.hold.is_empty()
+        self.plans.is_empty() && self.stretch.is_empty() && self.modes.is_empty()
     }
 
     /// Writes the memory after an accepted step of length `h` [s] whose last solve was at its end.

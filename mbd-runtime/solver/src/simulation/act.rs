@@ -86,6 +86,7 @@ impl<T: Float> Simulation<T> {
         let changed = self.change_together(&acting);
         if changed.is_err() {
             (self.state, self.system.memory) = before;
+            self.system.take_up_turns();
             (self.changes.done, self.changes.stop) = (done, None);
             self.margins.read_lines(model.lines());
             self.system.take(model);
@@ -242,7 +243,7 @@ impl<T: Float> Simulation<T> {
         self.method
             .prepare(&mut self.system, self.time, &self.state)?;
         self.limit_pace();
-        self.system.follow_angles(self.time, &self.state, true);
+        self.system.count_turns(self.time, &self.state);
         self.system
             .follow_commands(self.time, Some(0.0), &self.state)?;
         self.rebase();

@@ -9,6 +9,7 @@ use crate::event::{Happening, Occurrence};
 use crate::integrate::{Control, StiffnessTest, Verdict};
 use crate::momentum::MomentumBalance;
 use crate::trajectory::{Trajectory, resolution};
+use crate::turns;
 use crate::watch::Watch;
 
 /// A step beyond this says nothing about a scene [s].
@@ -21,7 +22,6 @@ struct Judgement {
     balance: Option<EnergyBalance>,
     momentum: Option<MomentumBalance>,
     stiffness: StiffnessTest,
-    angle_jumps: u64,
 }
 
 /// A run on its way to a time.
@@ -279,6 +279,13 @@ impl<T: Float> Simulation<T> {
             return Err(self.collapse(step, Collapse::ErrorTest));
         }
         let tried = self.make_step(step);
+        let turned = match (&tried, &self.pace) {
+            (Ok(()), Pace::Adaptive(..)) => {
+                let (end, next) = (self.time + step, self.method.next());
+                self.system.turned_in(step, end, next)
+            }
+            _ => 0.0,
+        };
         let Pace::Adaptive(control, norm) = &mut self.pace else {
             return match tried {
                 Ok(()) => Ok(true),
@@ -289,6 +296,8 @@ impl<T: Float> Simulation<T> {
             Ok(()) => {
                 let (error, next) = self.method.estimate(step);
                 let error = norm.measure(error, &self.state, next);
+                // A step that turns too far is shortened as one whose error is too large.
+                let error = error.max((turned / turns::MOST).powf(self.method.exponent()));
                 (control.judge(step, error, smallest), None)
             }
             Err(cause) => (control.fail(step, smallest), Some(cause)),
@@ -356,6 +365,7 @@ impl<T: Float> Simulation<T> {
             false => Ok(()),
         };
         self.system.commit(step);
+        self.system.count_turns(end, &self.state);
         begun?;
         if projected {
             self.begin_noting()?;
@@ -416,7 +426,6 @@ impl<T: Float> Simulation<T> {
             balance: self.balance,
             momentum: self.momentum,
             stiffness: self.stiffness,
-            angle_jumps: self.system.counters.angle_jumps,
         }
     }
 
@@ -429,8 +438,6 @@ impl<T: Float> Simulation<T> {
         (self.watch, self.balance) = (before.watch, before.balance);
         self.momentum = before.momentum;
         self.stiffness = before.stiffness;
-        self.system.follow_angles(self.time, &self.state, true);
-        self.system.counters.angle_jumps = before.angle_jumps;
     }
 
     /// A row at the accepted step, when every step is asked for.

@@ -173,6 +173,7 @@ impl<T: Float> Simulation<T> {
         self.count = snapshot.count;
         self.state.copy_from_slice(&snapshot.state);
         self.system.memory = snapshot.memory.clone();
+        self.system.take_up_turns();
         self.system.drift = snapshot.drift;
         let (held, unsupplied) = &snapshot.held;
         self.system.hold(held);
@@ -200,7 +201,7 @@ impl<T: Float> Simulation<T> {
             .begin(&mut self.system, self.time, 0.0, &self.state);
         self.system.fallback.commit();
         self.resume_watch(snapshot);
-        self.system.follow_angles(self.time, &self.state, true);
+        self.system.count_turns(self.time, &self.state);
         let commanded = self.system.follow_commands(self.time, None, &self.state);
         commanded.map_err(|cause| self.failed(cause))?;
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));

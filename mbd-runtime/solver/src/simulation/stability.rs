@@ -126,7 +126,6 @@ impl<T: Float> Simulation<T> {
     /// The step is too long.
     pub(super) fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
         let end = self.time + step;
-        let jumped = self.system.follow_angles(end, self.method.next(), false);
         if self.watched {
             let rho = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
             if self.watch.sees(rho) {
@@ -152,12 +151,6 @@ impl<T: Float> Simulation<T> {
                 false => Ok(()),
             };
         };
-        if jumped {
-            // The torque of a spring jumped with its angle, which is counted.
-            balance.take_up(now);
-            self.balance = Some(balance);
-            return Ok(());
-        }
         let work = self.work_of(&balance, step, &now);
         balance.take(step, work, now);
         let excess = self.excess(&balance);

@@ -126,6 +126,7 @@ impl<T: Float> Simulation<T> {
         for (slot, value) in state.iter_mut().zip(system.set_down(0.0, None, &start)) {
             *slot = value;
         }
+        system.count_turns_from_starts(&[]);
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),
@@ -215,6 +216,7 @@ impl<T: Float> Simulation<T> {
             *to = from;
         }
         self.take_back_actions()?;
+        self.system.count_turns_from_starts(&[]);
         self.time = time;
         self.as_declared = false;
         self.started = false;
@@ -235,6 +237,7 @@ impl<T: Float> Simulation<T> {
             for (slot, value) in self.state.iter_mut().zip(start) {
                 *slot = value;
             }
+            self.system.count_turns_from_starts(&[]);
         }
     }
 
@@ -263,24 +266,7 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn give_joints(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
         let model = self.system.model.clone();
         let (scene, layout) = (model.scene(), model.layout());
-        let unplaced = |name: String, why: String| StepError::Unplaced { name, why };
-        let known = scene.joint_coordinates();
-        let starts = match JointStart::by_name(scene, given.iter().copied()) {
-            Ok(starts) => starts,
-            Err(name) => {
-                let near = did_you_mean(name, known.iter().map(String::as_str));
-                let known = known.join(", ");
-                let why = format!("is no joint coordinate{near}; there are: {known}");
-                return Err(self.failed(unplaced(name.to_owned(), why)));
-            }
-        };
-        if let Some((name, value)) = given.iter().find(|(_, value)| !value.is_finite()) {
-            let slot = (*name).to_owned();
-            return Err(self.failed(StepError::InvalidInput {
-                slot,
-                value: *value,
-            }));
-        }
+        let starts = self.joint_starts(given)?;
         let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let from = (&params[..], self.time);
@@ -290,7 +276,33 @@ impl<T: Float> Simulation<T> {
         let numbers: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
         let checked = self.check_state(self.time, &numbers);
         checked.map_err(|cause| self.failed(cause))?;
-        self.put(self.time, None, &state)
+        self.put(self.time, None, &state)?;
+        self.system.count_turns_from_starts(&starts);
+        Ok(())
+    }
+
+    /// What [`Simulation::set_turns`] does.
+    pub(crate) fn give_turns(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
+        let starts = self.joint_starts(given)?;
+        self.system.count_turns_from_starts(&starts);
+        Ok(())
+    }
+
+    /// Starts of joints by the names of their coordinates.
+    fn joint_starts(&self, given: &[(&str, f64)]) -> Result<Vec<JointStart>, RunError> {
+        let scene = self.system.model.scene();
+        if let Some((name, value)) = given.iter().find(|(_, value)| !value.is_finite()) {
+            let (slot, value) = ((*name).to_owned(), *value);
+            return Err(self.failed(StepError::InvalidInput { slot, value }));
+        }
+        JointStart::by_name(scene, given.iter().copied()).map_err(|name| {
+            let known = scene.joint_coordinates();
+            let near = did_you_mean(name, known.iter().map(String::as_str));
+            let known = known.join(", ");
+            let why = format!("is no joint coordinate{near}; there are: {known}");
+            let name = name.to_owned();
+            self.failed(StepError::Unplaced { name, why })
+        })
     }
 
     /// What [`Simulation::set_nodes`] does.
@@ -366,6 +378,7 @@ impl<T: Float> Simulation<T> {
         let set = self.state.clone();
         self.system.read_modes(self.time, &self.state)?;
         let assembled = self.system.assemble(self.time, &mut self.state);
+        self.system.count_turns(self.time, &self.state);
         let (model, nx) = (&self.system.model, self.system.nx);
         let scene = (model.scene(), model.layout());
         self.moved = moved(scene, &set[..nx], &self.state[..nx]);
@@ -392,7 +405,6 @@ impl<T: Float> Simulation<T> {
                 [self.method.exponent(), self.method.memory()],
             );
         }
-        self.system.follow_angles(self.time, &self.state, true);
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
         self.begin_balance();

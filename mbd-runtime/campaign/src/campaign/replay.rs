@@ -1,0 +1,139 @@
+//! A case flown again, with everything in its history.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use mbd_runtime::{Content, Ended, Handover, Model, RunError, Simulation, Stop, Trajectory};
+
+use super::{Campaign, Resources, empty};
+use crate::columns;
+use crate::phases::FlownPart;
+use crate::results::CaseRow;
+use crate::run::names::wrong;
+use crate::run::{PlanError, RunPlan};
+
+impl Campaign {
+    /// Runs one case again, with everything in its history. The row is that of the campaign, to the bit.
+    ///
+    /// # Errors
+    /// There is no such case.
+    pub fn replay(&self, case: u64) -> Result<(CaseRow, Trajectory), PlanError> {
+        let (row, parts) = self.replay_parts(case)?;
+        Ok((row, self.whole(&parts)))
+    }
+
+    /// Runs one case again: its row, and the scenes that its run came to; none where it could not begin.
+    pub(crate) fn replay_parts(&self, case: u64) -> Result<(CaseRow, Vec<CasePart>), PlanError> {
+        self.check(case)?;
+        let mut found = None;
+        let resources = Resources {
+            threads: 1,
+            lanes: Some(1),
+        };
+        self.run(1, &|_| case, resources, |flown| {
+            found = Some(flown.row);
+            ControlFlow::Break(())
+        });
+        let row = found.ok_or_else(|| wrong("case", "its run was cancelled"))?;
+        let mut parts = Vec::new();
+        // What stops the run stands in the row.
+        let _ = self.fly(case, &mut parts);
+        Ok((row, parts))
+    }
+
+    /// The history of a case over all of its parts.
+    pub(crate) fn whole(&self, parts: &[CasePart]) -> Trajectory {
+        let models: Vec<&dyn Model<f64>> = self.phases.iter().map(|it| &*it.model).collect();
+        match parts {
+            [alone] if models.len() == 1 => alone.history.clone(),
+            [] if models.len() == 1 => empty(&self.nominal, &*self.model, Content::ALL),
+            parts => {
+                let parts = parts.iter().map(|part| (part.phase, &part.history));
+                columns::joined(&models, Content::ALL).join(&parts.collect::<Vec<_>>())
+            }
+        }
+    }
+
+    fn fly(&self, case: u64, parts: &mut Vec<CasePart>) -> Result<(), RunError> {
+        let begun = self.plan(case).ok().and_then(|plan| {
+            let model = self.model.with_params(&plan.params).ok()?;
+            Some((model, plan))
+        });
+        let Some((model, plan)) = begun else {
+            return Ok(());
+        };
+        let mut run = Simulation::new(&*model, plan.options)?;
+        plan.begin(&mut run)?;
+        let mut next = Some(CasePart::new(0, plan, &run));
+        while let Some(mut part) = next.take() {
+            let stop = run.record(self.nominal.until, &mut part.history);
+            part.until = run.time();
+            let Ok(Stop::Event(event)) = stop else {
+                parts.push(part);
+                return stop.map(drop);
+            };
+            part.ended_by = Some(event);
+            let ended = Ended {
+                run: &mut run,
+                model: part.phase,
+                event,
+                before: parts.len(),
+            };
+            parts.push(part);
+            if let Some(goes) = self.go_on(case, ended)? {
+                run = goes.run;
+                let mut part = CasePart::new(goes.phase, goes.plan, &run);
+                part.handover = Some(goes.handover);
+                next = Some(part);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A part of a case, flown in one scene.
+pub(crate) struct CasePart {
+    /// Which phase, by index.
+    pub phase: usize,
+    /// How it was flown, with the params it had.
+    pub plan: RunPlan,
+    /// The model, with these params.
+    pub model: Arc<dyn Model<f64>>,
+    /// When it began and where it stands [s].
+    pub from: f64,
+    pub until: f64,
+    /// What it took over; `None` of the first.
+    pub handover: Option<Handover>,
+    /// The event that ended it, by index in its scene.
+    pub ended_by: Option<usize>,
+    /// Everything in it.
+    pub history: Trajectory,
+}
+
+impl CasePart {
+    /// A part that begins where its run stands.
+    fn new(phase: usize, plan: RunPlan, run: &Simulation<f64>) -> Self {
+        let model = run.model().clone();
+        CasePart {
+            phase,
+            history: empty(&plan, &*model, Content::ALL),
+            plan,
+            model,
+            from: run.time(),
+            until: run.time(),
+            handover: None,
+            ended_by: None,
+        }
+    }
+
+    /// It, as it is told.
+    pub fn told(&self) -> FlownPart<'_> {
+        FlownPart {
+            scene: self.model.scene(),
+            from: self.from,
+            until: self.until,
+            handover: self.handover.as_ref(),
+            ended_by: self.ended_by,
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Runs that come to several scenes: where an event lets another scene go on, that one flies from there.
+
+use std::sync::Arc;
+
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{Ended, Handover, Model, Progress, RunError, Simulation, StepError};
+
+use super::names::PlanError;
+use super::plan::RunPlan;
+use super::settings::Settings;
+
+/// Scenes that let each other go on more often than this never come to an end.
+const MOST: usize = 1000;
+
+/// A scene that a run may come to.
+#[derive(Clone)]
+pub struct Phase {
+    /// Its model; params of its runs take the place of those it has.
+    pub model: Arc<dyn Model<f64>>,
+    /// How it is run.
+    pub settings: Settings,
+    /// Per event of the scene the phase that goes on after it, by index; empty where none does.
+    pub next: Vec<Option<usize>>,
+}
+
+impl Phase {
+    /// A scene that flies alone.
+    #[must_use]
+    pub fn alone(model: Arc<dyn Model<f64>>, settings: Settings) -> Self {
+        Phase {
+            model,
+            settings,
+            next: Vec::new(),
+        }
+    }
+}
+
+/// Settings that count in every scene of a run, because somebody gave them beside those of the scenes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GivenSettings {
+    /// The method, the step or the tolerance.
+    pub method: bool,
+    /// How often a row is kept.
+    pub every: bool,
+    /// The most steps.
+    pub max_steps: bool,
+    /// Params, by name.
+    pub params: Vec<String>,
+}
+
+/// A run that goes on from another one.
+pub struct GoingRun {
+    /// Which phase it is of, by index.
+    pub phase: usize,
+    /// How it is flown, with the params it has.
+    pub plan: RunPlan,
+    /// It, begun.
+    pub run: Simulation<f64>,
+    /// What it took over.
+    pub handover: Handover,
+}
+
+/// How each scene is run whose first one has settings with what was given in them: as its own settings say, until the end of the first; method and tolerance
+/// are those of the first where it says none, and what was given counts before both.
+#[must_use]
+pub fn settings_of_all(
+    first: &Settings,
+    given: &GivenSettings,
+    scenes: &[(&Scene, &Settings)],
+) -> Vec<Settings> {
+    let has = |scene: &Scene, name: &str| scene.params.iter().any(|param| param.name == name);
+    let later = scenes.get(1..).unwrap_or_default();
+    let all = scenes.iter().enumerate();
+    let settled = all.map(|(index, (scene, own))| {
+        if index > 0 {
+            return after(first, own, given, &|name| has(scene, name));
+        }
+        // A param of a later scene alone is none of the first.
+        let mut settings = first.clone();
+        settings.params.retain(|name, _| {
+            has(scene, name)
+                || !given.params.iter().any(|given| given == name)
+                || !later.iter().any(|(later, _)| has(later, name))
+        });
+        settings
+    });
+    settled.collect()
+}
+
+/// The settings of a scene that goes on from one with the settings `first`: of its params those that were given count here, too.
+fn after(
+    first: &Settings,
+    own: &Settings,
+    given: &GivenSettings,
+    has: &dyn Fn(&str) -> bool,
+) -> Settings {
+    let mut settings = own.clone();
+    settings.until.clone_from(&first.until);
+    if given.method {
+        (settings.step, settings.tolerance, settings.method) = (None, None, None);
+    }
+    if given.every {
+        settings.every = None;
+    }
+    if given.max_steps {
+        settings.max_steps = None;
+    }
+    if settings.step.is_none() && settings.tolerance.is_none() && settings.method.is_none() {
+        settings.step.clone_from(&first.step);
+        settings.tolerance.clone_from(&first.tolerance);
+        settings.method.clone_from(&first.method);
+    }
+    settings.every = settings.every.or_else(|| first.every.clone());
+    settings.max_steps = settings.max_steps.or(first.max_steps);
+    settings.estimate = Some(false);
+    let counts = |name: &String| given.params.contains(name) && has(name);
+    for (name, value) in first.params.iter().filter(|(name, _)| counts(name)) {
+        settings.params.insert(name.clone(), value.clone());
+    }
+    settings
+}
+
+/// The run that goes on after an event, if one does; `plan_of` says how a phase is flown, by its index.
+///
+/// # Errors
+/// A plan or params that the next scene cannot be run with; what a start may return; scenes that let each other go on without end.
+pub fn go_on(
+    phases: &[Phase],
+    ended: Ended<'_>,
+    plan_of: &dyn Fn(usize) -> Result<RunPlan, PlanError>,
+) -> Result<Option<GoingRun>, RunError> {
+    let Ended {
+        run: last,
+        model,
+        event,
+        before,
+    } = ended;
+    let goes_on = phases.get(model).and_then(|phase| *phase.next.get(event)?);
+    let next = goes_on.and_then(|next| Some((next, phases.get(next)?)));
+    let Some((index, next)) = next else {
+        return Ok(None);
+    };
+    let scene = next.model.scene();
+    let events = &last.model().scene().events;
+    let name = events.get(event).map(|event| event.name.clone());
+    let name = name.unwrap_or_default();
+    let progress = Progress {
+        time: last.time(),
+        statistics: last.statistics(),
+        ..Progress::default()
+    };
+    let failed = |cause: StepError| RunError {
+        cause,
+        progress: Box::new(progress),
+    };
+    if before + 1 >= MOST {
+        return Err(failed(StepError::EventChatter {
+            line: name,
+            count: MOST,
+            window: progress.time,
+        }));
+    }
+    let unfit = |why: String| {
+        failed(StepError::Action {
+            event: name.clone(),
+            time: progress.time,
+            why: format!("`{}` cannot go on: {why}", scene.name),
+        })
+    };
+    let mut plan = plan_of(index).map_err(|error| unfit(error.to_string()))?;
+    last.params_after(event, scene, &mut plan.params)?;
+    let own = next.model.with_params(&plan.params);
+    let own = own.map_err(|error| unfit(error.to_string()))?;
+    let mut run = Simulation::new(&*own, plan.options)?;
+    plan.begin(&mut run)?;
+    let handover = run.take_over_at(last, event, &plan.placed)?;
+    Ok(Some(GoingRun {
+        phase: index,
+        plan,
+        run,
+        handover,
+    }))
+}

@@ -1,0 +1,90 @@
+//! Starts of joints in campaigns: what is dispersed lies about what is declared, and leaves the rest as it is declared, in both families.
+
+use std::sync::Arc;
+
+use mbd_campaign::Campaign;
+use mbd_campaign::run::{RunPlan, Settings};
+use mbd_compiler::read_text;
+use mbd_runtime::scene::Coordinates;
+use mbd_runtime::{Content, Generic, Sampling, Simulation, Trajectory};
+
+mod support;
+
+use support::Folder;
+
+const PENDULUM: &str = "model Pendulum {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    body rod { mass: 2 kg, inertia: diag(0.2, 0.2, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+    body bob { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+    joint pin: hinge from world to rod.top { axis: y, start: 20 deg, start_rate: 0.5 rad/s, stiffness: 1 N*m/rad }
+    joint elbow: hinge from rod.end to bob.top { axis: y, start: -50 deg }
+    output swing = pin.angle;
+    output bend = elbow.angle;
+}";
+
+fn plan(coordinates: Coordinates, dispersed: &str, case: u64) -> RunPlan {
+    let folder = Folder::new(&format!("joint_starts_{}_{case}", coordinates.word()));
+    let scene = read_text(PENDULUM).scene.expect("a scene");
+    let model = Generic::<f64>::with_defaults(scene.in_coordinates(coordinates)).expect("valid");
+    let text = format!(
+        "seed = 3\ncases = 4\n[start]\n{dispersed}\n[metrics]\nmost = {{ max = \"swing\" }}\n[run]\nuntil = \"1 s\""
+    );
+    let file = folder.file("dispersions.toml", &text);
+    let campaign = Campaign::read(&file, Arc::new(model), Settings::default()).expect("valid");
+    campaign.plan(case).expect("a case")
+}
+
+/// Both angles at the start of a run as planned [rad].
+fn angles(coordinates: Coordinates, plan: &RunPlan) -> [f64; 2] {
+    let scene = read_text(PENDULUM).scene.expect("a scene");
+    let model = Generic::<f64>::with_defaults(scene.in_coordinates(coordinates)).expect("valid");
+    let mut run = Simulation::new(&model, plan.options).expect("options that fit");
+    plan.begin(&mut run).expect("a start");
+    let mut history = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+    run.record(1e-9, &mut history).expect("a run");
+    ["swing", "bend"].map(|name| history.column(name).expect("an output")[0])
+}
+
+const BOTH: [Coordinates; 2] = [Coordinates::Absolute, Coordinates::Relative];
+
+#[test]
+fn a_dispersed_angle_lies_about_the_declared_one() {
+    let declared = [20f64.to_radians(), -50f64.to_radians()];
+    for coordinates in BOTH {
+        let dispersed = "pin.angle = { dist = \"normal\", sigma = \"10 %\" }";
+        let nominal = angles(coordinates, &plan(coordinates, dispersed, 0));
+        for (got, want) in nominal.iter().zip(declared) {
+            assert!((got - want).abs() < 1e-12, "{coordinates:?}: {nominal:?}");
+        }
+        let drawn = angles(coordinates, &plan(coordinates, dispersed, 1));
+        let off = (drawn[0] / declared[0] - 1.0).abs();
+        assert!(off > 1e-6 && off < 0.5, "{coordinates:?}: {drawn:?}");
+        assert!((drawn[1] - declared[1]).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_dispersed_speed_of_a_body_leaves_its_place_as_declared() {
+    let dispersed = "rod.vx = { dist = \"normal\", mean = \"0.2 m/s\", sigma = \"0.1 m/s\" }";
+    for case in [0, 1] {
+        let plan = plan(Coordinates::Absolute, dispersed, case);
+        let [swing, bend] = angles(Coordinates::Absolute, &plan);
+        assert!((swing - 20f64.to_radians()).abs() < 1e-9, "{swing}");
+        assert!((bend + 50f64.to_radians()).abs() < 1e-9, "{bend}");
+    }
+}
+
+#[test]
+fn a_start_of_a_run_beyond_half_a_turn_keeps_its_turn() {
+    for coordinates in BOTH {
+        let scene = read_text(PENDULUM).scene.expect("a scene");
+        let text = "until = \"1 s\"\n[start]\npin.angle = \"270 deg\"";
+        let settings: Settings = toml::from_str(text).expect("settings");
+        let plan = RunPlan::new(&scene.in_coordinates(coordinates), &settings).expect("a plan");
+        let [swing, _] = angles(coordinates, &plan);
+        assert!(
+            (swing - 270f64.to_radians()).abs() < 1e-9,
+            "{coordinates:?}: {swing}"
+        );
+    }
+}

@@ -1,0 +1,151 @@
+//! Histories of models that went on from each other, put together as one.
+
+use std::ops::Range;
+
+use super::{Content, Sampling, Trajectory};
+use crate::columns::Name;
+use crate::error::Statistics;
+
+/// The columns of runs that come to several models: `time`, a column `phase` that counts the parts of a run from 1, and the columns of all models, also of those
+/// that a run does not come to. Columns of the same name and unit are one. A column whose name has another unit in a model before is told by the number of its own
+/// model, `load (2)`.
+///
+/// ```
+/// use mbd_runtime::{Content, Joined, Options, Sampling, Simulation, Trajectory, model};
+///
+/// model! {
+///     /// A capsule under its parachute, until a time.
+///     model Chute {
+///         gravity: [0.0, 0.0, -10.0] m/s^2;
+///         point capsule { mass: 80 kg, start at [0.0, 0.0, 100.0] m }
+///         load drag on capsule = -200 N*s/m * capsule.velocity;
+///         event released = time rises 1 s { then: stop }
+///         output height = capsule.position.z;
+///     }
+/// }
+///
+/// model! {
+///     /// The capsule alone.
+///     model Fall {
+///         gravity: [0.0, 0.0, -10.0] m/s^2;
+///         point capsule { mass: 80 kg }
+///         output height = capsule.position.z;
+///         output speed = -capsule.velocity.z;
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let (chute, fall) = (Chute::new(ChuteParams::default())?, Fall::new(FallParams::default())?);
+/// let mut first = Trajectory::new(&chute, Sampling::Steps, Content::RESULTS);
+/// let mut second = Trajectory::new(&fall, Sampling::Steps, Content::RESULTS);
+/// let columns = Joined::new(&[&first, &second]);
+///
+/// let mut under_chute = Simulation::new(&chute, Options::rk4(0.1))?;
+/// under_chute.record(2.0, &mut first)?;
+/// let mut falling = Simulation::new(&fall, Options::rk4(0.1))?;
+/// falling.take_over(&mut under_chute, &[])?;
+/// falling.record(2.0, &mut second)?;
+///
+/// let history = columns.join(&[(0, &first), (1, &second)]);
+/// assert_eq!(history.len(), first.len() + second.len());
+/// assert!(history.column("height").is_some_and(|height| height.is_sorted_by(|a, b| a >= b)));
+/// assert!(history.column("speed").is_some_and(|speed| speed[0].is_nan()));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joined {
+    names: Vec<Name>,
+    /// Per model, where each of its columns goes.
+    places: Vec<Vec<usize>>,
+}
+
+/// A part of a history that was put together.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct JoinedPart {
+    rows: Range<usize>,
+    /// Where its columns are.
+    columns: Vec<usize>,
+}
+
+impl Joined {
+    /// Those of models with such histories.
+    #[must_use]
+    pub fn new(models: &[&Trajectory]) -> Self {
+        let mut names = vec![Name::new("time", "", "s"), Name::new("phase", "", "")];
+        let mut places: Vec<Vec<usize>> = Vec::with_capacity(models.len());
+        for (number, model) in (1..).zip(models) {
+            let place = |name: &Name| {
+                let alike = |known: &Name| known.name == name.name && known.unit == name.unit;
+                if let Some(known) = names.iter().position(alike) {
+                    return known;
+                }
+                let mut own = name.clone();
+                if names.iter().any(|known| known.name == name.name) {
+                    own.name = format!("{} ({number})", name.name);
+                }
+                names.push(own);
+                names.len() - 1
+            };
+            places.push(model.names.iter().map(place).collect());
+        }
+        Joined { names, places }
+    }
+
+    /// Names and units of the columns, in order.
+    #[must_use]
+    pub fn names(&self) -> &[Name] {
+        &self.names
+    }
+
+    /// The parts of a run, each the history of a model by its index, as one; what a model has not is not a number in its rows.
+    #[must_use]
+    pub fn join(&self, parts: &[(usize, &Trajectory)]) -> Trajectory {
+        let mut joined = Trajectory {
+            row: Vec::new(),
+            content: parts
+                .first()
+                .map_or(Content::RESULTS, |(_, part)| part.content),
+            sampling: Sampling::Steps,
+            first: f64::NAN,
+            next: 0,
+            undetermined: parts.iter().map(|(_, part)| part.undetermined).sum(),
+            events: Vec::new(),
+            statistics: Statistics::default(),
+            columns: vec![Vec::new(); self.names.len()],
+            names: self.names.clone(),
+            parts: Vec::with_capacity(parts.len()),
+        };
+        for ((model, part), phase) in parts.iter().zip(1_u32..) {
+            let (before, rows) = (joined.len(), part.len());
+            let places = self.places.get(*model).map_or(&[][..], Vec::as_slice);
+            for (place, column) in places.iter().zip(&part.columns) {
+                joined.columns[*place].extend_from_slice(column);
+            }
+            joined.columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
+            let all = joined.columns.iter_mut();
+            all.for_each(|column| column.resize(before + rows, f64::NAN));
+            joined.parts.push(JoinedPart {
+                rows: before..before + rows,
+                columns: places.to_vec(),
+            });
+            joined.events.extend(part.events.iter().cloned());
+            joined.statistics = joined.statistics.and(part.statistics);
+            if part.sampling != Sampling::Steps {
+                joined.sampling = part.sampling.clone();
+            }
+        }
+        joined.first = joined.times().first().copied().unwrap_or(f64::NAN);
+        joined
+    }
+}
+
+impl Trajectory {
+    /// The rows of the models that have a column: all rows of the history of one model.
+    pub(crate) fn pieces(&self, column: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        let alone = self.parts.is_empty().then(|| 0..self.len());
+        let has = move |part: &&JoinedPart| column < 2 || part.columns.contains(&column);
+        let parts = self.parts.iter().filter(has);
+        alone.into_iter().chain(parts.map(|part| part.rows.clone()))
+    }
+}

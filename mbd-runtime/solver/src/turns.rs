@@ -1,0 +1,139 @@
+//! Full turns of angles: what a run remembers beside the state, so that an angle goes on where attitudes begin again
+//! (equation (1) of `mbd_scene::laws::turns`).
+
+use mbd_scene::laws::constant;
+use mbd_scene::{Float, JointStart, Layout};
+
+use crate::laws::Laws;
+use crate::system::System;
+
+/// The most that an angle turns over an adaptive step [rad]: beyond half a turn it would not be known which turn it is.
+pub(crate) const MOST: f64 = 2.0;
+
+/// The angles whose turns are counted, each with its rate.
+#[derive(Clone, Debug)]
+pub(crate) struct Turning {
+    /// At the last accepted step, and at the step that was looked at [rad, rad/s].
+    angles: [Vec<f64>; 2],
+    /// When that is [s].
+    seen: f64,
+}
+
+impl Turning {
+    /// Nothing was looked at.
+    pub(crate) fn new() -> Self {
+        Turning {
+            angles: [Vec::new(), Vec::new()],
+            seen: f64::NAN,
+        }
+    }
+}
+
+impl<T: Float> System<T> {
+    /// Counts turns from these values of the angles on [rad], in the order of [`Layout::turns`].
+    pub(crate) fn count_turns_from(&mut self, angles: impl IntoIterator<Item = f64>) {
+        for (last, angle) in self.memory.turns.iter_mut().zip(angles) {
+            *last = T::from_f64(angle);
+        }
+        self.take_up_turns();
+    }
+
+    /// Counts turns from these starts of joints on, else from those that the declaration gives, else from (−π, π] on.
+    pub(crate) fn count_turns_from_starts(&mut self, given: &[JointStart]) {
+        if self.memory.turns.is_empty() {
+            return;
+        }
+        let (scene, layout) = (self.model.scene(), self.model.layout());
+        let params: Vec<f64> = self.model.params().iter().map(|x| x.to_f64()).collect();
+        let start = |&(joint, number): &(usize, usize)| {
+            let mut given = given.iter();
+            let given = given.find(|it| (it.joint, it.coordinate) == (joint, number));
+            let mut declared = scene.starts.coordinates.iter();
+            let declared = declared.find(|it| (it.joint, it.coordinate) == (joint, number));
+            let declared = declared.and_then(|it| it.value.as_ref());
+            let declared = declared.map(|value| constant(scene, &params, value));
+            given.and_then(|it| it.value).or(declared)
+        };
+        let angles = layout.turns.iter();
+        let angles: Vec<f64> = angles.map(|it| start(it).unwrap_or_default()).collect();
+        self.count_turns_from(angles);
+    }
+
+    /// Lets what is evaluated next see the turns that the memory has.
+    pub(crate) fn take_up_turns(&mut self) {
+        self.turning.seen = f64::NAN;
+        if !self.memory.turns.is_empty() {
+            self.nodes.set_turns(&self.memory.turns);
+            self.probe.set_turns(&self.memory.turns);
+        }
+    }
+
+    /// By how much the angle that turns most turns over a step that was tried, by the rates at its ends [rad].
+    pub(crate) fn turned_in(&mut self, step: f64, end: f64, state: &[T]) -> f64 {
+        if self.memory.turns.is_empty() {
+            return 0.0;
+        }
+        self.look_at_angles(end, state);
+        let [last, now] = &self.turning.angles;
+        let rates = last.iter().zip(now).skip(1).step_by(2);
+        let turned = rates.map(|(a, b)| 0.5 * step * (a.abs() + b.abs()));
+        turned.fold(0.0, f64::max)
+    }
+
+    /// Takes the angles at an accepted step, next to those of the one before.
+    pub(crate) fn count_turns(&mut self, time: f64, state: &[T]) {
+        if self.memory.turns.is_empty() {
+            return;
+        }
+        if self.turning.seen != time {
+            self.look_at_angles(time, state);
+        }
+        self.turning.angles.swap(0, 1);
+        self.turning.seen = f64::NAN;
+        let angles = self.turning.angles[0].iter().step_by(2);
+        for (last, angle) in self.memory.turns.iter_mut().zip(angles) {
+            if angle.is_finite() {
+                *last = T::from_f64(*angle);
+            }
+        }
+        self.take_up_turns();
+    }
+
+    /// The angles and their rates at a state.
+    fn look_at_angles(&mut self, time: f64, state: &[T]) {
+        let state = state.get(..self.nx).unwrap_or_default();
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        let [_, angles] = &mut self.turning.angles;
+        angles.clear();
+        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
+            mbd_scene::counted_angles(scene, layout, numbers, at, scratch, angles);
+        });
+        self.turning.seen = time;
+    }
+
+    /// Goes on with the turns of joints that are the same in the model of the last run: the same name and the same law.
+    pub(crate) fn count_on(&mut self, last: &Self, state: &[T]) {
+        let (from, to) = (last.model.clone(), self.model.clone());
+        let (olds, old_layout) = (&from.scene().joints, from.layout());
+        let mut angles = Vec::with_capacity(to.layout().turns.len());
+        for &(joint, number) in &to.layout().turns {
+            let new = to.scene().joints.get(joint);
+            let old = olds.iter().position(|old| {
+                new.is_some_and(|new| (&old.name, &old.law) == (&new.name, &new.law))
+            });
+            let angle = old.and_then(|old| last.turned(old_layout, old, number, state));
+            angles.push(angle.unwrap_or_default());
+        }
+        self.count_turns_from(angles);
+    }
+
+    /// An angle that counts turns, as a link of the tree or by the memory [rad].
+    fn turned(&self, layout: &Layout, joint: usize, number: usize, state: &[T]) -> Option<f64> {
+        if let Some(link) = layout.carried(joint) {
+            return state.get(link.slots.q + number).map(|x| x.to_f64());
+        }
+        let place = layout.turn_of(joint, number)? - layout.holds();
+        self.memory.turns.get(place).map(|x| x.to_f64())
+    }
+}

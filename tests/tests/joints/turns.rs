@@ -1,0 +1,126 @@
+//! Full turns of angles in absolute coordinates: springs wind up, stops hold, controllers and events see what relative coordinates have in their state.
+
+use std::f64::consts::{PI, TAU};
+
+use mbd_runtime::{Generic, Options, Scalar, Simulation};
+use mbd_scene::{Coordinates, Scene};
+use tests::assert_close;
+use tests::declared::read;
+
+/// A wheel of 0.1 kg m² on a hinge about z with what is `said` of it, in either family.
+fn wheel(said: &str, coordinates: Coordinates) -> Scene {
+    read(&format!(
+        "model Wheel {{ gravity: none;
+           body rim {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+           joint pin: hinge from world to rim.com {{ axis: z {said} }} }}"
+    ))
+    .in_coordinates(coordinates)
+}
+
+fn simulation<T: Scalar>(scene: Scene) -> Simulation<T> {
+    let model = Generic::<T>::with_defaults(scene).expect("a valid scene");
+    Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit")
+}
+
+/// The rate of the wheel about z [rad/s].
+fn rate<T: Scalar>(run: &Simulation<T>) -> f64 {
+    run.state().last().expect("a state").to_f64()
+}
+
+const BOTH: [Coordinates; 2] = [Coordinates::Absolute, Coordinates::Relative];
+
+#[test]
+fn a_spring_winds_up_over_turns() {
+    // θ = 10 sin t: three half turns and back.
+    let said = ", stiffness: 0.1 N*m/rad, start_rate: 10 rad/s";
+    for coordinates in BOTH {
+        let mut run = simulation::<f64>(wheel(said, coordinates));
+        for k in 1..=40 {
+            let t = 0.1 * f64::from(k);
+            run.run(t).expect("a run");
+            assert_close(&[rate(&run)], &[10.0 * t.cos()], 0.0, 1e-10, "rate");
+        }
+    }
+    let mut run = simulation::<f32>(wheel(said, Coordinates::Absolute));
+    run.run(4.0).expect("a run");
+    assert_close(&[rate(&run)], &[10.0 * 4f64.cos()], 0.0, 2e-3, "f32");
+}
+
+#[test]
+fn a_stop_beyond_half_a_turn_is_no_passage() {
+    // Without a damper the wheel comes back as fast as it went, after half a period of 0.01 s.
+    let said = ", stops: [-9, 9] rad, stop_stiffness: 1000 N*m/rad, start_rate: 5 rad/s";
+    for coordinates in BOTH {
+        let mut run = simulation::<f64>(wheel(said, coordinates));
+        run.run(1.7).expect("a run");
+        assert_close(&[rate(&run)], &[5.0], 0.0, 1e-12, "on its way");
+        run.run(2.0).expect("a run");
+        assert_close(&[rate(&run)], &[-5.0], 0.0, 5e-6, "on its way back");
+    }
+}
+
+#[test]
+fn a_controller_goes_on_over_turns() {
+    // Critically damped towards two turns: θ = 4π (1 − (1 + 5 t) e^(−5 t)), from rest.
+    let said = ", force: 2.5 N*m * (720 deg - pin.angle) - 1 N*m*s * pin.angle_rate";
+    for coordinates in BOTH {
+        let mut run = simulation::<f64>(wheel(said, coordinates));
+        for t in [0.3, 0.9, 2.0] {
+            run.run(t).expect("a run");
+            let want = 2.0 * TAU * 25.0 * t * (-5.0 * t).exp();
+            assert_close(&[rate(&run)], &[want], 0.0, 1e-8, "rate");
+        }
+    }
+}
+
+#[test]
+fn an_event_at_an_angle_happens_at_that_turn_alone() {
+    let events = "event back = pin.angle rises 90 deg; event onward = pin.angle falls -270 deg;";
+    for coordinates in BOTH {
+        let scene = read(&format!(
+            "model Wheel {{ gravity: none;
+               body rim {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+               joint pin: hinge from world to rim.com {{ axis: z, start_rate: -1 rad/s }} {events} }}"
+        ));
+        let mut run = simulation::<f64>(scene.in_coordinates(coordinates));
+        run.run(12.0).expect("a run");
+        let times: Vec<f64> = run.events().iter().map(|it| it.time).collect();
+        assert_close(&times, &[1.5 * PI], 0.0, 1e-9, "events");
+    }
+}
+
+#[test]
+fn turns_are_kept_by_starts_snapshots_and_what_goes_on() {
+    let said = ", stiffness: 0.1 N*m/rad";
+    let want = |t: f64| -3.0 * PI * t.sin();
+    let scene = wheel(said, Coordinates::Absolute);
+    let model = Generic::<f64>::with_defaults(scene).expect("a valid scene");
+    let new = || Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+    let mut run = new();
+    // Three half turns, which the attitude alone does not tell from one.
+    run.set_joints(&[("pin.angle", 3.0 * PI)]).expect("a start");
+    run.run(0.5).expect("a run");
+    assert_close(&[rate(&run)], &[want(0.5)], 0.0, 1e-10, "a start");
+    let mut restored = new();
+    restored.restore(&run.snapshot()).expect("of this model");
+    let mut next = new();
+    next.take_over(&mut run, &[]).expect("of this model");
+    for (mut run, how) in [(run, "on"), (restored, "restored"), (next, "taken over")] {
+        run.run(1.5).expect("a run");
+        assert_close(&[rate(&run)], &[want(1.5)], 0.0, 1e-10, how);
+        // A state that is set tells no turns.
+        let mut state = vec![0.0; 13];
+        state[3] = 1.0;
+        run.set_state(0.0, &state).expect("a valid state");
+        run.run(0.5).expect("a run");
+        assert_close(&[rate(&run)], &[0.0], 0.0, 1e-12, how);
+    }
+    // Declared, the same: and the coordinate is what was declared.
+    let mut run = simulation::<f64>(wheel(
+        ", stiffness: 0.1 N*m/rad, start: 270 deg",
+        Coordinates::Absolute,
+    ));
+    run.run(0.5).expect("a run");
+    let want = -1.5 * PI * 0.5f64.sin();
+    assert_close(&[rate(&run)], &[want], 0.0, 1e-10, "declared");
+}

@@ -1,0 +1,147 @@
+//! Derivatives of accelerations by parameters through the joints: masses, inertias, lengths, axes of frames, springs, dampers and gravity of
+//! random mechanisms in both families, against dual numbers through the whole elimination and against differences.
+
+use mbd_runtime::{Generic, Linearisation};
+use mbd_scene::{
+    Arguments, Coordinates, Differentiated, Formula, Gravity, Layout, Model, Parameter, Quantity,
+    Scene, Unit, Variable,
+};
+use tests::instant::{partial_by_oracle, value};
+use tests::looped::mechanism;
+use tests::minimal::in_family;
+use tests::random::Random;
+
+use super::generic;
+
+const MECHANISMS: u64 = 20;
+
+/// Makes a number a parameter; what is none already is left.
+fn free(params: &mut Vec<Parameter>, formula: &mut Formula, kind: &str) {
+    if let Formula::Number(default) = *formula {
+        *formula = Formula::Param(params.len());
+        params.push(Parameter {
+            name: format!("{kind}{}", params.len()),
+            doc: String::new(),
+            default,
+            range: None,
+            unit: Unit::default(),
+        });
+    }
+}
+
+/// Every number of a mechanism as a parameter.
+fn freed(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let params = &mut Vec::new();
+    if let Gravity::Uniform { acceleration } = &mut scene.gravity {
+        let all = acceleration.iter_mut();
+        all.for_each(|x| free(params, x, "gravity"));
+    }
+    for body in &mut scene.bodies {
+        free(params, &mut body.mass, "mass");
+        let own = &mut body.inertia;
+        for x in [&mut own.xx, &mut own.yy, &mut own.zz] {
+            free(params, x, "moment");
+        }
+        for x in [&mut own.xy, &mut own.xz, &mut own.yz] {
+            free(params, x, "product");
+        }
+        // The first frame is the centre of mass.
+        for frame in &mut body.frames[1..] {
+            let all = frame.position.iter_mut();
+            all.for_each(|x| free(params, x, "length"));
+        }
+    }
+    for joint in &mut scene.joints {
+        for own in &mut joint.forces {
+            for (formula, kind) in [
+                (&mut own.stiffness, "stiffness"),
+                (&mut own.damping, "damping"),
+            ] {
+                formula.iter_mut().for_each(|x| free(params, x, kind));
+            }
+        }
+    }
+    scene.params = std::mem::take(params);
+    scene
+}
+
+fn largest(list: &[f64]) -> f64 {
+    list.iter().fold(1.0, |most, x| x.abs().max(most))
+}
+
+#[test]
+fn accelerations_by_parameters_are_those_of_dual_numbers_and_of_differences_through_the_joints() {
+    let (mut loops, mut redundant) = (0, 0);
+    let mut kinds = std::collections::BTreeSet::new();
+    for case in 0..MECHANISMS {
+        let seed = case / 2;
+        let family = match case % 2 {
+            0 => Coordinates::Absolute,
+            _ => Coordinates::Relative,
+        };
+        let (scene, state) = mechanism(seed);
+        let (scene, state) = in_family(&scene, &state, family);
+        let scene = freed(&scene);
+        let layout = Layout::new(&scene);
+        loops += usize::from(layout.redundancy.loops > 0);
+        redundant += usize::from(layout.redundancy.lost() > 0);
+        let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+        let mut random = Random::new(seed);
+        let at = Arguments {
+            inputs: (0..layout.ni).map(|_| random.uniform(-3.0, 3.0)).collect(),
+            hold: vec![0.0; layout.one_way()],
+            state,
+            ..Arguments::default()
+        };
+        let model = generic(scene.clone());
+        let mut linear = Linearisation::new(&layout);
+        let what = format!("{family:?}, mechanism {seed}");
+        let found = linear.evaluate(&model, &at.at(), &mut model.work());
+        found.unwrap_or_else(|error| panic!("{what}: {error}"));
+        let got = linear.parameter().values();
+        let by = (Differentiated::Derivative, Variable::Parameter);
+        let want = partial_by_oracle(&scene, &defaults, by.0, by.1, &at);
+        let size = largest(&want);
+        let apart = got.iter().zip(&want).map(|(a, b)| (a - b).abs() / size);
+        let apart = apart.fold(0.0, f64::max);
+        assert!(apart < 1e-10, "{what}: {apart:.1e}");
+
+        let rates = |params: &[f64]| {
+            let moved = Generic::new(scene.clone(), params).expect("what was declared, nearly");
+            value(&moved, Quantity::Derivative, &at)
+        };
+        let count = defaults.len();
+        for (column, param) in scene.params.iter().enumerate() {
+            kinds.insert(param.name.trim_end_matches(char::is_numeric).to_owned());
+            let by = |by: f64| {
+                let mut params = defaults.clone();
+                params[column] += by;
+                rates(&params)
+            };
+            let h = 1e-5;
+            for (row, (plus, minus)) in by(h).iter().zip(by(-h)).enumerate() {
+                let (got, want) = (got[row * count + column], (plus - minus) / (2.0 * h));
+                assert!(
+                    (got - want).abs() < 1e-6 * size,
+                    "{what}, {}, row {row}: {got} is not {want}",
+                    param.name
+                );
+            }
+        }
+    }
+    let all = [
+        "damping",
+        "gravity",
+        "length",
+        "mass",
+        "moment",
+        "product",
+        "stiffness",
+    ];
+    assert!(kinds.iter().eq(&all), "{kinds:?}");
+    assert!(
+        loops >= 10 && redundant >= 4,
+        "{loops} with loops, {redundant} redundant"
+    );
+}
