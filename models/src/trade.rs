@@ -6,7 +6,10 @@ use std::path::Path;
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene};
-use mbd_runtime::{FailedSetting, ParamError, Question, Race, TradeError, Variant, trade};
+use mbd_runtime::{
+    Content, FailedSetting, Generic, ParamError, Question, Race, Sampling, TradeError, Trajectory,
+    Variant, trade,
+};
 
 use crate::files::{make_folder, write_text};
 use crate::report::{Cell, Figure, Report, ReportTable, Series};
@@ -115,9 +118,20 @@ fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<SceneContender>,
     Ok(all)
 }
 
-/// Every setting that gave an answer, with its error and what it cost; the unit is that of the column.
+/// The unit of a column of the histories of a scene; empty for a pure number, and where there is no such column.
 #[must_use]
-pub fn table(race: &Race) -> ReportTable {
+pub fn unit(scene: &Scene, column: &str) -> String {
+    let Ok(model) = Generic::<f64>::with_defaults(scene.clone()) else {
+        return String::new();
+    };
+    let history = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+    let found = history.names().iter().find(|name| name.name == column);
+    found.map_or(String::new(), |name| name.unit.clone())
+}
+
+/// Every setting that gave an answer, with its error and what it cost; errors are in the unit of the column.
+#[must_use]
+pub fn table(race: &Race, unit: &str) -> ReportTable {
     let column = &race.question.column;
     let mut table = ReportTable::new(format!("What `{column}` costs"))
         .column("variant", "")
@@ -125,8 +139,8 @@ pub fn table(race: &Race) -> ReportTable {
         .column("steps", "")
         .column("evaluations", "")
         .column("Jacobians", "")
-        .number("error, rms", "", 2)
-        .number("error, most", "", 2)
+        .number("error, rms", unit, 2)
+        .number("error, most", unit, 2)
         .number("time", "s", 2);
     for entry in &race.entries {
         table.push([
@@ -158,11 +172,11 @@ pub fn table(race: &Race) -> ReportTable {
 }
 
 /// Error against time: one curve a method as declared, and the best of every other variant.
-fn figure<'a>(race: &Race, curves: &'a [(String, Vec<f64>, Vec<f64>)]) -> Figure<'a> {
+fn figure<'a>(race: &Race, unit: &str, curves: &'a [(String, Vec<f64>, Vec<f64>)]) -> Figure<'a> {
     let [from, to] = race.question.window;
     let mut figure = Figure::new(format!("What accuracy of {} costs", race.question.column))
         .x("time of the run", "s")
-        .y("error, rms", "")
+        .y("error, rms", unit)
         .log_x()
         .log_y()
         .caption(format!(
@@ -198,15 +212,19 @@ fn curves(race: &Race) -> Vec<(String, Vec<f64>, Vec<f64>)> {
 
 /// One sentence: the cheapest setting that meets a wanted error, and the modelling switch that pays most; or why there is none.
 #[must_use]
-pub fn advice(race: &Race, wanted: f64) -> String {
+pub fn advice(race: &Race, unit: &str, wanted: f64) -> String {
+    let gap = if unit.is_empty() { "" } else { " " };
     match race.advise(wanted) {
-        Some(advice) => format!("for {} within {wanted:.1e}: {advice}", race.question.column),
+        Some(advice) => format!(
+            "for {} within {wanted:.1e}{gap}{unit}: {advice}",
+            race.question.column
+        ),
         None if race.apart.rms > 0.1 * wanted => format!(
-            "no advice for {} within {wanted:.1e}: the references are {:.1e} apart, and must agree ten times better than what is wanted",
+            "no advice for {} within {wanted:.1e}{gap}{unit}: the references are {:.1e}{gap}{unit} apart, and must agree ten times better than what is wanted",
             race.question.column, race.apart.rms
         ),
         None => format!(
-            "no setting that was raced has {} within {wanted:.1e}",
+            "no setting that was raced has {} within {wanted:.1e}{gap}{unit}",
             race.question.column
         ),
     }
@@ -225,12 +243,12 @@ pub fn usual(race: &Race) -> f64 {
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub fn publish(race: &Race, advice: &str, folder: &Path) -> io::Result<()> {
+pub fn publish(race: &Race, (advice, unit): (&str, &str), folder: &Path) -> io::Result<()> {
     make_folder(folder)?;
-    let table = table(race);
+    let table = table(race, unit);
     write_text(&folder.join("trade.csv"), &table.csv())?;
     let curves = curves(race);
-    let figure = figure(race, &curves);
+    let figure = figure(race, unit, &curves);
     write_text(&folder.join("trade.svg"), &figure.svg())?;
     let report = Report::new(format!("Speed and accuracy of {}", race.question.column))
         .paragraph(advice)

@@ -1,4 +1,4 @@
-//! What the tests that cross crates share: reference data, the derivative oracle, seeded random numbers, and one way to compare.
+//! What the tests that cross crates share, beside what tests of the laws alone share: `laws`.
 
 pub mod agreement;
 pub mod declared;
@@ -6,52 +6,15 @@ pub mod double;
 pub mod families;
 pub mod flights;
 pub mod fuzz;
-pub mod implicit;
-pub mod instant;
-pub mod jet;
-pub mod linkage;
-pub mod looped;
-pub mod mechanism;
 pub mod minimal;
 pub mod networks;
-pub mod obeying;
-pub mod oracle;
 pub mod planar;
 pub mod points;
-pub mod random;
 pub mod random_scene;
-pub mod reference;
-pub mod relative;
-pub mod system;
 pub mod turning;
 pub mod web;
 
-/// Asserts that every number of `got` equals that of `want` to `relative` of the largest number of `want`, plus `absolute`.
-///
-/// # Panics
-/// With the first numbers that differ, the place, and the rule that failed.
-#[track_caller]
-pub fn assert_close(got: &[f64], want: &[f64], relative: f64, absolute: f64, what: &str) {
-    assert_eq!(
-        got.len(),
-        want.len(),
-        "{what}: {} numbers, expected {}",
-        got.len(),
-        want.len()
-    );
-    let scale = want.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    for (i, (a, b)) in got.iter().zip(want).enumerate() {
-        let bound = relative * scale + absolute;
-        assert!(
-            (a - b).abs() <= bound,
-            "{what}[{i}]: got {a:e}, want {b:e}, difference {:e} > {bound:e} (relative {relative:e} of {scale:e}, absolute {absolute:e})",
-            (a - b).abs()
-        );
-    }
-}
-
-/// The largest difference between two lists.
-#[must_use]
-pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |m, (x, y)| m.max((x - y).abs()))
-}
+pub use laws::{
+    assert_close, implicit, instant, jet, largest_difference, linkage, looped, mechanism, obeying,
+    oracle, random, reference, relative, system,
+};

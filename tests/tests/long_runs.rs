@@ -2,7 +2,9 @@
 
 use mbd_compiler::read_tokens;
 use mbd_scene::{Layout, Redundancy};
-use tests::fuzz::{Corpus, SLOWEST, Tally, Verdict, declared_in_text, declared_in_toml, judge};
+use tests::fuzz::{
+    Corpus, LARGE, SLOWEST, Tally, Verdict, declared_in_text, declared_in_toml, judge, large_file,
+};
 use tests::networks::{Decided, KINDS, Solved};
 use tests::points::costs;
 
@@ -41,6 +43,16 @@ fn a_hundred_thousand_declarations_end_in_a_scene_with_all_its_items_or_in_messa
 }
 
 #[test]
+fn declarations_that_came_back_from_a_document_as_other_scenes_come_back_as_themselves() {
+    let corpus = Corpus::new();
+    let numbers = [209507, 231907, 384606, 588163, 653311, 690754, 710566];
+    for number in numbers {
+        let judged = judge(&corpus.declaration(number));
+        assert!(judged.is_ok(), "{number}: {judged:?}");
+    }
+}
+
+#[test]
 fn a_million_bytes_of_mutated_files_end_in_scenes_or_messages() {
     let tally = many(900, Corpus::file);
     assert_eq!(tally.broken, []);
@@ -49,7 +61,7 @@ fn a_million_bytes_of_mutated_files_end_in_scenes_or_messages() {
 
 #[test]
 fn files_that_are_large_in_one_way_take_time_and_memory_in_proportion() {
-    for (name, input) in Corpus::large(200_000) {
+    for (name, input) in (0..LARGE).filter_map(|number| large_file(200_000, number)) {
         let judged = judge(&input);
         assert!(judged.is_ok(), "{name}: {judged:?}");
     }

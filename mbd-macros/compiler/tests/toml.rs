@@ -68,6 +68,73 @@ fn pure_numbers_whose_unit_stands_behind_brackets_are_read_again_in_si() {
 }
 
 #[test]
+fn an_angle_without_its_unit_still_makes_radians_of_turns_where_numbers_are_in_si() {
+    let courses = [
+        "360 deg * f * time",
+        "f * 30 deg * time",
+        "30 deg * sin(2 * pi) * f * time",
+        "30 deg / 2 * (f * time)",
+    ];
+    for course in courses {
+        let text = format!(
+            "model Crank {{
+                gravity: none;
+                param f = 2 Hz;
+                body rod {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+                joint pin: hinge from world to rod.com {{ axis: y, motor: {course} }}
+            }}"
+        );
+        let read = read_text(&text);
+        let scene = read
+            .scene
+            .clone()
+            .unwrap_or_else(|| panic!("{course}: {:?}", told(&read)));
+        let written = write_toml(&scene);
+        let again = read_toml(&written);
+        assert_eq!(again.scene, Some(scene), "{written}\n{:?}", told(&again));
+    }
+    // Turns alone are told there, too.
+    let alone = "model = \"Crank\"\nunits = \"si\"\nparam.f = \"2 Hz\"\n\
+        [body.rod]\nmass = \"1\"\ninertia = \"diag(1, 1, 1)\"\n\
+        [joint.pin]\nkind = \"hinge\"\nfrom = \"world\"\nto = \"rod.com\"\naxis = \"y\"\nmotor = \"f * time\"\n";
+    let messages = told(&read_toml(alone)).join("\n");
+    assert!(messages.contains("counts turns"), "{messages}");
+}
+
+#[test]
+fn what_is_no_angle_is_none_after_it_was_written_in_si() {
+    let values = [
+        "wish + 0.1 rad * -(2 rad/s * time)",
+        "0.1 rad * wish",
+        "wish * 30 deg",
+        "wish / 0.5 rad",
+        "wish / 2",
+        "2 * wish",
+    ];
+    for value in values {
+        let text = format!(
+            "model Aim {{
+                gravity: none;
+                input wish: angle = 10 deg;
+                point p {{ mass: 1 kg }}
+                let aim = {value};
+                output told = aim;
+                output also = {value};
+                metric most = max {value};
+            }}"
+        );
+        let read = read_text(&text);
+        let scene = read
+            .scene
+            .clone()
+            .unwrap_or_else(|| panic!("{value}: {:?}", told(&read)));
+        let written = write_toml(&scene);
+        let again = read_toml(&written);
+        assert_eq!(again.scene, Some(scene), "{written}\n{:?}", told(&again));
+    }
+}
+
+#[test]
 fn what_events_do_is_the_same_in_text_and_toml() {
     let text = include_str!("pass/actions.mbd");
     let scene = read_text(text).scene.unwrap();

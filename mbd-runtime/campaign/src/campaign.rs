@@ -138,7 +138,6 @@ impl Campaign {
         let phases: Vec<Phase> = std::iter::once(first).chain(later).collect();
         let (phases, mut plans) = planned(phases, &given)?;
         let models: Vec<&dyn Model<f64>> = phases.iter().map(|phase| &*phase.model).collect();
-        let every_step = plans.iter().all(|plan| plan.every.is_none());
         let mut content = columns::NOTHING;
         let mut nominal = plans.remove(0);
         let settings = phases.first().map(|phase| phase.settings.clone());
@@ -152,7 +151,7 @@ impl Campaign {
         let envelopes = envelopes
             .map(|written| Envelopes::new(written, (&models, &nominal), &mut content))
             .transpose()?;
-        let metrics = Metrics::new(written.metrics.iter(), (&models, content), every_step)?;
+        let metrics = Metrics::new(written.metrics.iter(), (&models, content))?;
         let columns = models.len() > 1;
         let columns = columns.then(|| columns::joined(&models, metrics.content));
         // Work is integrated for those who ask for energy: no step with it is made in lanes.
@@ -295,6 +294,11 @@ impl Campaign {
         mut deliver: impl FnMut(FlownCase) -> ControlFlow<()>,
     ) {
         let sampling = sampling(&self.nominal);
+        let readers = self.metrics.readers();
+        let first = match &self.columns {
+            Some(columns) => columns.readers(0, &readers),
+            None => readers.clone(),
+        };
         let mut batch = Batch::new(&*self.model, self.nominal.options, self.nominal.until);
         if let Some(lanes) = resources.lanes {
             batch = batch.lanes(lanes);
@@ -302,10 +306,15 @@ impl Campaign {
         if let Some(columns) = &self.columns {
             batch = batch.then(columns, |case, ended| {
                 let goes = self.go_on(number(case.number()), ended)?;
-                Ok(goes.map(|goes| Onward {
-                    model: goes.phase,
-                    history: empty(&goes.plan, &**goes.run.model(), self.metrics.content),
-                    run: goes.run,
+                Ok(goes.map(|goes| {
+                    let model = goes.run.model().clone();
+                    let history = empty(&goes.plan, &*model, self.metrics.content);
+                    let own = columns.readers(goes.phase, &readers);
+                    Onward {
+                        model: goes.phase,
+                        history: history.measure(&*model, &own),
+                        run: goes.run,
+                    }
                 }))
             });
         }
@@ -313,6 +322,7 @@ impl Campaign {
             .cases((0..count).map(|place| self.params(number(place))))
             .threads(resources.threads)
             .record(sampling, self.metrics.content)
+            .measure(first)
             .prepare(|case, run| self.begin(number(case.number()), run))
             .each(
                 |_, history| self.judge(history),

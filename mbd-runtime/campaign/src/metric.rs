@@ -7,7 +7,7 @@ use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
-use mbd_runtime::{Content, MetricReader, MissingMetric, Name, Trajectory};
+use mbd_runtime::{Content, MetricReader, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -70,15 +70,14 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// The metrics of the declarations of the models that a run comes to, and those of a campaign file; `every_step` says whether histories have a row at every
-    /// step, and so at every event. Of one that is declared, the file may say what it has to be. Histories hold `content`, and what metrics need besides.
+    /// The metrics of the declarations of the models that a run comes to, and those of a campaign file. Of one that is declared, the file may say what it has
+    /// to be. Histories hold `content`, and what metrics need besides.
     ///
     /// # Errors
     /// The first that cannot be read from a history of these models, or that two of them declare differently.
     pub(crate) fn new<'m>(
         written: impl Iterator<Item = (&'m String, &'m WrittenMetric)> + Clone,
         (models, content): (&columns::Models<'_>, Content),
-        every_step: bool,
     ) -> Result<Self, PlanError> {
         let mut metrics = Metrics {
             list: Vec::new(),
@@ -101,7 +100,7 @@ impl Metrics {
         }
         let names = columns::names(models, metrics.content);
         for (scene, metric) in &all {
-            let mut declared = declared(metric, scene, &names, every_step)?;
+            let mut declared = declared(metric, scene, &names)?;
             if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
                 declared.require =
                     MetricTextReader::new(name, written, &names).of_declared(&declared.unit)?;
@@ -110,12 +109,19 @@ impl Metrics {
         }
         for (name, written) in own {
             let reader = MetricTextReader::new(name, written, &names);
-            metrics.list.push(reader.metric(&scenes, every_step)?);
+            metrics.list.push(reader.metric(&scenes)?);
         }
         Ok(metrics)
     }
 
-    /// The metrics of a history.
+    /// What histories have to measure.
+    #[must_use]
+    pub fn readers(&self) -> Vec<MetricReader> {
+        let readers = self.list.iter().map(|metric| metric.reader.clone());
+        readers.collect()
+    }
+
+    /// The metrics of a history that measured them.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> Vec<f64> {
         self.list
@@ -185,13 +191,9 @@ fn declared(
     metric: &metrics::Metric,
     scene: &Scene,
     names: &[Name],
-    every_step: bool,
 ) -> Result<CampaignMetric, PlanError> {
-    let reader = MetricReader::new(metric, scene, names, every_step).map_err(|missing| {
-        let why = match missing {
-            MissingMetric::NeedsEveryStep => EVERY_STEP,
-            _ => "its quantity is in no history: this model does not emit its outputs",
-        };
+    let reader = MetricReader::new(metric, scene, names).map_err(|_| {
+        let why = "its quantity is in no history: this model does not emit its outputs";
         wrong(format!("metric {}", metric.name), why)
     })?;
     Ok(CampaignMetric {
@@ -201,9 +203,6 @@ fn declared(
         reader,
     })
 }
-
-const EVERY_STEP: &str =
-    "a value at an event needs a row at every step: leave out `every` under [run]";
 
 struct MetricTextReader<'r> {
     setting: String,
@@ -240,7 +239,7 @@ impl<'r> MetricTextReader<'r> {
         require.map(|it| self.requirement(it, unit)).transpose()
     }
 
-    fn metric(&self, scenes: &[&Scene], every_step: bool) -> Result<CampaignMetric, PlanError> {
+    fn metric(&self, scenes: &[&Scene]) -> Result<CampaignMetric, PlanError> {
         let written = self.written;
         let mut given = written.takes();
         let (Some((take, of)), None) = (given.next(), given.next()) else {
@@ -268,9 +267,6 @@ impl<'r> MetricTextReader<'r> {
             Take::TimeOf => self.event(scenes, of)?,
             _ => String::new(),
         };
-        if take == Take::Value && !every_step {
-            return Err(self.wrong(EVERY_STEP));
-        }
         let unit = take.unit(own);
         let second = |name: &str, value: &Option<Value>, free: f64| match value {
             Some(value) => number(&format!("{}.{name}", self.setting), value, "s"),
@@ -295,7 +291,7 @@ impl<'r> MetricTextReader<'r> {
             reader: MetricReader {
                 take,
                 column: found.unwrap_or(0),
-                level: level.unwrap_or(f64::NAN),
+                level,
                 event,
                 window,
             },
@@ -370,10 +366,11 @@ impl<'r> MetricTextReader<'r> {
 }
 
 impl CampaignMetric {
-    /// Its value in a history; NaN where it has none.
+    /// Its value in a history that measured it; NaN where it has none.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> f64 {
-        self.reader.read(history)
+        let value = history.measured(&self.reader);
+        value.map_or(f64::NAN, |[value, _]| value)
     }
 }
 

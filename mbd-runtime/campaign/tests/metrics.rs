@@ -102,7 +102,6 @@ fn a_fall_has_its_closed_form_in_generated_interpreted_and_generic_models_from_t
             let at = at.expect(name);
             assert_eq!(manifest.metrics[at].unit, unit, "{name}");
             let found = row.metrics[at];
-            // Speeds are straight over time; rows stand at every step.
             let close = (found - expected).abs() <= 1e-8 * expected.abs().max(1.0);
             assert!(close, "{name}: {found} instead of {expected}");
         }
@@ -145,14 +144,26 @@ fn a_campaign_file_adds_metrics_and_says_what_declared_ones_have_to_be() {
     let nothing =
         told("fastst = { require = { below = \"90 kph\", share = 0.5, confidence = 0.5 } }");
     assert!(nothing.contains("metrics.fastst"), "{nothing}");
-    let every = campaign_of(
-        &folder,
-        stone(),
-        &RUN.replace("until", "every = \"1 ms\"\nuntil"),
-    );
-    let every = every.err().expect("no row at the event").to_string();
-    assert!(
-        every.contains("metric passing") && every.contains("every step"),
-        "{every}"
-    );
+}
+
+#[test]
+fn the_rows_of_a_grid_change_no_metric_and_the_end_of_a_case_is_where_it_lands() {
+    let stone = Stone::new(StoneParams::default())
+        .expect("defaults")
+        .share();
+    let folder = Folder::new("metrics_every");
+    let file = "[metrics]\nlanding = { final = \"stone.vz\" }\nat_half = { value = \"stone.vz\", at = \"half\" }\n";
+    let every = RUN.replace("until", "every = \"0.3 s\"\nuntil");
+    let campaign = campaign_of(&folder, stone, &format!("{every}{file}")).expect("a campaign");
+    let (row, history) = campaign.replay(0).expect("the nominal");
+    assert!((row.time - 2.0).abs() < 1e-9, "{}", row.time);
+    assert!((history.times().last().expect("a row") - 2.0).abs() < 1e-9);
+    let metrics = campaign.manifest().metrics;
+    let own = [("landing", "m/s", -20.0), ("at_half", "m/s", -10.0)];
+    for (name, _, expected) in FALL.into_iter().chain(own) {
+        let at = metrics.iter().position(|metric| metric.name == name);
+        let found = row.metrics[at.expect(name)];
+        let close = (found - expected).abs() <= 1e-8 * expected.abs().max(1.0);
+        assert!(close, "{name}: {found} instead of {expected}");
+    }
 }

@@ -4,6 +4,9 @@ use mbd_runtime::MetricValue;
 
 use super::table::{Cell, ReportTable};
 
+/// What a value is off by is told beyond this part of it: it has nine digits.
+const TOLD: f64 = 1e-9;
+
 /// The metrics of a run, from [`Trajectory::metrics`](mbd_runtime::Trajectory::metrics); without rows where there are none.
 #[must_use]
 pub fn metrics_table(told: &[MetricValue]) -> ReportTable {
@@ -30,5 +33,14 @@ pub fn metrics_table(told: &[MetricValue]) -> ReportTable {
         let why = metric.value.err()?;
         Some(format!("`{}` has no value: {why}", metric.name))
     });
-    missing.fold(table, ReportTable::note)
+    let rough = told.iter().filter_map(|metric| {
+        let value = metric.value.ok()?;
+        (metric.unresolved > TOLD * value.abs()).then(|| {
+            format!(
+                "`{}` may be off by {:.1e} {}: its quantity is noise, or changes faster than halves of steps resolve",
+                metric.name, metric.unresolved, metric.unit
+            )
+        })
+    });
+    missing.chain(rough).fold(table, ReportTable::note)
 }

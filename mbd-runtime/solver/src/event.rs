@@ -72,6 +72,9 @@ pub(crate) struct Margins {
     pub start: Vec<f64>,
     pub before: Vec<f64>,
     pub now: Vec<f64>,
+    /// At the look before these, and room for those of the last look.
+    pub earlier: Vec<f64>,
+    latest: Vec<f64>,
     /// Room for those of several looks.
     pub looks: Vec<f64>,
 }
@@ -180,6 +183,8 @@ impl Margins {
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
+            earlier: vec![0.0; count],
+            latest: vec![0.0; count],
             looks: Vec::with_capacity((FEW_LOOKS + 1) * count),
         }
     }
@@ -306,6 +311,49 @@ impl Margins {
     /// Whether a margin is that of a unilateral element.
     pub(crate) fn is_element(&self, index: usize) -> bool {
         matches!(self.watched.get(index), Some(WatchedGuard::Element { .. }))
+    }
+
+    /// The margin of a declared event at the last three looks.
+    pub(crate) fn declared_looks(&self, index: usize) -> Option<[f64; 3]> {
+        if self.is_element(index) {
+            return None;
+        }
+        let at = |list: &[f64]| list.get(index).copied();
+        Some([at(&self.earlier)?, at(&self.before)?, at(&self.now)?])
+    }
+
+    /// Keeps the margins of the last look, and takes them again.
+    pub(crate) fn keep_latest(&mut self) {
+        self.latest.copy_from_slice(&self.now);
+    }
+
+    pub(crate) fn take_latest(&mut self) {
+        self.now.copy_from_slice(&self.latest);
+    }
+
+    /// Whether a declared event is watched.
+    pub(crate) fn declares(&self) -> bool {
+        let declared = |watched: &WatchedGuard| matches!(watched, WatchedGuard::Declared { .. });
+        self.watched.iter().any(declared)
+    }
+
+    /// Sets a declared event on the side that its guard goes to from a start at its value: `later` are the guards a little later. Whether all of
+    /// these are decided.
+    pub(crate) fn settle_sides<T: Float>(&mut self, guards: &[T], later: &[T]) -> bool {
+        let mut decided = true;
+        for watched in &self.watched {
+            let WatchedGuard::Declared { event, at, .. } = *watched else {
+                continue;
+            };
+            let guard = |list: &[T]| list.get(at).map_or(f64::NAN, |x| x.to_f64());
+            let (now, then) = (guard(guards), guard(later));
+            let leaves = now == 0.0 || (now > 0.0) != (then > 0.0);
+            if let Some(side) = self.sides.get_mut(event).filter(|_| leaves) {
+                *side = then > 0.0;
+                decided &= then != 0.0;
+            }
+        }
+        decided
     }
 
     /// Whether an event is watched that acts.

@@ -6,13 +6,19 @@ use mbd_scene::{Float, Quantity};
 use crate::chatter::MOST_SWITCHES;
 use crate::error::{Collapse, StepError};
 use crate::event::Happening;
+use crate::integrate::Rates;
 use crate::simulation::Simulation;
 use crate::unilateral::{Mode, name};
 
 /// Interior looks at a step while a watched line does not carry.
 const LOOKS: u32 = 16;
+/// Interior looks at a step where events are told that do not act, of adaptive and of fixed steps: what lies between is found by `dip`.
+const FEW_LOOKS: u32 = 4;
+const FEWEST_LOOKS: u32 = 2;
 /// Looks for an excursion of a margin that starts a step at zero.
 const FINE_LOOKS: u32 = 16;
+/// Where a guard at its value goes from rest is seen after this [s].
+const AT_REST: f64 = 1e-6;
 /// Events closer than this happen together [s].
 const TOGETHER: f64 = 1e-12;
 /// A bracket below this is a point [s].
@@ -49,12 +55,14 @@ impl<T: Float> Simulation<T> {
         let restless = self.margins.restless(self.system.modes());
         // Adaptive steps of a smooth motion can be so long that a guard passes and comes back inside one.
         let long = self.is_adaptive() && self.margins.acts();
-        let looks = if long || restless && !self.keeps_away(step)? {
-            LOOKS
-        } else {
-            1
+        let declares = self.margins.declares();
+        let looks = match long || restless && !self.keeps_away(step)? {
+            true => LOOKS,
+            false if declares && self.is_adaptive() => FEW_LOOKS,
+            false if declares => FEWEST_LOOKS,
+            false => 1,
         };
-        let mut low = 0.0;
+        let (mut earlier, mut low) = (0.0, 0.0);
         let start = &self.margins.start;
         self.margins.before.copy_from_slice(start);
         for look in 1..=looks {
@@ -63,8 +71,15 @@ impl<T: Float> Simulation<T> {
             if self.choose_passed() {
                 return self.narrow(low, high, step);
             }
+            if look > 1
+                && declares
+                && let Some([low, high]) = self.find_dip([earlier, low, high], step)?
+            {
+                return self.narrow(low, high, step);
+            }
+            self.margins.earlier.copy_from_slice(&self.margins.before);
             self.margins.before.copy_from_slice(&self.margins.now);
-            low = high;
+            (earlier, low) = (low, high);
         }
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(None)
@@ -100,7 +115,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Marks the margins that are passed now.
-    fn choose_passed(&mut self) -> bool {
+    pub(crate) fn choose_passed(&mut self) -> bool {
         for (index, (chosen, margin)) in self.chosen.iter_mut().zip(&self.margins.now).enumerate() {
             *chosen = self.margins.passed(index, *margin);
         }
@@ -432,5 +447,89 @@ impl<T: Float> Simulation<T> {
         self.margins.read(guards, self.system.modes());
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(())
+    }
+
+    /// Declared events whose guards start at their value, or pass it within what is one time with the start, have passed nothing: they are on the side
+    /// that the motion takes them to.
+    pub(crate) fn settle_sides(&mut self) -> Result<(), StepError> {
+        if !self.margins.declares() {
+            return Ok(());
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        let guards = self.scratch.get(..self.guards).unwrap_or(&[]).to_vec();
+        self.look_ahead(TOGETHER)?;
+        let later = self.scratch.get(..self.guards).unwrap_or(&[]);
+        if !self.margins.settle_sides(&guards, later) {
+            // At rest: what its acceleration makes of it.
+            self.look_along(AT_REST)?;
+            let later = self.scratch.get(..self.guards).unwrap_or(&[]);
+            self.margins.settle_sides(&guards, later);
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        self.margins.start.copy_from_slice(&self.margins.now);
+        Ok(())
+    }
+
+    /// Reads the margins where the rates of now lead in a time [s].
+    fn look_ahead(&mut self, ahead: f64) -> Result<(), StepError> {
+        self.inside.copy_from_slice(&self.state);
+        let step = T::from_f64(ahead);
+        for (x, rate) in self.inside.iter_mut().zip(self.method.first()) {
+            *x += step * *rate;
+        }
+        self.read_margins(self.time + ahead, ahead)
+    }
+
+    /// The same by the rates midway.
+    fn look_along(&mut self, ahead: f64) -> Result<(), StepError> {
+        self.look_ahead(0.5 * ahead)?;
+        let mut rates = vec![T::zero(); self.inside.len()];
+        let middle = self.inside.clone();
+        self.system
+            .rates(self.time + 0.5 * ahead, 0.5 * ahead, &middle, &mut rates)?;
+        self.inside.copy_from_slice(&self.state);
+        for (x, rate) in self.inside.iter_mut().zip(&rates) {
+            *x += T::from_f64(ahead) * *rate;
+        }
+        self.read_margins(self.time + ahead, ahead)?;
+        self.method
+            .begin(&mut self.system, self.time, 0.0, &self.state)
+    }
+
+    /// Declared events whose guards are at their value where a run ends, or pass it within what is one time with the end: they happen there. Whether
+    /// any acted.
+    pub(crate) fn happen_at_end(&mut self) -> Result<bool, StepError> {
+        if !self.margins.declares() {
+            return Ok(false);
+        }
+        self.look_ahead(TOGETHER.max(self.resolved(0.0)))?;
+        let happened = self.margins.happened() > 0;
+        let mut crossed = std::mem::take(&mut self.crossed);
+        crossed.clear();
+        if happened {
+            let guards = self.scratch.get(..self.guards).unwrap_or(&[]);
+            let modes = self.system.modes();
+            self.margins
+                .take_sides(guards, modes, |event| crossed.push(event));
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        self.margins.start.copy_from_slice(&self.margins.now);
+        let before = self.event_count();
+        for event in &crossed {
+            self.note(Happening::Declared(*event));
+        }
+        let acted = self.act(&crossed);
+        self.crossed = crossed;
+        match acted {
+            Ok(true) => self.begin_noting().map(|()| true),
+            Ok(false) => Ok(false),
+            Err(cause) => {
+                self.forget_events(before);
+                Err(cause)
+            }
+        }
     }
 }

@@ -27,6 +27,7 @@ pub(crate) mod beside;
 mod control;
 mod drive;
 mod handover;
+mod measure;
 mod moved;
 mod snapshot;
 mod stability;

@@ -2,23 +2,27 @@
 
 use std::io::{self, Write};
 
-use mbd_scene::{Float, Layout, Model, Quantity, Scene};
+use mbd_scene::metrics::Take;
+use mbd_scene::{Float, Layout, Model, Scene};
 
-use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
+use crate::columns::Name;
 use crate::error::{Statistics, StepError};
-use crate::system::{System, WORKS};
+use crate::measure::Measures;
+use crate::metric::{MetricReader, MissingMetric};
+use crate::row::{RowMaker, names};
+use crate::system::System;
 
 mod joined;
 
 pub use joined::Joined;
-use joined::JoinedPart;
 
 /// When a row is written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sampling {
     /// At the start and after every accepted step, located events included; where an event acts, a row before it and one after it.
     Steps,
-    /// Every so many seconds from the first row on, by the interpolant of the method.
+    /// Every so many seconds from the first row on, by the interpolant of the method, and where a run stops; where it goes on that last row is dropped,
+    /// unless it is one of the others.
     Every(f64),
     /// At these times, increasing [s].
     At(Vec<f64>),
@@ -65,6 +69,56 @@ impl Content {
     };
 }
 
+const NOTHING: Content = Content {
+    state: false,
+    nodes: false,
+    lines: false,
+    reactions: false,
+    outputs: false,
+    energy: false,
+};
+
+impl Content {
+    /// Each of its groups of columns alone, in the order of the columns.
+    fn groups(self) -> impl Iterator<Item = Content> {
+        let of = NOTHING;
+        let all = [
+            (self.state, Content { state: true, ..of }),
+            (self.nodes, Content { nodes: true, ..of }),
+            (self.lines, Content { lines: true, ..of }),
+            (
+                self.reactions,
+                Content {
+                    reactions: true,
+                    ..of
+                },
+            ),
+            (
+                self.outputs,
+                Content {
+                    outputs: true,
+                    ..of
+                },
+            ),
+            (self.energy, Content { energy: true, ..of }),
+        ];
+        all.into_iter()
+            .filter_map(|(has, group)| has.then_some(group))
+    }
+
+    /// Both.
+    fn and(self, other: Content) -> Content {
+        Content {
+            state: self.state || other.state,
+            nodes: self.nodes || other.nodes,
+            lines: self.lines || other.lines,
+            reactions: self.reactions || other.reactions,
+            outputs: self.outputs || other.outputs,
+            energy: self.energy || other.energy,
+        }
+    }
+}
+
 /// Named columns over time. Angular velocities, positions and forces are those of the state and the declaration: world axes unless named `body`.
 ///
 /// ```
@@ -105,12 +159,15 @@ impl Content {
 pub struct Trajectory {
     names: Vec<Name>,
     columns: Vec<Vec<f64>>,
-    row: Vec<f64>,
-    content: Content,
+    maker: RowMaker,
     sampling: Sampling,
     first: f64,
     /// Rows written, and the index of the next grid time.
     next: usize,
+    /// Whether the last row is where a run stopped beside the grid.
+    beside: bool,
+    measures: Measures,
+    measured: RowMaker,
     /// Rows at which some reactions or efforts of motors have no value, because rows of joints lose rank, and not in passing: they are not
     /// numbers there, and their cells in CSV are empty. In passing they have the value they tend to.
     pub undetermined: u64,
@@ -118,14 +175,16 @@ pub struct Trajectory {
     pub events: Vec<(f64, String)>,
     /// Counters of the run at its last row.
     pub statistics: Statistics,
-    /// Of a history that was put together, its parts; empty of the history of one model.
-    parts: Vec<JoinedPart>,
 }
 
 impl Trajectory {
     /// Drops the rows and the events after a time [s].
     pub(crate) fn cut(&mut self, time: f64) {
         let kept = self.times().partition_point(|row| *row <= time);
+        if kept < self.times().len() {
+            self.drop_end();
+        }
+        self.measures.cut(time);
         self.next = self.next.saturating_sub(self.times().len() - kept);
         for column in &mut self.columns {
             column.truncate(kept);
@@ -145,19 +204,77 @@ impl Trajectory {
 
     fn of(scene: &Scene, layout: &Layout, sampling: Sampling, content: Content) -> Self {
         let names = names(scene, layout, content);
-        Trajectory {
+        let mut history = Trajectory {
             columns: vec![Vec::new(); names.len()],
-            row: Vec::with_capacity(names.len()),
+            maker: RowMaker::new(content, names.len()),
             names,
-            content,
             sampling,
             first: f64::NAN,
             next: 0,
+            beside: false,
+            measures: Measures::default(),
+            measured: RowMaker::new(NOTHING, 0),
             undetermined: 0,
             events: Vec::new(),
             statistics: Statistics::default(),
-            parts: Vec::new(),
+        };
+        let declared = scene.runs.metrics.iter();
+        let readers = declared.filter_map(|it| MetricReader::new(it, scene, &history.names).ok());
+        history.measure_columns((scene, layout), readers.collect());
+        history
+    }
+
+    /// Measures these metrics in the runs that are recorded from now on, in place of those that the declaration has; none where the list is empty.
+    /// What a history measures costs some evaluations of the quantities at every step.
+    #[must_use]
+    pub fn measure<T: Float>(
+        mut self,
+        model: &(impl Model<T> + ?Sized),
+        readers: &[MetricReader],
+    ) -> Self {
+        self.measure_columns((model.scene(), model.layout()), readers.to_vec());
+        self
+    }
+
+    fn measure_columns(&mut self, (scene, layout): (&Scene, &Layout), readers: Vec<MetricReader>) {
+        let needed: Vec<usize> = readers
+            .iter()
+            .filter(|reader| reader.take != Take::TimeOf)
+            .map(|reader| reader.column)
+            .collect();
+        // Rows are made of groups of columns: those that nobody asks for are left out.
+        let (mut content, mut kept, mut begins) = (NOTHING, vec![0], 1);
+        for group in self.maker.content.groups() {
+            let count = names(scene, layout, group).len() - 1;
+            let own = begins..begins + count;
+            if needed.iter().any(|column| own.contains(column)) {
+                content = content.and(group);
+                kept.extend(own);
+            }
+            begins += count;
         }
+        self.measured = RowMaker::new(content, kept.len());
+        let place = |column: usize| kept.iter().position(|own| *own == column).unwrap_or(0);
+        let mut columns: Vec<usize> = needed.iter().map(|column| place(*column)).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        let picked = |column: usize| columns.binary_search(&place(column)).unwrap_or(0);
+        let readers = readers.into_iter().map(|reader| {
+            let column = picked(reader.column);
+            (reader, column)
+        });
+        self.measures = Measures::new(readers.collect(), columns.len());
+        self.measured.picked = columns;
+    }
+
+    /// The value of a metric that this history measures, and what it may be off by because the quantity was not resolved, both in its unit; not a number
+    /// where it has no value.
+    ///
+    /// # Errors
+    /// [`MissingMetric::NotRecorded`]: it is not measured.
+    pub fn measured(&self, reader: &MetricReader) -> Result<[f64; 2], MissingMetric> {
+        let value = self.measures.value(reader);
+        value.ok_or(MissingMetric::NotRecorded)
     }
 
     /// Drops all rows and events, for another run of the same scene; the memory stays.
@@ -165,8 +282,9 @@ impl Trajectory {
         self.columns.iter_mut().for_each(Vec::clear);
         self.events.clear();
         (self.first, self.next, self.undetermined) = (f64::NAN, 0, 0);
+        self.beside = false;
+        self.measures.clear();
         self.statistics = Statistics::default();
-        self.parts.clear();
     }
 
     /// Number of rows.
@@ -273,6 +391,7 @@ impl Trajectory {
             let slot = "sampling interval or time (finite, increasing)".into();
             return Err(StepError::InvalidInput { slot, value });
         }
+        self.drop_end();
         if self.first.is_nan() {
             self.first = time;
         }
@@ -285,7 +404,7 @@ impl Trajectory {
         })
     }
 
-    /// Adds a row at the state that `system` looks at.
+    /// Adds a row at a state.
     pub(crate) fn push<T: Float>(
         &mut self,
         system: &mut System<T>,
@@ -294,179 +413,56 @@ impl Trajectory {
         state: &[T],
         scratch: &mut [T],
     ) -> Result<(), StepError> {
-        system.look(time, span, state)?;
-        let model = system.model.clone();
-        let layout = model.layout();
-        let state_alone = state.get(..layout.nx()).unwrap_or_default();
-        let forces = self.content.reactions || self.content.outputs || self.content.energy;
-        // Where rows lose rank for longer than an instant some multipliers have no value, and what hangs on them none either.
-        let anew = (forces && system.needs_anew(time, state_alone))
-            .then(|| system.read_anew(time, state_alone));
-        let determined = anew
-            .as_ref()
-            .map(|[_, determined, rates]| [determined.as_slice(), rates.as_slice()]);
-        self.row.clear();
-        self.row.push(time);
-        if self.content.state {
-            self.row.extend(system.in_world(time, state));
-            let bodies = read(system, (Quantity::Bodies, None), time, state, scratch);
-            for (own, numbers) in layout
-                .bodies
-                .iter()
-                .zip(bodies.chunks_exact(layout.directions.motion()))
-            {
-                if own.is_none() {
-                    self.row.extend(numbers.iter().map(|x| x.to_f64()));
-                }
-            }
-            self.row.push(system.drift);
-            for what in [Quantity::Constraint, Quantity::ConstraintRate] {
-                let rows = read(system, (what, None), time, state, scratch);
-                let sizes = rows.iter().map(|x| x.to_f64().abs());
-                self.row.extend(sizes.reduce(f64::max));
-            }
-        }
-        if self.content.nodes {
-            self.row
-                .extend(system.nodes_in_world(time, system.probe.nodes()));
-        }
-        if self.content.lines {
-            let lines = read(system, (Quantity::Lines, None), time, state, scratch);
-            for line in lines.chunks_exact(10) {
-                self.row
-                    .extend(line.iter().step_by(2).take(2).map(|x| x.to_f64()));
-            }
-        }
-        if self.content.reactions {
-            let what = (Quantity::Reactions, determined);
-            let reactions = read(system, what, time, state, scratch);
-            self.row.extend(reactions.iter().map(|x| x.to_f64()));
-        }
-        if self.content.outputs {
-            // Most outputs have nothing to do with multipliers: the model's own are taken to the bit.
-            let asks = layout.asks_efforts(Quantity::Outputs);
-            let what = (Quantity::Outputs, determined.filter(|_| asks));
-            let outputs = read(system, what, time, state, scratch);
-            self.row.extend(outputs.iter().map(|x| x.to_f64()));
-        }
-        if anew.is_some() && self.row.iter().any(|x| x.is_nan()) {
-            self.undetermined += 1;
-        }
-        if self.content.energy {
-            let driven = layout.joints.iter().any(|slots| slots.driven);
-            // The power of prescribed motions is the same for every solution.
-            let all = anew.as_ref().map(|[all, ..]| [all.as_slice(), &[]]);
-            let what = (Quantity::Energy, all.filter(|_| driven));
-            let energy = read(system, what, time, state, scratch);
-            self.row.extend(energy.iter().take(3).map(|x| x.to_f64()));
-            self.row
-                .push(energy.iter().take(3).map(|x| x.to_f64()).sum());
-            self.row.extend(energy.iter().skip(3).map(|x| x.to_f64()));
-            let works = state.iter().skip(layout.nx()).map(|x| x.to_f64());
-            self.row.extend(works.chain([f64::NAN; WORKS]).take(WORKS));
-            if acts(model.scene()) {
-                self.row.push(system.action_work);
-            }
-        }
-        for (column, value) in self.columns.iter_mut().zip(&self.row) {
+        let undetermined = self.maker.make(system, time, span, state, scratch)?;
+        self.undetermined += u64::from(undetermined);
+        for (column, value) in self.columns.iter_mut().zip(&self.maker.row) {
             column.push(*value);
         }
         self.next += 1;
         self.statistics = system.statistics();
         Ok(())
     }
-}
 
-/// A quantity at the state that `system` looked at last; with multipliers and accelerations that were found apart from the model, if there are any.
-fn read<'s, T: Float>(
-    system: &mut System<T>,
-    (what, found): (Quantity, Option<[&[f64]; 2]>),
-    time: f64,
-    state: &[T],
-    scratch: &'s mut [T],
-) -> &'s [T] {
-    let layout = system.model.layout();
-    let (length, own) = (layout.len(what), state.get(..layout.nx()));
-    let list = scratch.get_mut(..length).unwrap_or_default();
-    match found {
-        Some(found) => system.by_multipliers(what, (time, own.unwrap_or_default()), found, list),
-        None => system.seen(what, time, state, list),
+    /// Adds a row where a run stops, of a history whose grid has none there; where the run goes on it is dropped.
+    pub(crate) fn push_end<T: Float>(
+        &mut self,
+        system: &mut System<T>,
+        time: f64,
+        state: &[T],
+        scratch: &mut [T],
+    ) -> Result<(), StepError> {
+        let last = self.times().last().copied().unwrap_or(f64::NEG_INFINITY);
+        if !matches!(self.sampling, Sampling::Every(_)) || last >= time - resolution(time) {
+            return Ok(());
+        }
+        self.push(system, time, 0.0, state, scratch)?;
+        self.next -= 1;
+        self.beside = true;
+        Ok(())
     }
-    list
+
+    fn drop_end(&mut self) {
+        if std::mem::take(&mut self.beside) {
+            for column in &mut self.columns {
+                column.pop();
+            }
+        }
+    }
+
+    /// What is measured, and how rows of it are made.
+    pub(crate) fn measuring(&mut self) -> Option<(&mut Measures, &mut RowMaker)> {
+        let any = !self.measures.is_empty();
+        any.then_some((&mut self.measures, &mut self.measured))
+    }
+
+    /// Adds located events, at the last instant that was measured.
+    pub(crate) fn tell(&mut self, time: f64, event: String) {
+        self.measures.happens(time, &event);
+        self.events.push((time, event));
+    }
 }
 
 /// Times closer than this are the same time.
 pub(crate) fn resolution(time: f64) -> f64 {
     16.0 * f64::EPSILON * time.abs().max(1e-6)
-}
-
-/// Whether events change what is run.
-fn acts(scene: &Scene) -> bool {
-    scene.events.iter().any(|event| event.actions.changes())
-}
-
-fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
-    let mut names = vec![Name::new("time", "", "s")];
-    if content.state {
-        names.extend(state_names(scene, layout));
-        names.extend(carried_names(scene, layout));
-        names.push(Name::new("quaternion_drift", "", ""));
-        if layout.nc > 0 {
-            names.push(Name::new("joint_drift", "", "m"));
-            names.push(Name::new("joint_drift_rate", "", "m/s"));
-        }
-    }
-    if content.nodes {
-        for node in &layout.nodes {
-            let (components, unit) = match node.z {
-                None => (["x", "y", "z"], "m"),
-                Some(_) => (["vx", "vy", "vz"], "m/s"),
-            };
-            let owner = node_name(scene, node.point);
-            names.extend(components.map(|component| Name::new(owner, component, unit)));
-        }
-    }
-    if content.lines {
-        for line in 0..scene.lines.len() {
-            names.push(Name::new(line_name(scene, line), "tension", "N"));
-            names.push(Name::new(line_name(scene, line), "stretch", "m"));
-        }
-    }
-    if content.reactions && layout.len(Quantity::Reactions) > 0 {
-        for joint in 0..scene.joints.len() {
-            for (kind, unit) in [("force", "N"), ("torque", "N m")] {
-                let owner = format!("{}.{kind}", joint_name(scene, joint));
-                let remark = match layout.redundancy.is_unique(joint) {
-                    true => "",
-                    false => "not unique",
-                };
-                names.extend(["x", "y", "z"].map(|c| Name {
-                    remark: remark.to_owned(),
-                    ..Name::new(&owner, c, unit)
-                }));
-            }
-        }
-    }
-    if content.outputs {
-        for output in &scene.outputs {
-            let unit = &output.unit.text;
-            match output.components {
-                1 => names.push(Name::new(&output.name, "", unit)),
-                _ => names.extend(["x", "y", "z"].map(|c| Name::new(&output.name, c, unit))),
-            }
-        }
-    }
-    if content.energy {
-        names.extend(
-            ["kinetic", "gravitational", "elastic", "total"]
-                .map(|kind| Name::new("energy", kind, "J")),
-        );
-        let kinds = ["loads", "dampers", "drives"];
-        names.extend(kinds.map(|kind| Name::new("power", kind, "W")));
-        names.extend(kinds.map(|kind| Name::new("work", kind, "J")));
-        if acts(scene) {
-            names.push(Name::new("work", "actions", "J"));
-        }
-    }
-    names
 }

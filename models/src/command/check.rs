@@ -39,7 +39,8 @@ pub fn check(args: &CheckArgs) -> Result<String, CommandFailure> {
             file.reading.notes.extend(notes);
             file
         });
-        first.ok_or_else(|| CommandFailure::Usage("no scene was read".into()))
+        let first = first.ok_or_else(|| CommandFailure::Usage("no scene was read".into()))?;
+        first.check_settings().map(|()| first)
     });
     match read {
         Ok(file) if args.json => pretty(&contents(&file)),

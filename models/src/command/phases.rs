@@ -111,9 +111,7 @@ impl Phases {
         let settings = settings_of_all(first, given, &own);
         let planned = self.files.iter().zip(&settings).map(|(file, settings)| {
             let plan = RunPlan::new(&file.scene, settings);
-            plan.map_err(|error: PlanError| {
-                CommandFailure::Invalid(format!("{}: {error}", file.name))
-            })
+            plan.map_err(|error: PlanError| file.misset(&error))
         });
         planned.collect()
     }

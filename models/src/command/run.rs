@@ -129,7 +129,7 @@ fn fly(args: &RunArgs, file: SceneFile) -> Result<FinishedRun, CommandFailure> {
     };
     let plan = match &args.campaign {
         Some(campaign) => case_of(&file, settings, campaign, args.case)?,
-        None => RunPlan::new(&file.scene, &settings).map_err(|error| invalid(&error))?,
+        None => RunPlan::new(&file.scene, &settings).map_err(|error| file.misset(&error))?,
     };
     let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
     let outcome = fly_model(&*model, &plan, &mut ProgressLine::new());

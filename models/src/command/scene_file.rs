@@ -10,7 +10,7 @@ use mbd_compiler::{
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Model, ParamError};
 use models::in_lanes::in_lanes;
-use models::run::{Settings, split};
+use models::run::{PlanError, RunPlan, Settings, line_of, split};
 use models::scenes::{self, Make};
 
 use super::failure::CommandFailure;
@@ -135,6 +135,46 @@ impl SceneFile {
             Some(make) => make(params),
             None => Ok(in_lanes(&Interpreted::new(self.scene.clone(), params)?).share()),
         }
+    }
+
+    /// A setting of its run that cannot be used, with the line where it stands in this file.
+    pub fn misset(&self, error: &PlanError) -> CommandFailure {
+        // What was typed beside the file may be what is wrong.
+        let own = RunPlan::new(&self.scene, &self.settings).err();
+        let line = own.filter(|own| own == error);
+        let line = line.and_then(|error| self.line_of(&error));
+        CommandFailure::Invalid(match line {
+            Some(line) => format!("{}:{line}: {error}", self.name),
+            None => format!("{}: {error}", self.name),
+        })
+    }
+
+    /// Tells what stands in the settings of its run and cannot be used; what is left out may be given with the command that runs it.
+    ///
+    /// # Errors
+    /// The first such setting.
+    pub fn check_settings(&self) -> Result<(), CommandFailure> {
+        let mut settings = self.settings.clone();
+        settings.until.get_or_insert(1.0.into());
+        let wrong = RunPlan::new(&self.scene, &settings).err();
+        let placed = wrong.and_then(|error| Some((self.line_of(&error)?, error)));
+        match placed {
+            None => Ok(()),
+            Some((line, error)) => Err(CommandFailure::Mistakes(Mistakes {
+                file: self.name.clone(),
+                source: self.source.clone(),
+                errors: Vec::new(),
+                settings: Some(format!("line {line}: {error}")),
+            })),
+        }
+    }
+
+    /// The line of a setting in this file.
+    fn line_of(&self, error: &PlanError) -> Option<usize> {
+        if self.compiled.is_some() {
+            return None;
+        }
+        line_of(&split(&self.source).1, &error.setting)
     }
 
     /// The declaration of a compiled scene, read back from its data.

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use models::trade::{advice, publish, race, table, usual};
+use mbd_compiler::read_number;
+use models::trade::{advice, publish, race, table, unit, usual};
 
 use super::failure::CommandFailure;
 use super::run::{folder_name, unwritten};
@@ -20,9 +21,10 @@ pub struct TradeArgs {
     /// From when to when it counts, in seconds: `0..10` [default: the whole run].
     #[arg(long, value_name = "FROM..TO")]
     window: Option<String>,
-    /// The error that is wanted (rms over the window), in the SI unit of the column [default: a thousandth of its largest value].
+    /// The error that is wanted (rms over the window), with a unit, such as "1 mm", or a number in the unit of the column [default: a thousandth of its
+    /// largest value].
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
-    within: Option<f64>,
+    within: Option<String>,
     /// Folder for table, figure and report [default: out/NAME of a ready scene, out/PATH of a file without its extension].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -34,17 +36,12 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFail
         scene, settings, ..
     } = SceneFile::find_alone(&args.scene, "trade")?;
     let window = args.window.as_deref().map(window).transpose()?;
-    if let Some(wanted) = args
-        .within
-        .filter(|wanted| !(*wanted > 0.0 && wanted.is_finite()))
-    {
-        return Err(CommandFailure::Usage(format!(
-            "--within {wanted}: give an error above zero"
-        )));
-    }
+    let unit = unit(&scene, &args.output);
+    let within = args.within.as_deref();
+    let within = within.map(|text| wanted(text, &unit)).transpose()?;
     let race = race(&scene, &settings, &args.output, window)
         .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", args.scene.display())))?;
-    let told = advice(&race, args.within.unwrap_or_else(|| usual(&race)));
+    let told = advice(&race, &unit, within.unwrap_or_else(|| usual(&race)));
     if advice_alone {
         return Ok(told + "\n");
     }
@@ -52,12 +49,41 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFail
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
-    publish(&race, &told, &folder).map_err(|error| unwritten(&error))?;
+    publish(&race, (&told, &unit), &folder).map_err(|error| unwritten(&error))?;
     Ok(format!(
         "{}\n{told}\nwritten to {}: trade.html, trade.svg, trade.csv\n",
-        table(&race).text(),
+        table(&race, &unit).text(),
         folder.display()
     ))
+}
+
+/// An error in the unit of the column: a bare number, or one with any unit of the same kind.
+fn wanted(text: &str, unit: &str) -> Result<f64, CommandFailure> {
+    let wrong = |why: String| CommandFailure::Usage(format!("--within {text}: {why}"));
+    let (value, given) = read_number(text).map_err(wrong)?;
+    let own = match unit {
+        "" => None,
+        // `N m` of a torque is written `N*m`.
+        unit => read_number(&format!("1 {}", unit.replace(' ', "*"))).ok(),
+    };
+    let (factor, dimension) =
+        own.map_or((1.0, None), |(factor, own)| (factor, Some(own.dimension)));
+    let value = match (given.text.is_empty(), dimension) {
+        (true, _) => value,
+        (false, Some(dimension)) if dimension == given.dimension => value / factor,
+        (false, Some(_)) => {
+            return Err(wrong(format!(
+                "the column is in {unit}: give an error in a unit of that kind"
+            )));
+        }
+        (false, None) => {
+            return Err(wrong("the column has no unit: give a bare number".into()));
+        }
+    };
+    match value > 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err(wrong("give an error above zero".into())),
+    }
 }
 
 /// `0..10`, with or without units.

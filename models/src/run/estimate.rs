@@ -36,7 +36,7 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         .copied()
         .collect();
     let until = *times.last()?;
-    let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT);
+    let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT).measure(model, &[]);
     let mut run = Simulation::new(model, plan.options.finer()?).ok()?;
     plan.begin(&mut run).ok()?;
     run.record(until, &mut finer).ok()?;

@@ -11,7 +11,7 @@ mod start;
 mod summary;
 
 pub use estimate::{Estimate, doubt};
-pub use mbd_campaign::run::{Phase, PlanError, RunPlan, Settings, split};
+pub use mbd_campaign::run::{Phase, PlanError, RunPlan, Settings, line_of, split};
 pub use metrics::metrics;
 pub use outcome::{RunOutcome, fly, fly_model};
 pub use phases::{Segment, fly_phases};

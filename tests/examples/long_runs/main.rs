@@ -16,7 +16,7 @@ mod watch;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-use tests::fuzz::{Corpus, SLOWEST, Tally, memory};
+use tests::fuzz::{Corpus, LARGE, SLOWEST, Tally, large_file, memory};
 use tests::networks::{Decided, KINDS, Kind, Solved};
 use tests::points::costs;
 
@@ -37,6 +37,7 @@ fn main() -> ExitCode {
         "fuzz" => fuzz(count, first),
         "files" => files(count, first),
         "large" => large(count),
+        "single" => single(count, first),
         "networks" => networks(count, first, number(3).unwrap_or(50)),
         "rates" => rates(count, first),
         "points" => points(count),
@@ -121,23 +122,39 @@ fn files(bytes: u64, first: u64) -> bool {
 
 /// Each file in a process of its own, whose memory is that of this file.
 fn large(size: u64) -> bool {
+    let Ok(program) = std::env::current_exe() else {
+        return false;
+    };
+    println!("{SLOWEST} s for a megabyte; file | bytes | time | most memory | times its bytes");
+    (0..LARGE).fold(true, |kept, number| {
+        let mut child = Command::new(&program);
+        child.args(["single", &size.to_string(), &number.to_string()]);
+        child.status().is_ok_and(|status| status.success()) && kept
+    })
+}
+
+/// One of the large files.
+fn single(size: u64, number: u64) -> bool {
     let size = usize::try_from(size).unwrap_or(usize::MAX);
-    let watch = Watch::begin();
-    let mut kept = true;
-    println!("{SLOWEST} s for a megabyte, {:.0} MB each", megabytes(size));
-    for (number, (name, input)) in Corpus::large(size).into_iter().enumerate() {
-        watch.at(number as u64);
-        let mut tally = Tally::default();
-        tally.count(number as u64, &input);
-        let broken = tally.broken.first().map_or("", |(_, why)| why);
-        println!(
-            "{name}: {:.2} s, most memory so far {} {broken}",
-            tally.slowest.0,
-            peak()
-        );
-        kept &= tally.broken.is_empty();
-    }
-    kept
+    let number = usize::try_from(number).unwrap_or(usize::MAX);
+    let Some((name, input)) = large_file(size, number) else {
+        return false;
+    };
+    let (watch, before) = (Watch::begin(), memory());
+    watch.at(number as u64);
+    let mut tally = Tally::default();
+    tally.count(number as u64, &input);
+    let broken = tally.broken.first().map_or("", |(_, why)| why);
+    let more = memory().zip(before);
+    let more = more.map_or(f64::NAN, |(all, before)| all.saturating_sub(before) as f64);
+    println!(
+        "{name} | {} | {:.2} s | {:.0} MB | {:.0} {broken}",
+        input.text.len(),
+        tally.slowest.0,
+        more / 1e6,
+        more / input.text.len().max(1) as f64
+    );
+    tally.broken.is_empty()
 }
 
 fn networks(count: u64, first: u64, nodes: u64) -> bool {

@@ -111,7 +111,7 @@ const STRANGE: &[&str] = &[
 ];
 
 /// Bytes that mean something in one of the forms.
-const BYTES: &[u8] = b"{}[]()<>/\\\"'=;:,.#&*^0123456789-+eE \n\t\0";
+pub(super) const BYTES: &[u8] = b"{}[]()<>/\\\"'=;:,.#&*^0123456789-+eE \n\t\0";
 
 fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -127,7 +127,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// A robot of `links` links in a row.
-fn robot(links: usize) -> String {
+pub(super) fn robot(links: usize) -> String {
     let mut text = String::from("<robot name=\"row\">\n  <link name=\"base\"/>\n");
     for link in 0..links {
         let from = match link {
@@ -323,120 +323,6 @@ impl Corpus {
                 bytes.splice(at..at, many);
             }
         }
-    }
-
-    /// Files of `size` bytes each that are large in one way: one word, one number, nothing but brackets, one sum, many items, many links, noise.
-    #[must_use]
-    pub fn large(size: usize) -> Vec<(&'static str, Input)> {
-        let input = |form, text: String| Input {
-            form,
-            text,
-            meant: false,
-        };
-        let model = |inside: String| format!("model Large {{ gravity: none; {inside} }}");
-        let times = |one: &str| one.repeat(size / one.len());
-        let many = |item: &dyn Fn(usize) -> String| {
-            let mut text = String::with_capacity(size + 100);
-            let mut number = 0;
-            while text.len() < size {
-                text += &item(number);
-                number += 1;
-            }
-            text
-        };
-        let mut random = Random::new(1);
-        let noise: Vec<u8> = (0..size)
-            .map(|_| BYTES[random.below(BYTES.len())])
-            .collect();
-        let noise = String::from_utf8_lossy(&noise).into_owned();
-        let point = |number| format!("point p{number} {{ mass: 1 kg }}\n");
-        let table = |number| format!("[point.p{number}]\nmass = \"1 kg\"\n");
-        vec![
-            ("one word", input(Form::Text, model(times("a")))),
-            (
-                "one number",
-                input(Form::Text, model(format!("const K = {};", times("9")))),
-            ),
-            ("brackets that open", input(Form::Text, model(times("[")))),
-            ("brackets", input(Form::Text, model(times("[]")))),
-            (
-                "one sum",
-                input(Form::Text, model(format!("const K = 1{};", times(" + 1")))),
-            ),
-            (
-                "one product",
-                input(Form::Text, model(format!("const K = 1{};", times(" * -1")))),
-            ),
-            (
-                "a comment without end",
-                input(Form::Text, model(times("/* a "))),
-            ),
-            (
-                "a string without end",
-                input(Form::Text, model(format!("\"{}", times("a")))),
-            ),
-            ("empty lines", input(Form::Text, model(times("\n")))),
-            ("points", input(Form::Text, model(many(&point)))),
-            (
-                "consts",
-                input(
-                    Form::Text,
-                    model(many(&|k| format!("const C{k} = {k} m;\n"))),
-                ),
-            ),
-            (
-                "points of one name",
-                input(Form::Text, model(times("point p { mass: 1 kg }\n"))),
-            ),
-            (
-                "repetitions",
-                input(
-                    Form::Text,
-                    model(many(&|k| {
-                        format!("point p{k}[i in 0..9999] {{ mass: 1 kg }}\n")
-                    })),
-                ),
-            ),
-            (
-                "mistakes",
-                input(Form::Text, model(times("bdy b { mss: 1 kgg }\n"))),
-            ),
-            ("noise", input(Form::Text, noise.clone())),
-            ("TOML: tables", input(Form::Toml, many(&table))),
-            (
-                "TOML: one array",
-                input(Form::Toml, format!("a = {}", times("["))),
-            ),
-            (
-                "TOML: one string",
-                input(Form::Toml, format!("gravity = \"{}\"", times("a"))),
-            ),
-            ("TOML: keys", input(Form::Toml, times("a."))),
-            ("TOML: noise", input(Form::Toml, noise.clone())),
-            (
-                "URDF: links",
-                input(
-                    Form::Urdf,
-                    format!(
-                        "<robot name=\"r\">{}</robot>",
-                        many(&|k| format!("<link name=\"l{k}\"/>\n"))
-                    ),
-                ),
-            ),
-            ("URDF: a chain", input(Form::Urdf, robot(size / 480))),
-            (
-                "URDF: elements that open",
-                input(Form::Urdf, times("<link>")),
-            ),
-            (
-                "URDF: attributes",
-                input(
-                    Form::Urdf,
-                    format!("<robot {}/>", many(&|k| format!("a{k}=\"1\" "))),
-                ),
-            ),
-            ("URDF: noise", input(Form::Urdf, noise)),
-        ]
     }
 }
 

@@ -1,11 +1,9 @@
 //! Relative coordinates: the same mechanics as absolute ones, and the numbers of independent tools.
 
-mod agreement;
 mod counts;
 mod dependent;
 mod digits;
 mod functions;
 mod generated;
 mod planar;
-mod reference;
 mod runs;

@@ -229,3 +229,31 @@ fn a_field_of_gravity_is_a_function_of_where_the_bodies_of_a_tree_are() {
         assert_close(&ends(family, true), &want, 0.0, 1e-8, family);
     }
 }
+
+#[test]
+fn a_loop_from_a_frame_that_moves_to_the_ground_moves_as_in_absolute_coordinates() {
+    // A crank on a shaken support, whose rod is guided by the ground: the loop is driven from one side alone.
+    let body = "
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        world { frame support at [0.15 m * sin(3 rad/s * time), 0 m, 0.1 m * sin(2 rad/s * time)] }
+        body crank { mass: 1 kg, inertia: diag(0.02, 0.02, 0.01) kg*m^2, frame near at [-0.3, 0, 0] m, frame far at [0.3, 0, 0] m }
+        body rod { mass: 2 kg, inertia: diag(0.05, 0.06, 0.02) kg*m^2, frame near at [-0.5, 0, 0] m, frame far at [0.5, 0, 0] m }
+        joint shaft: hinge from world.support to crank.near { axis: y, angle: { start: 20 deg } }
+        joint pin: hinge from crank.far to rod.near { axis: y }
+        loop joint guide: point_on_plane from world to rod.far { axis: z }
+        output place = rod.position;
+        output speed = rod.velocity;
+    ";
+    let [got, want] = [model("relative", body), model("absolute", body)].map(|model| {
+        let mut run = Simulation::new(&model, Options::tsit5(1e-10)).expect("options");
+        run.start().expect("a start");
+        let mut history = Trajectory::new(&model, Sampling::At(vec![1.0]), Content::ALL);
+        run.record(1.0, &mut history).expect("a smooth motion");
+        let columns = ["place.x", "place.z", "speed.x", "speed.z"];
+        columns.map(|name| {
+            let column = history.column(name);
+            *column.and_then(|column| column.last()).expect("a column")
+        })
+    });
+    assert_close(&got, &want, 1e-6, 1e-7, "place and speed of the rod");
+}

@@ -126,7 +126,8 @@ fn the_page_about_a_new_joint_quotes_what_is_there() {
             "neither hinge.rs nor mod.rs has these lines:\n{quoted}"
         );
     }
-    let contract = ["contract", "split"].map(|file| text(&format!("tests/tests/joints/{file}.rs")));
+    let folder = "tests/laws/tests/laws/joints";
+    let contract = ["contract", "split"].map(|file| text(&format!("{folder}/{file}.rs")));
     let rows = page.lines().filter_map(|line| line.strip_prefix("| `"));
     for test in rows.filter_map(|row| row.split('`').next()) {
         let signature = format!("fn {test}()");

@@ -132,6 +132,27 @@ impl Lexeme {
     }
 }
 
+/// Line and column in a text, both from 1; columns count characters. A text has as many of them as lexemes.
+#[derive(Clone, Copy, Debug)]
+pub struct TextPosition {
+    line: u32,
+    column: u32,
+}
+
+impl TextPosition {
+    /// The first place of a text.
+    const START: TextPosition = TextPosition { line: 1, column: 1 };
+
+    fn new(line: usize, column: usize) -> Self {
+        let [line, column] = [line, column].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+        TextPosition { line, column }
+    }
+
+    fn pair(self) -> (usize, usize) {
+        (self.line as usize, self.column as usize)
+    }
+}
+
 /// Where every lexeme lies in its source.
 #[derive(Clone, Debug)]
 pub struct Places {
@@ -145,8 +166,8 @@ pub struct Places {
 enum DeclarationSource {
     /// Tokens of a macro call.
     Tokens(Vec<Span>),
-    /// Lines and columns of a text, both from 1; columns count characters.
-    Text(Vec<(usize, usize)>),
+    /// Lines and columns of a text.
+    Text(Vec<TextPosition>),
 }
 
 /// A file that a declaration takes in.
@@ -159,7 +180,7 @@ struct Taken {
     /// The index of its first lexeme.
     first: usize,
     /// Lines and columns of the file.
-    positions: Vec<(usize, usize)>,
+    positions: Vec<TextPosition>,
 }
 
 impl Places {
@@ -201,7 +222,7 @@ impl Places {
             (Some((_, line, column)), _) => (line, column),
             (None, DeclarationSource::Text(positions)) => {
                 let known = positions.get(at.0 as usize).copied();
-                known.unwrap_or((1, 1))
+                known.unwrap_or(TextPosition::START).pair()
             }
             (None, DeclarationSource::Tokens(_)) => (1, 1),
         }
@@ -214,7 +235,7 @@ impl Places {
     }
 
     /// The lines and columns that are being added to: those of a text, or of the file that is taken in.
-    fn positions(&mut self) -> Option<&mut Vec<(usize, usize)>> {
+    fn positions(&mut self) -> Option<&mut Vec<TextPosition>> {
         match (&mut self.taken, &mut self.source) {
             (Some(file), _) => Some(&mut file.positions),
             (None, DeclarationSource::Text(positions)) => Some(positions),
@@ -226,7 +247,8 @@ impl Places {
     pub fn in_file(&self, at: LexemeIndex) -> Option<(&str, usize, usize)> {
         let file = self.taken.as_ref()?;
         let index = (at.0 as usize).checked_sub(file.first)?;
-        let (line, column) = file.positions.get(index).copied().unwrap_or((1, 1));
+        let known = file.positions.get(index).copied();
+        let (line, column) = known.unwrap_or(TextPosition::START).pair();
         Some((&file.file, line, column))
     }
 
@@ -248,7 +270,8 @@ impl Places {
                 Location::Tokens(get(first), get(last))
             }
             DeclarationSource::Text(positions) => {
-                let (line, column) = positions.get(first).copied().unwrap_or((1, 1));
+                let known = positions.get(first).copied();
+                let (line, column) = known.unwrap_or(TextPosition::START).pair();
                 Location::Text { line, column }
             }
         }
@@ -260,7 +283,8 @@ impl Places {
         match &self.source {
             DeclarationSource::Tokens(_) => (at.0 as usize, 0),
             DeclarationSource::Text(positions) => {
-                positions.get(at.0 as usize).copied().unwrap_or((0, 0))
+                let known = positions.get(at.0 as usize);
+                known.map_or((0, 0), |position| position.pair())
             }
         }
     }
@@ -301,6 +325,14 @@ impl Lexer {
     pub fn of_file(mut places: Places, file: String, named: Region) -> Self {
         places.take(file, named);
         Lexer::new(places)
+    }
+
+    /// Room for so many lexemes more: a text of a sign a byte needs no more memory than they take.
+    fn reserve(&mut self, more: usize) {
+        self.lexemes.reserve(more);
+        if let Some(positions) = self.places.positions() {
+            positions.reserve(more);
+        }
     }
 
     /// Whether what comes next is the path of a file: `urdf: "robot.urdf"`, `then: scene "descent.mbd"`.

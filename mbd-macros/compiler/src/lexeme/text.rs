@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::scan::{Scanned, scan};
-use super::{Lexed, LexemeIndex, LexemeKind, Lexer, Places};
+use super::{Lexed, LexemeIndex, LexemeKind, Lexer, Places, TextPosition};
 use crate::messages::{Messages, syntax as say};
 
 /// Where the lines of a text start: byte offsets to line and column.
@@ -52,6 +52,7 @@ pub fn from_text(text: &str) -> Lexed {
     let text = without_mark(text);
     let mut lexer = Lexer::new(Places::of_text());
     let mut messages = Messages::default();
+    lexer.reserve(count(text));
     piece(
         &mut lexer,
         &LineStarts::new(text),
@@ -69,23 +70,34 @@ impl Lexer {
     }
 
     /// A place that has no lexeme.
-    pub fn place(&mut self, position: (usize, usize)) -> LexemeIndex {
+    pub fn place(&mut self, (line, column): (usize, usize)) -> LexemeIndex {
         let at = self.next_at();
         if let Some(positions) = self.places.positions() {
-            positions.push(position);
+            positions.push(TextPosition::new(line, column));
         }
         at
     }
 
     /// Adds a lexeme at a line and column.
     pub fn positioned(&mut self, kind: LexemeKind, position: (usize, usize)) -> LexemeIndex {
-        let at = self.next_at();
-        if let Some(positions) = self.places.positions() {
-            positions.push(position);
-        }
+        let at = self.place(position);
         self.push(kind, at);
         at
     }
+}
+
+/// How many lexemes a text has, or some more. Each bracket that opens is closed in the end.
+fn count(text: &str) -> usize {
+    let (mut at, mut count) = (0, 0);
+    while let Some((scanned, length)) = scan(&text[at..]) {
+        at += length;
+        count += match scanned {
+            Scanned::Blank | Scanned::Comment | Scanned::Close(_) => 0,
+            Scanned::Open(_) => 2,
+            _ => 1,
+        };
+    }
+    count
 }
 
 /// Reads `text` into the lexer. It starts at byte `base` of the file; without a base everything is placed at the last place so far.
@@ -98,7 +110,7 @@ pub fn piece(
 ) {
     let opened = lexer.open.len();
     let last = lexer.places.positions().and_then(|all| all.last().copied());
-    let anchor = last.unwrap_or((1, 1));
+    let anchor = last.unwrap_or(TextPosition::START).pair();
     let place = |offset: usize| base.map_or(anchor, |base| lines.position(base + offset));
     let mut at = 0;
     while let Some((scanned, length)) = scan(&text[at..]) {

@@ -379,10 +379,14 @@ impl Resolver<'_> {
             _ => None,
         };
         let bare = a.bare.is_some() && b.bare.is_some();
+        // Where bare numbers are SI, one may be an angle that was written with its unit before.
+        let makes_radians = |typed: &Typed| {
+            self.si && typed.dimension.is_none() || typed.makes_radians(&self.scene)
+        };
         let turns = match (a.turns, b.turns) {
             (true, true) => !divide,
-            (true, false) => !b.makes_radians(&self.scene),
-            (false, true) => !a.makes_radians(&self.scene),
+            (true, false) => !makes_radians(&b),
+            (false, true) => !makes_radians(&a),
             (false, false) => false,
         };
         if divide

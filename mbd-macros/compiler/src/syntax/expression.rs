@@ -241,6 +241,9 @@ impl Parser {
                 let unit = unit::suffix(cursor)?;
                 let at = here.to(cursor.before());
                 let text = text.clone();
+                if let Some(unit) = unit.as_ref().filter(|u| !(value * u.factor).is_finite()) {
+                    return Err(say::huge_number(at, &format!("{text} {}", unit.text)));
+                }
                 Ok((
                     Expression::Number {
                         value,

@@ -9,6 +9,9 @@ use crate::units;
 
 /// Takes a unit that must fill the rest of the cursor: after `in`, in the type of an input, after brackets.
 pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, LexemeMessage> {
+    if alone(&cursor) {
+        return Ok(units::si("", units::NONE));
+    }
     let first = match reciprocal(&mut cursor) {
         Some(one) => one,
         None if cursor.peek_word().is_some() => factor(&mut cursor)?,
@@ -47,6 +50,13 @@ fn no_unit_behind(cursor: &Cursor<'_>, unit: &Unit) -> Result<(), LexemeMessage>
         [_] => Ok(()),
         all => Err(say::unit_behind_unit(cursor.here(), all)),
     }
+}
+
+/// Whether a `1` is all that is left: what has no unit.
+fn alone(cursor: &Cursor<'_>) -> bool {
+    let one = cursor.peek();
+    one.is_some_and(|one| one.kind == LexemeKind::Number("1".to_string()))
+        && cursor.ahead(1).is_none()
 }
 
 /// Takes the `1` of `1/s`.

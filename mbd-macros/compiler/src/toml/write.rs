@@ -573,9 +573,7 @@ fn results(out: &mut String, scene: &Scene) {
         table(out, "output", &output.name);
         doc(out, &output.doc);
         entry(out, "value", &output_value(output, scene));
-        if !output.unit.text.is_empty() {
-            entry(out, "in", &output.unit.text);
-        }
+        unit(out, &output.unit, &output.value);
     }
     for event in &scene.events {
         table(out, "event", &event.name);
@@ -600,8 +598,8 @@ fn metrics(out: &mut String, scene: &Scene) {
         let event = event.map_or("", |event| event.name.as_str());
         let of = output.map_or(event.to_owned(), |output| output_value(output, scene));
         entry(out, "value", &format!("{} {of}", metric.take.keyword()));
-        if let Some(output) = output.filter(|output| !output.unit.text.is_empty()) {
-            entry(out, "in", &output.unit.text);
+        if let Some(output) = output {
+            unit(out, &output.unit, &output.value);
         }
         if let Some(level) = metric.level {
             entry(out, "level", &number(level));
@@ -671,15 +669,28 @@ fn going_on(out: &mut String, next: &Next, scene: &Scene) {
     }
 }
 
+/// The unit of a value. What has none says so where its numbers stand among other things: in SI they could be angles, which makes radians of it.
+fn unit(out: &mut String, unit: &Unit, value: &Formula) {
+    let mut among_others = false;
+    value.walk(&mut |part| {
+        if let Formula::Apply(_, parts) = part {
+            among_others |= parts.iter().any(|part| matches!(part, Formula::Number(_)));
+        }
+    });
+    match (unit.text.as_str(), among_others) {
+        ("", false) => {}
+        ("", true) => entry(out, "in", "1"),
+        (text, _) => entry(out, "in", text),
+    }
+}
+
 /// Named expressions. Those of a document may stand anywhere; here they follow what they are made of.
 fn lets(out: &mut String, scene: &Scene) {
     for named in &scene.lets {
         table(out, "let", &named.name);
         doc(out, &named.doc);
         entry(out, "value", &text(&named.value, scene));
-        if !named.unit.text.is_empty() {
-            entry(out, "in", &named.unit.text);
-        }
+        unit(out, &named.unit, &named.value);
     }
 }
 

@@ -86,6 +86,35 @@ pub fn split(text: &str) -> (String, String) {
     (scene, run)
 }
 
+/// The line, counted from 1, where a setting of a table `[run]` stands, `start.capsule.z`, or what it is a part of.
+#[must_use]
+pub fn line_of(run: &str, setting: &str) -> Option<usize> {
+    let mut table = String::new();
+    let mut found: Option<(usize, usize)> = None;
+    for (index, line) in run.lines().enumerate() {
+        let bare: String = line.chars().filter(|c| !c.is_whitespace()).collect();
+        let bare = bare.replace(['"', '\''], "");
+        let key = match bare.strip_prefix("[run") {
+            Some(header) => {
+                let name = header.trim_start_matches('.');
+                table = name.split(']').next().unwrap_or_default().to_owned();
+                table.clone()
+            }
+            None => match (bare.split_once('='), table.as_str()) {
+                (Some((key, _)), "") => key.to_owned(),
+                (Some((key, _)), table) => format!("{table}.{key}"),
+                (None, _) => continue,
+            },
+        };
+        let rest = setting.strip_prefix(key.as_str());
+        let is_part = rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        if is_part && !key.is_empty() && found.is_none_or(|(_, length)| key.len() > length) {
+            found = Some((index + 1, key.len()));
+        }
+    }
+    found.map(|(line, _)| line)
+}
+
 impl Settings {
     /// Reads the second part of [`split`].
     ///
@@ -136,6 +165,19 @@ mod tests {
             run,
             "\n[run]\nuntil = \"2 s\"\n\n\n[ run.start ]\na.z = \"3 m\"\n"
         );
+    }
+
+    #[test]
+    fn a_setting_has_the_line_where_it_or_what_holds_it_stands() {
+        let run = split(FILE).1;
+        let line = |setting: &str| line_of(&run, setting);
+        assert_eq!(line("until"), Some(3));
+        assert_eq!(line("start.a.z"), Some(7));
+        assert_eq!(line("start.a.vx"), Some(6));
+        assert_eq!(line("step"), None);
+        let inline = "[run]\nuntil = 1\nstart = { a = { z = 3 } }\n'start'.b.z = 4\n";
+        assert_eq!(line_of(inline, "start.a.z"), Some(3));
+        assert_eq!(line_of(inline, "start.b.z"), Some(4));
     }
 
     #[test]

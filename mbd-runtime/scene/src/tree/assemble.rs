@@ -9,7 +9,7 @@ use crate::laws::GravityNumbers;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::body_gravity;
-use crate::{Part, Place, PointSlots, Real, Twist};
+use crate::{Link, Part, Place, PointSlots, Real, Twist};
 
 impl<S: Real> TreeSystem<S> {
     /// Accelerations of the links, less the common fall, for those of their coordinates, in the components of the links.
@@ -254,6 +254,28 @@ fn base<S: Real>(
         linear: back * (motion.acceleration - fall),
         angular: back * motion.alpha,
     }
+}
+
+/// The velocity of what carries a link on the world, its axes; `None` of what rests there, of a link on another, and of one that floats.
+pub(super) fn carried_along<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    link: &Link,
+) -> Option<Twist<S>> {
+    let Place::World(frame) = near(evaluation, link.joint?, link.reversed)? else {
+        return None;
+    };
+    let Some(motion) = evaluation.moving(frame) else {
+        return evaluation
+            .origin
+            .map(|origin| Twist::slide(-origin.velocity));
+    };
+    let back = motion
+        .rotation
+        .map_or_else(Matrix3::identity, |rotation| rotation.transpose());
+    Some(Twist {
+        linear: back * evaluation.velocity_from_origin(motion.velocity),
+        angular: back * motion.omega,
+    })
 }
 
 /// The forces applied to the body of a link, at its origin.

@@ -1,15 +1,18 @@
 //! The rows of relative coordinates: joints that close loops, motors, as lines over the speeds of the tree.
 //!
 //! ```text
-//! Φ_u = Φ_v B,   γ_u = γ − Φ_v B̂            v = B u, v̇ = B u̇ + B̂                                     (1)
+//! Φ_u = Φ_v B,   Φ_ut = Φ_t + Φ_v B_t,   γ_u = γ − Φ_v B̂            v = B u + B_t, v̇ = B u̇ + B̂           (1)
 //! Φ = q_k − f(t),   Φ = Σ f q − c             a motor of a joint of the tree, a coupling of such joints         (2)
 //! ```
+//!
+//! B_t is what frames of the world that move give their trees, and what an origin that moves takes from those on the world.
 //!
 //! A row pushes its two ends, and the tree hands that on to the world: (1) by (2) of [`super::inertia`]. Above the link that carries both ends
 //! nothing arrives. Source: Featherstone, Rigid Body Dynamics Algorithms, loop joints.
 
 use nalgebra::Vector3;
 
+use super::assemble::carried_along;
 use super::kinematics::LinkMotion;
 use crate::elimination::{common_fall, kept_parts, sparse_dot};
 use crate::laws::evaluation::Evaluation;
@@ -165,7 +168,7 @@ impl<S: Real> TreeRows<S> {
         };
         let grounded = ends.contains(&None);
         let fall = common_fall(evaluation);
-        let mut bias = row.bias;
+        let (mut time, mut bias) = (row.time, row.bias);
         let line = &mut self.lines[number * layout.nv..(number + 1) * layout.nv];
         for (pair, columns) in ends.chunks(2).zip(row.columns.chunks(2)) {
             let links = tree.links_of(pair);
@@ -196,11 +199,18 @@ impl<S: Real> TreeRows<S> {
                     }
                     push = motion.hand_on(&push);
                 }
+                // What has come down to the world moves with the frame that carries it there.
+                let root = tree.path(link).last().filter(|_| meet.is_none());
+                if let Some(moved) =
+                    root.and_then(|root| carried_along(evaluation, &tree.links[root]))
+                {
+                    time += push.dot(&moved);
+                }
             }
         }
         self.levels[number] = Level {
             value: row.value,
-            time: row.time,
+            time,
             drive: evaluation.prescribed_in_world(joint, row),
             bias,
         };

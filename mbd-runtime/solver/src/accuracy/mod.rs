@@ -111,7 +111,8 @@ impl<'a> Variant<'a> {
             let until = times.last().copied().unwrap_or(0.0);
             let mut run = Simulation::new(&*model, options)?;
             begin(&mut run)?;
-            let mut history = Trajectory::new(&*model, Sampling::At(times), content);
+            let history = Trajectory::new(&*model, Sampling::At(times), content);
+            let mut history = history.measure(&*model, &[]);
             run.record(until, &mut history)?;
             Ok(history)
         };

@@ -13,6 +13,7 @@ use super::queue::Desk;
 use crate::compiled::Scalar;
 use crate::error::{RunError, Statistics, StepError};
 use crate::lanes::{Lane, Runs};
+use crate::metric::MetricReader;
 use crate::options::Options;
 use crate::simulation::{Course, Simulation, Stop};
 use crate::trajectory::{Content, Joined, Sampling, Trajectory};
@@ -62,6 +63,8 @@ pub(super) struct Flights<'b, T: Scalar> {
     pub then: Option<Then<'b, T>>,
     /// When a row of each history is written, and what it holds.
     pub record: (Sampling, Content),
+    /// What it measures, where that is not what the model declares.
+    pub measured: Option<Vec<MetricReader>>,
     /// The number of the first case.
     pub first: usize,
     /// The most cases that a thread has under way at once.
@@ -148,7 +151,13 @@ impl<T: Scalar> Flights<'_, T> {
     ) -> FlyingCase<T> {
         case.number = number;
         let (sampling, content) = &self.record;
-        let fresh = || Trajectory::new(&*self.model, sampling.clone(), *content);
+        let fresh = || {
+            let fresh = Trajectory::new(&*self.model, sampling.clone(), *content);
+            match &self.measured {
+                Some(readers) => fresh.measure(&*self.model, readers),
+                None => fresh,
+            }
+        };
         let mut history = history.unwrap_or_else(fresh);
         history.clear();
         FlyingCase {

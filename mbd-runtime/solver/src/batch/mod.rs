@@ -12,6 +12,7 @@ use mbd_scene::Model;
 
 use crate::compiled::Scalar;
 use crate::error::RunError;
+use crate::metric::MetricReader;
 use crate::options::Options;
 use crate::simulation::Simulation;
 use crate::trajectory::{Content, Joined, Sampling, Trajectory};
@@ -102,6 +103,7 @@ impl<'b, T: Scalar> Batch<'b, T> {
                 prepare: None,
                 then: None,
                 record: (Sampling::Steps, Content::RESULTS),
+                measured: None,
                 first: 0,
                 beside: WIDTH,
             },
@@ -160,6 +162,13 @@ impl<'b, T: Scalar, I> Batch<'b, T, I> {
     #[must_use]
     pub fn record(mut self, sampling: Sampling, content: Content) -> Self {
         self.flights.record = (sampling, content);
+        self
+    }
+
+    /// What each history measures, in place of the metrics that the model declares: see [`Trajectory::measure`].
+    #[must_use]
+    pub fn measure(mut self, readers: Vec<MetricReader>) -> Self {
+        self.flights.measured = Some(readers);
         self
     }
 

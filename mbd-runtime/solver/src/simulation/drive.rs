@@ -113,7 +113,7 @@ impl<T: Float> Simulation<T> {
             false => self.open(course, trajectory),
         };
         if let Ok(Some(_)) = outcome
-            && let Err(cause) = self.leave()
+            && let Err(cause) = self.record_end(trajectory).and_then(|()| self.leave())
         {
             outcome = Err(cause);
         }
@@ -141,6 +141,7 @@ impl<T: Float> Simulation<T> {
         if let Some(event) = self.changes.stop.take() {
             return Ok(Some(Stop::Event(event)));
         }
+        self.measure_instant(trajectory)?;
         if let Some(trajectory) = trajectory
             && trajectory.open(self.time)?
         {
@@ -161,8 +162,15 @@ impl<T: Float> Simulation<T> {
         trajectory: &mut Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Stop>, StepError> {
+        let seen = self.events.len();
         if course.until - self.time <= resolution(self.time) {
-            return Ok(Some(Stop::Reached));
+            let acted = self.happen_at_end()?;
+            self.tell_events(seen, trajectory);
+            if acted {
+                self.record_step(trajectory)?;
+            }
+            let stopped = self.stopped(seen).map(Stop::Event);
+            return Ok(stopped.or(Some(Stop::Reached)));
         }
         if course.trials >= self.options.max_steps {
             let stiff = self.stiff();
@@ -172,25 +180,34 @@ impl<T: Float> Simulation<T> {
             });
         }
         course.trials += 1;
-        let seen = self.events.len();
         self.advance(course.until, trajectory, go_on)?;
-        if let Some(trajectory) = trajectory {
-            let new = self.events.get(seen..).unwrap_or(&[]).iter();
-            let named = new.map(|it| (it.time, self.name_event(it.what)));
-            trajectory.events.extend(named);
-        }
-        if let Some(event) = self.changes.stop.take() {
-            return Ok(Some(Stop::Event(event)));
-        }
-        if self.options.stop_at_events
-            && let Some(event) = self.declared_since(seen)
-        {
+        self.tell_events(seen, trajectory);
+        if let Some(event) = self.stopped(seen) {
             return Ok(Some(Stop::Event(event)));
         }
         match go_on(self.time) {
             true => Ok(None),
             false => Err(StepError::Cancelled),
         }
+    }
+
+    /// Events since so many in the history.
+    fn tell_events(&self, seen: usize, trajectory: &mut Option<&mut Trajectory>) {
+        let Some(trajectory) = trajectory else {
+            return;
+        };
+        for new in self.events.get(seen..).unwrap_or(&[]) {
+            trajectory.tell(new.time, self.name_event(new.what));
+        }
+    }
+
+    /// The event that ends the run here, if one of those since so many does.
+    fn stopped(&mut self, seen: usize) -> Option<usize> {
+        let asked = self.changes.stop.take();
+        asked.or_else(|| {
+            let stops = self.options.stop_at_events;
+            stops.then(|| self.declared_since(seen)).flatten()
+        })
     }
 
     /// Tries one step, and takes it if it passes.
@@ -215,6 +232,7 @@ impl<T: Float> Simulation<T> {
             self.watch_step(step)?;
             let changes = self.sees_stiffness(step);
             self.record_inside(step, trajectory, go_on, before)?;
+            self.measure_step(step, trajectory)?;
             self.count += 1;
             let end = match self.pace {
                 _ if lands => until,
@@ -235,6 +253,7 @@ impl<T: Float> Simulation<T> {
         if found.step > 0.0 {
             self.watch_step(found.step)?;
             self.record_inside(found.step, trajectory, go_on, before)?;
+            self.measure_step(found.step, trajectory)?;
             self.take(found.step, self.time + found.step)?;
         }
         self.regrid();

@@ -407,6 +407,7 @@ impl<T: Float> Simulation<T> {
         }
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
+        self.settle_sides()?;
         self.begin_balance();
         self.begin_momentum();
         self.rounded = 0.0;

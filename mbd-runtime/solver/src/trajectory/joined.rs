@@ -1,10 +1,11 @@
 //! Histories of models that went on from each other, put together as one.
 
-use std::ops::Range;
-
 use super::{Content, Sampling, Trajectory};
 use crate::columns::Name;
 use crate::error::Statistics;
+use crate::measure::Measures;
+use crate::metric::MetricReader;
+use crate::row::RowMaker;
 
 /// The columns of runs that come to several models: `time`, a column `phase` that counts the parts of a run from 1, and the columns of all models, also of those
 /// that a run does not come to. Columns of the same name and unit are one. A column whose name has another unit in a model before is told by the number of its own
@@ -60,14 +61,6 @@ pub struct Joined {
     places: Vec<Vec<usize>>,
 }
 
-/// A part of a history that was put together.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct JoinedPart {
-    rows: Range<usize>,
-    /// Where its columns are.
-    columns: Vec<usize>,
-}
-
 impl Joined {
     /// Those of models with such histories.
     #[must_use]
@@ -98,14 +91,31 @@ impl Joined {
         &self.names
     }
 
-    /// The parts of a run, each the history of a model by its index, as one; what a model has not is not a number in its rows.
+    /// What the history of a model, by its index, measures for these metrics of the columns here: those whose quantity it has, and instants of events.
+    #[must_use]
+    pub fn readers(&self, model: usize, readers: &[MetricReader]) -> Vec<MetricReader> {
+        let places = self.places.get(model).map_or(&[][..], Vec::as_slice);
+        let own = readers.iter().filter_map(|reader| {
+            let column = places.iter().position(|place| *place == reader.column);
+            Some(MetricReader {
+                column: column?,
+                ..reader.clone()
+            })
+        });
+        own.collect()
+    }
+
+    /// The parts of a run, each the history of a model by its index, as one; what a model has not is not a number in its rows. Metrics
+    /// that they measure ([`Joined::readers`]) are those of the whole run.
     #[must_use]
     pub fn join(&self, parts: &[(usize, &Trajectory)]) -> Trajectory {
+        let first = parts.first();
+        let content = first.map_or(Content::RESULTS, |(_, part)| part.maker.content);
         let mut joined = Trajectory {
-            row: Vec::new(),
-            content: parts
-                .first()
-                .map_or(Content::RESULTS, |(_, part)| part.content),
+            maker: RowMaker::new(content, self.names.len()),
+            beside: false,
+            measures: Measures::default(),
+            measured: RowMaker::new(content, 0),
             sampling: Sampling::Steps,
             first: f64::NAN,
             next: 0,
@@ -114,7 +124,6 @@ impl Joined {
             statistics: Statistics::default(),
             columns: vec![Vec::new(); self.names.len()],
             names: self.names.clone(),
-            parts: Vec::with_capacity(parts.len()),
         };
         for ((model, part), phase) in parts.iter().zip(1_u32..) {
             let (before, rows) = (joined.len(), part.len());
@@ -125,10 +134,7 @@ impl Joined {
             joined.columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
             let all = joined.columns.iter_mut();
             all.for_each(|column| column.resize(before + rows, f64::NAN));
-            joined.parts.push(JoinedPart {
-                rows: before..before + rows,
-                columns: places.to_vec(),
-            });
+            joined.measures.add_part(&part.measures, places);
             joined.events.extend(part.events.iter().cloned());
             joined.statistics = joined.statistics.and(part.statistics);
             if part.sampling != Sampling::Steps {
@@ -137,15 +143,5 @@ impl Joined {
         }
         joined.first = joined.times().first().copied().unwrap_or(f64::NAN);
         joined
-    }
-}
-
-impl Trajectory {
-    /// The rows of the models that have a column: all rows of the history of one model.
-    pub(crate) fn pieces(&self, column: usize) -> impl Iterator<Item = Range<usize>> + '_ {
-        let alone = self.parts.is_empty().then(|| 0..self.len());
-        let has = move |part: &&JoinedPart| column < 2 || part.columns.contains(&column);
-        let parts = self.parts.iter().filter(has);
-        alone.into_iter().chain(parts.map(|part| part.rows.clone()))
     }
 }

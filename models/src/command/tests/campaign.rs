@@ -92,7 +92,8 @@ fn a_requirement_that_is_not_shown_has_its_exit_code() {
 #[test]
 fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
     let folder = Folder::new("case");
-    let file = folder.file("dispersed.toml", DISPERSED);
+    let fine = format!("{DISPERSED}every = \"0.05 ms\"\n");
+    let file = folder.file("dispersed.toml", &fine);
     let [out, alone] = ["out", "alone"].map(|name| folder.0.join(name).display().to_string());
     run(&["campaign", "swing", &file, "--out", &out]).unwrap();
     let cases = std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap();
@@ -128,12 +129,26 @@ fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
             .iter()
             .position(|it| it.starts_with("rope_left.tension"));
         let tensions = lines.map(|line| line[at.unwrap()].parse::<f64>().unwrap());
-        let peak = tensions.reduce(f64::max).unwrap();
-        assert_eq!(
-            row[peak_at].parse::<f64>().unwrap().to_bits(),
-            peak.to_bits(),
-            "{row:?}"
+        // The metric sees what is between two rows, too; these are fine.
+        let highest = tensions.reduce(f64::max).unwrap();
+        let peak = row[peak_at].parse::<f64>().unwrap();
+        assert!(
+            peak >= highest && peak < 1.001 * highest,
+            "{row:?} {highest}"
         );
+        let summary = std::fs::read_to_string(Path::new(&alone).join("summary.json")).unwrap();
+        for name in ["hardest_pull", "deepest", "first_lowest"] {
+            let mut names = cases.lines().next().unwrap().split(',');
+            let at = names.position(|known| known.split(' ').next() == Some(name));
+            let told = summary.split(&format!("\"{name}\":")).nth(1).unwrap();
+            let told = told.split([',', '}']).next().unwrap().trim();
+            let [cell, told] = [row[at.unwrap()], told].map(|it| it.parse::<f64>().ok());
+            assert_eq!(
+                cell.map(f64::to_bits),
+                told.map(f64::to_bits),
+                "{name}: {row:?}"
+            );
+        }
         compared += 1;
     }
     assert!(compared > 1);

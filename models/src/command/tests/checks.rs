@@ -124,3 +124,32 @@ fn check_tells_programs_what_a_scene_contains_and_where_it_is_wrong() {
     );
     assert_eq!(places[1]["line"], 3);
 }
+
+#[test]
+fn a_setting_that_cannot_be_used_is_told_by_check_and_run_with_its_line() {
+    let folder = Folder::new("settings");
+    let model = "model M {\n  gravity: none;\n  point a { mass: 1 kg }\n}\n\n[run]\n";
+    let file = |line: &str| folder.file("m.mbd", &format!("{model}{line}\n"));
+    for (line, what) in [
+        ("until = \"1 sec\"", "`until`"),
+        ("until = 1\nevery = \"1 m\"", "`every`"),
+        ("until = 1\nmethod = \"rk5\"", "`method`"),
+        ("[run.start]\na.q = 1", "`start.a.q`"),
+    ] {
+        let file = file(line);
+        let wanted = 6 + line.lines().count();
+        let checked = run(&["check", &file]).unwrap_err();
+        assert_eq!(checked.code(), 2);
+        let checked = checked.to_string();
+        let place = format!("line {wanted}: {what}");
+        assert!(checked.contains(&place), "{place}: {checked}");
+        let told = run(&["check", &file, "--json"]).unwrap_err().to_string();
+        assert!(told.contains(&place), "{told}");
+    }
+    let flown = run(&["run", &file("until = \"1 sec\"")]).unwrap_err();
+    assert!(flown.to_string().contains("m.mbd:7: `until`"), "{flown}");
+    // What was typed stands on no line, and what is missing may be typed.
+    let typed = run(&["run", &file("until = 1"), "--until", "1 sec"]).unwrap_err();
+    assert!(!typed.to_string().contains("m.mbd:7"), "{typed}");
+    run(&["check", &file("tolerance = 1e-6")]).unwrap();
+}

@@ -42,6 +42,36 @@ fn a_run_tells_its_metrics_in_its_summary_and_on_its_page_and_none_where_there_i
 }
 
 #[test]
+fn a_run_on_a_coarse_grid_tells_where_it_ended() {
+    let folder = Folder::new("metrics_every");
+    let text = FALL.replace("until =", "every = \"0.3 s\"\nuntil =");
+    let text = text.replace(
+        "metric fall",
+        "metric impact = final stone.velocity.z;\n    metric deepest = min stone.position.z;\n    metric fall",
+    );
+    let scene = folder.file("stone.mbd", &text);
+    let out = folder.0.join("out");
+    run(&["run", &scene, "--out", &out.display().to_string()]).unwrap();
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    let exact = [
+        ("fastest", 72.0),
+        ("impulse", 20.0),
+        ("fall", 2.0),
+        ("impact", -20.0),
+        ("deepest", 0.0),
+    ];
+    for (name, expected) in exact {
+        let found = summary["metrics"][name].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-7, "{name}: {found}");
+    }
+    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    let last = history.lines().last().unwrap();
+    let time: f64 = last.split(',').next().unwrap().parse().unwrap();
+    assert!((time - 2.0).abs() < 1e-9, "{last}");
+}
+
+#[test]
 fn a_scene_with_metrics_is_converted_and_back() {
     let folder = Folder::new("metrics_convert");
     let scene = folder.file("stone.mbd", FALL);

@@ -16,7 +16,7 @@ fn a_trade_says_what_meets_the_error_that_is_wanted() {
     let out = folder.0.join("out").display().to_string();
     let asked = ["--output", "height", "--within", "1e-6", "--out", &out];
     let told = run(&[&["trade", file.as_str()], &asked[..]].concat()).unwrap();
-    assert!(told.contains("for height within 1.0e-6: take "), "{told}");
+    assert!(told.contains("for height within 1.0e-6 m: take "), "{told}");
     for method in [
         "RK4",
         "Rattle",
@@ -88,6 +88,10 @@ fn a_trade_that_cannot_be_measured_says_why() {
             "--window `2..1`",
         ),
         (&["--output", "height", "--within", "-1"], "--within -1"),
+        (
+            &["--output", "height", "--within", "1 mN"],
+            "--within 1 mN: the column is in m",
+        ),
     ] {
         let error = run(&[&["advise", file.as_str()], flags].concat()).unwrap_err();
         assert!(error.to_string().contains(what), "{error}");

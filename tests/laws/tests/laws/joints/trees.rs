@@ -1,12 +1,12 @@
 //! Trees of mixed joints and robots in absolute coordinates, against Pinocchio's recursions in joint coordinates.
 
+use laws::assert_close;
+use laws::mechanism::{Instance, evaluate, state};
+use laws::reference::{field, load};
+use laws::system::{instances, list, scene, three};
 use mbd_scene::{AngularVelocity, Layout, Quantity};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
-use tests::assert_close;
-use tests::mechanism::{Instance, evaluate, state};
-use tests::reference::{field, load};
-use tests::system::{instances, list, scene, three};
 
 const COMPONENTS: [AngularVelocity; 2] = [AngularVelocity::Body, AngularVelocity::World];
 

@@ -1,14 +1,14 @@
 //! The same mechanism in both families: places, accelerations, energy, reactions; loops, springs, loads among them.
 
+use laws::assert_close;
+use laws::looped::mechanism;
+use laws::mechanism::{add_body, add_joint, all_joints, empty, inertia, layout, random_seat};
+use laws::obeying::obeying;
+use laws::random::Random;
+use laws::relative::Both;
 use mbd_scene::joints::JointLaw;
 use mbd_scene::{AngularVelocity, Quantity};
 use nalgebra::{DMatrix, DVector};
-use tests::assert_close;
-use tests::looped::mechanism;
-use tests::mechanism::{add_body, add_joint, all_joints, empty, inertia, layout, random_seat};
-use tests::obeying::obeying;
-use tests::random::Random;
-use tests::relative::Both;
 
 /// Mechanisms compared.
 const MECHANISMS: u64 = 60;

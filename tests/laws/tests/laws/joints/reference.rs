@@ -1,12 +1,12 @@
 //! Joints and loops against numbers of independent tools: rows, Jacobians, γ, accelerations, multipliers, reactions.
 
+use laws::mechanism::{Instance, add_external_loads, evaluate, state};
+use laws::reference::{JOINTS, field, load, numbers};
+use laws::system::{bodies, instances, three};
+use laws::{assert_close, system};
 use mbd_scene::{AngularVelocity, Layout, Quantity, Scene};
 use nalgebra::Vector3;
 use serde_json::Value;
-use tests::mechanism::{Instance, add_external_loads, evaluate, state};
-use tests::reference::{JOINTS, field, load, numbers};
-use tests::system::{bodies, instances, three};
-use tests::{assert_close, system};
 
 const COMPONENTS: [AngularVelocity; 2] = [AngularVelocity::Body, AngularVelocity::World];
 /// A scene with a force and a couple on every body.

@@ -1,16 +1,16 @@
 //! Joint coordinates of all joints: what is measured is what the motion was made of, and its row is its derivative, on the joint and off it.
 
+use laws::assert_close;
+use laws::jet::Jet;
+use laws::mechanism::{
+    Coordinates, Instance, Seat, add_body, add_frame, add_joint, all_joints, carried, empty,
+    evaluate, inertia, jets, state,
+};
+use laws::random::Random;
 use mbd_scene::joints::JointLaw;
 use mbd_scene::rows::{End, Ends, Rotation};
 use mbd_scene::{AngularVelocity, Formula, Output, Quantity, Scene, Unit};
 use nalgebra::Vector3;
-use tests::assert_close;
-use tests::jet::Jet;
-use tests::mechanism::{
-    Coordinates, Instance, Seat, add_body, add_frame, add_joint, all_joints, carried, empty,
-    evaluate, inertia, jets, state,
-};
-use tests::random::Random;
 
 const COMPONENTS: [AngularVelocity; 2] = [AngularVelocity::Body, AngularVelocity::World];
 

@@ -382,7 +382,9 @@ pub fn evaluate_in_time<S: Real>(scene: &Scene, what: Quantity, time: S, state: 
     evaluate_at(scene, what, &at)
 }
 
-fn evaluate_at<S: Real>(scene: &Scene, what: Quantity, at: &At<'_, S>) -> Vec<S> {
+/// A quantity by the laws, at anything; parameters at their defaults, inputs zero if none are given.
+#[must_use]
+pub fn evaluate_at<S: Real>(scene: &Scene, what: Quantity, at: &At<'_, S>) -> Vec<S> {
     let layout = layout(scene);
     let params: Vec<S> = scene
         .params

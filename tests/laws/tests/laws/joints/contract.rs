@@ -1,16 +1,16 @@
 //! One contract for all joints: what a joint forbids and what it allows are two tellings of one motion.
 
+use laws::assert_close;
+use laws::jet::Jet;
+use laws::mechanism::{
+    Coordinates, Instance, Seat, accelerations, add_body, add_external_loads, add_frame, add_joint,
+    all_joints, at, carried, empty, evaluate, inertia, jets, state, subspace,
+};
+use laws::random::Random;
 use mbd_scene::joints::{JointLaw, Relative, Twist};
 use mbd_scene::laws::{Numbers, branch};
 use mbd_scene::{AngularVelocity, Layout, Quantity, Scene};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use tests::assert_close;
-use tests::jet::Jet;
-use tests::mechanism::{
-    Coordinates, Instance, Seat, accelerations, add_body, add_external_loads, add_frame, add_joint,
-    all_joints, at, carried, empty, evaluate, inertia, jets, state, subspace,
-};
-use tests::random::Random;
 
 const COMPONENTS: [AngularVelocity; 2] = [AngularVelocity::Body, AngularVelocity::World];
 

@@ -10,7 +10,7 @@ use serde_json::Value;
 /// If the file is missing or is not JSON: the repository is incomplete.
 #[must_use]
 pub fn load(name: &str) -> Value {
-    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "reference", name]
+    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "..", "reference", name]
         .iter()
         .collect();
     let text = std::fs::read_to_string(&path)

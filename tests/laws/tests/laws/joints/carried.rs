@@ -1,14 +1,14 @@
 //! Bodies that leave the system together with the joint that carries them: accelerations and multipliers satisfy the equations of motion,
 //! on the joints and off them, with motors and loops, in space and in a plane.
 
-use mbd_scene::joints::{Distance, JointForces, JointLaw};
-use mbd_scene::{AngularVelocity, Formula, Function, Layout, Plane, Quantity, Redundancy, Scene};
-use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
-use tests::mechanism::{
+use laws::mechanism::{
     Instance, add_external_loads, add_gear, add_joint, all_joints, empty, evaluate, hang, layout,
     random_seat, state,
 };
-use tests::random::Random;
+use laws::random::Random;
+use mbd_scene::joints::{Distance, JointForces, JointLaw};
+use mbd_scene::{AngularVelocity, Formula, Function, Layout, Plane, Quantity, Redundancy, Scene};
+use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 /// A tree of random joints, some of their coordinates driven or coupled by a gear, and a rod across it where freedoms are left.
 fn net(seed: u64, components: AngularVelocity, plane: Option<Plane>) -> Scene {

@@ -1,6 +1,6 @@
 //! Seeded random numbers for property tests: the same on every machine.
 
-use mbd_runtime::scene::random::SplitMix64;
+use mbd_scene::random::SplitMix64;
 
 /// A stream of random numbers.
 #[derive(Clone, Debug)]

@@ -1,13 +1,13 @@
 //! Orders of elimination: every state at which the rows are independent is solved, whatever order was counted as the cheapest.
 
-use mbd_scene::joints::{Distance, JointLaw};
-use mbd_scene::{AngularVelocity, Layout, Quantity, Redundancy, Scene};
-use nalgebra::DMatrix;
-use tests::mechanism::{
+use laws::mechanism::{
     Instance, add_external_loads, add_joint, add_point, all_joints, empty, evaluate, hang, layout,
     random_seat, state,
 };
-use tests::random::Random;
+use laws::random::Random;
+use mbd_scene::joints::{Distance, JointLaw};
+use mbd_scene::{AngularVelocity, Layout, Quantity, Redundancy, Scene};
+use nalgebra::DMatrix;
 
 /// A net of bodies: a random tree of random joints, and single-row joints across it as long as freedoms are left.
 fn net(seed: u64) -> Scene {

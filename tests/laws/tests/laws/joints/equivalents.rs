@@ -1,5 +1,11 @@
 //! Joints without reference data against joints that have it, and against closed forms.
 
+use laws::assert_close;
+use laws::mechanism::{
+    Coordinates, Instance, Seat, add_body, add_external_loads, add_frame, add_joint, add_point,
+    carried, empty, evaluate, inertia, state,
+};
+use laws::random::Random;
 use mbd_scene::joints::{
     Axis, ConstantAngle, Cylindrical, Distance, Hinge, JointLaw, Planar, PointOnLine, PointOnPlane,
     Rigid, Screw, Spherical, Universal,
@@ -7,12 +13,6 @@ use mbd_scene::joints::{
 use mbd_scene::{AngularVelocity, Layout, Place, Quantity, Scene};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use tests::assert_close;
-use tests::mechanism::{
-    Coordinates, Instance, Seat, add_body, add_external_loads, add_frame, add_joint, add_point,
-    carried, empty, evaluate, inertia, state,
-};
-use tests::random::Random;
 
 fn square(a: Axis, b: Axis) -> JointLaw {
     JointLaw::ConstantAngle(ConstantAngle {

@@ -1,12 +1,12 @@
 //! Trees and robots in joint coordinates: mass matrix, bias, accelerations of Pinocchio.
 
+use laws::assert_close;
+use laws::mechanism::state;
+use laws::reference::{field, load};
+use laws::relative::Both;
+use laws::system::{instances, list, scene};
 use mbd_scene::{AngularVelocity, Quantity};
 use serde_json::Value;
-use tests::assert_close;
-use tests::mechanism::state;
-use tests::reference::{field, load};
-use tests::relative::Both;
-use tests::system::{instances, list, scene};
 
 /// Where the speeds of a joint stand in the data.
 fn stored(place: &Value) -> std::ops::Range<usize> {

@@ -1,12 +1,12 @@
 //! The columns that joints state for the solver: H free, N held, on the constraints and off them.
 
+use laws::assert_close;
+use laws::mechanism::{Coordinates, Instance, Seat, all_joints, carried, subspace};
+use laws::random::Random;
 use mbd_scene::joints::{Carried, JointLaw, Twist};
 use mbd_scene::rows::{End, Ends, Row, Rows};
 use mbd_scene::{AngularVelocity, Jet};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use tests::assert_close;
-use tests::mechanism::{Coordinates, Instance, Seat, all_joints, carried, subspace};
-use tests::random::Random;
 
 use super::coordinates::end;
 

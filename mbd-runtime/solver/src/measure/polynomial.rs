@@ -1,0 +1,198 @@
+//! A quantity inside a part of a step: the polynomial through its values at nine Chebyshev points.
+//!
+//!   p(s) = Σ c_k T_k(s),  −1 ≤ s ≤ 1,   values at s_j = −cos(π j / 8)                                     (1)
+//!   c_k = (2/8) Σ″ p(s_j) cos(π (8 − j) k / 8), the first and the last term of Σ″ halved, c_0 and c_8 too   (2)
+//!
+//! What c_7 and c_8 are is about what the polynomial is off by. Source: Trefethen, Approximation Theory and Approximation Practice, chapters 3 and 4.
+
+/// Values of a polynomial.
+pub(super) const POINTS: usize = 9;
+const DEGREE: usize = POINTS - 1;
+/// Places among which the sign of the slope is looked at.
+const PLACES: usize = 32;
+/// cos(π j / 8) for j = 0 … 15.
+const COSINES: [f64; 2 * DEGREE] = {
+    let [a, b, c] = [
+        0.923_879_532_511_286_7,
+        std::f64::consts::FRAC_1_SQRT_2,
+        0.382_683_432_365_089_8,
+    ];
+    [
+        1.0, a, b, c, 0.0, -c, -b, -a, -1.0, -a, -b, -c, 0.0, c, b, a,
+    ]
+};
+/// Places and weights of the quadrature of Gauss on −1 … 1 that is exact up to degree 17, so for the square of (1).
+const GAUSS: [[f64; 2]; 9] = [
+    [-0.968_160_239_507_626_1, 0.081_274_388_361_574_41],
+    [-0.836_031_107_326_635_8, 0.180_648_160_694_857_4],
+    [-0.613_371_432_700_590_4, 0.260_610_696_402_935_5],
+    [-0.324_253_423_403_808_9, 0.312_347_077_040_002_84],
+    [0.0, 0.330_239_355_001_259_8],
+    [0.324_253_423_403_808_9, 0.312_347_077_040_002_84],
+    [0.613_371_432_700_590_4, 0.260_610_696_402_935_5],
+    [0.836_031_107_326_635_8, 0.180_648_160_694_857_4],
+    [0.968_160_239_507_626_1, 0.081_274_388_361_574_41],
+];
+
+/// The polynomial (1).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polynomial {
+    coefficients: [f64; POINTS],
+}
+
+impl Polynomial {
+    /// Where the values of a polynomial are, as parts of its interval, 0 … 1, rising.
+    pub(super) fn places() -> [f64; POINTS] {
+        std::array::from_fn(|j| 0.5 * (1.0 - COSINES[j]))
+    }
+
+    /// The same on −1 … 1.
+    pub(super) fn points() -> [f64; POINTS] {
+        std::array::from_fn(|j| -COSINES[j])
+    }
+
+    /// That through these values.
+    pub(super) fn through(values: [f64; POINTS]) -> Self {
+        let mut coefficients = [0.0; POINTS];
+        for (k, coefficient) in coefficients.iter_mut().enumerate() {
+            for (j, value) in values.iter().enumerate() {
+                let end = j == 0 || j == DEGREE;
+                let half = if end { 0.5 } else { 1.0 };
+                *coefficient += half * value * COSINES[(DEGREE - j) * k % COSINES.len()];
+            }
+            *coefficient *= 2.0 / DEGREE as f64;
+        }
+        coefficients[0] *= 0.5;
+        coefficients[DEGREE] *= 0.5;
+        Polynomial { coefficients }
+    }
+
+    /// What it is off by, about.
+    pub(super) fn tail(&self) -> f64 {
+        let [.., before, last] = self.coefficients;
+        before.abs() + last.abs()
+    }
+
+    /// Its value at −1 … 1.
+    pub(super) fn at(&self, s: f64) -> f64 {
+        sum(&self.coefficients, s)
+    }
+
+    /// ∫ of a function of its value, of at most twice its degree, over a part of −1 … 1.
+    pub(super) fn integral(&self, [low, high]: [f64; 2], of: impl Fn(f64) -> f64) -> f64 {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let terms = GAUSS
+            .iter()
+            .map(|[s, weight]| weight * of(self.at(middle + half * s)));
+        half * terms.sum::<f64>()
+    }
+
+    /// Calls with a part of −1 … 1 cut where its slope changes sign, piece by piece, rising: within one it rises or falls.
+    pub(super) fn monotone(&self, [low, high]: [f64; 2], mut part: impl FnMut([f64; 2])) {
+        let slope = self.slope();
+        let mut start = low;
+        let mut before = (low, sum(&slope, low));
+        for place in 1..=PLACES {
+            let s = low + (high - low) * place as f64 / PLACES as f64;
+            let now = (s, sum(&slope, s));
+            if (before.1 < 0.0) != (now.1 < 0.0) {
+                let turn = cut([before.0, now.0], |s| sum(&slope, s) < 0.0);
+                part([start, turn]);
+                start = turn;
+            }
+            before = now;
+        }
+        part([start, high]);
+    }
+
+    /// Where it passes a level between two places on the two sides of it.
+    pub(super) fn passes(&self, level: f64, ends: [f64; 2]) -> f64 {
+        cut(ends, |s| self.at(s) > level)
+    }
+
+    /// The coefficients of its slope.
+    fn slope(&self) -> [f64; POINTS] {
+        let mut slope = [0.0; POINTS];
+        for k in (1..POINTS).rev() {
+            let above = if k + 1 < POINTS { slope[k + 1] } else { 0.0 };
+            slope[k - 1] = above + 2.0 * k as f64 * self.coefficients[k];
+        }
+        slope[0] *= 0.5;
+        slope
+    }
+}
+
+/// Σ c_k T_k(s), by the recurrence of Clenshaw.
+fn sum(coefficients: &[f64; POINTS], s: f64) -> f64 {
+    let [mut last, mut before] = [0.0; 2];
+    for coefficient in coefficients.iter().skip(1).rev() {
+        (last, before) = (coefficient + 2.0 * s * last - before, last);
+    }
+    coefficients[0] + s * last - before
+}
+
+/// Where a condition changes between two places at which it differs, by halves.
+fn cut([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64 {
+    let at_low = holds(low);
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return high;
+        }
+        match holds(middle) == at_low {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 3 − s + 2 s² − s⁷ + s⁸ / 2.
+    fn wave(s: f64) -> f64 {
+        3.0 - s + 2.0 * s * s - s.powi(7) + 0.5 * s.powi(8)
+    }
+
+    fn of(function: impl Fn(f64) -> f64) -> Polynomial {
+        Polynomial::through(Polynomial::places().map(|part| function(2.0 * part - 1.0)))
+    }
+
+    #[test]
+    fn values_integrals_and_integrals_of_the_square_of_a_polynomial_are_exact() {
+        let found = of(wave);
+        for s in [-1.0, -0.9, -0.3, 0.0, 0.2, 0.77, 1.0] {
+            assert!((found.at(s) - wave(s)).abs() < 1e-14, "{s}");
+        }
+        let exact = 2.0 * (3.0 + 2.0 / 3.0 + 0.5 / 9.0);
+        assert!((found.integral([-1.0, 1.0], |x| x) - exact).abs() < 1e-14);
+        // ∫ over −1 … 1 of (s⁸)² = 2/17.
+        let square = of(|s| s.powi(8)).integral([-1.0, 1.0], |x| x * x);
+        assert!((square - 2.0 / 17.0).abs() < 1e-15, "{square}");
+    }
+
+    #[test]
+    fn a_polynomial_is_cut_where_it_turns_and_passes_a_level_once_between() {
+        // 8 s⁴ − 8 s² + 1 turns at 0 and ±1/√2.
+        let found = of(|s| 8.0 * s.powi(4) - 8.0 * s * s + 1.0);
+        let mut turns = Vec::new();
+        found.monotone([-1.0, 1.0], |[_, end]| turns.push(end));
+        let expected = [-0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt(), 1.0];
+        assert_eq!(turns.len(), 4);
+        for (turn, exact) in turns.iter().zip(expected) {
+            assert!((turn - exact).abs() < 1e-14, "{turn} {exact}");
+        }
+        let zero = found.passes(0.0, [-0.5_f64.sqrt(), 0.0]);
+        assert!(
+            (zero + (std::f64::consts::PI / 8.0).sin()).abs() < 1e-14,
+            "{zero}"
+        );
+    }
+
+    #[test]
+    fn the_tail_is_nothing_of_a_polynomial_and_large_at_a_corner() {
+        assert!(of(|s| s.powi(6) - s).tail() < 1e-15);
+        assert!(of(|s| (s - 0.1).abs()).tail() > 1e-3);
+    }
+}

@@ -1,0 +1,213 @@
+//! What a run has shown of one metric so far.
+
+use mbd_scene::metrics::Take;
+
+use super::polynomial::{POINTS, Polynomial};
+use crate::metric::MetricReader;
+
+/// What is known of a metric up to an instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sum {
+    /// How much of the window was seen [s].
+    span: f64,
+    /// ∫ of the quantity, of its square, or the time above the level.
+    sum: f64,
+    /// The largest or smallest value.
+    extreme: f64,
+    /// When the level was first passed, or the event first happened [s].
+    first: f64,
+    /// The quantity at the event.
+    at_event: f64,
+    /// The quantity at the last instant of the window.
+    last: f64,
+    /// The quantity at the last instant that was looked at, in the window or not.
+    now: f64,
+    /// Whether anything of the window was seen, and whether the quantity had no value in it.
+    seen: bool,
+    undefined: bool,
+    /// What parts that stayed unresolved leave open of the value.
+    open: f64,
+}
+
+impl Sum {
+    pub(super) const NOTHING: Sum = Sum {
+        span: 0.0,
+        sum: 0.0,
+        extreme: f64::NAN,
+        first: f64::NAN,
+        at_event: f64::NAN,
+        last: f64::NAN,
+        now: f64::NAN,
+        seen: false,
+        undefined: false,
+        open: 0.0,
+    };
+
+    /// A part of the run between two times; where it stayed `rough` the quantity is no polynomial, but for an error of `open`.
+    pub(super) fn add(
+        &mut self,
+        of: &MetricReader,
+        polynomial: &Polynomial,
+        [begin, end]: [f64; 2],
+        (rough, open): (bool, f64),
+    ) {
+        self.now = polynomial.at(1.0);
+        let (low, high) = (of.window[0].max(begin), of.window[1].min(end));
+        if low > high || matches!(of.take, Take::Value | Take::TimeOf) {
+            return;
+        }
+        if !polynomial.tail().is_finite() {
+            (self.seen, self.undefined) = (true, true);
+            return;
+        }
+        let width = end - begin;
+        // A time as a place on the polynomial, and a part of it in seconds.
+        let place = |time: f64| match time {
+            time if time <= begin => -1.0,
+            time if time >= end => 1.0,
+            time => 2.0 * (time - begin) / width - 1.0,
+        };
+        let time = |place: f64| begin + 0.5 * (place + 1.0) * width;
+        let part = [place(low), place(high)];
+        self.last = polynomial.at(part[1]);
+        self.span += high - low;
+        let level = of.level.unwrap_or(f64::NAN);
+        match of.take {
+            Take::Max => largest(polynomial, part, rough, |x| x, &mut self.extreme),
+            Take::Min => {
+                let mut least = -self.extreme;
+                largest(polynomial, part, rough, |x| -x, &mut least);
+                self.extreme = -least;
+            }
+            Take::Mean | Take::Integral => {
+                self.sum += 0.5 * width * polynomial.integral(part, |x| x);
+            }
+            Take::Rms => self.sum += 0.5 * width * polynomial.integral(part, |x| x * x),
+            Take::TimeAbove => polynomial.monotone(part, |ends| {
+                let (from, to) = above(polynomial, level, ends);
+                self.sum += 0.5 * width * (to - from);
+            }),
+            Take::FirstAbove if self.first.is_nan() => polynomial.monotone(part, |ends| {
+                let (from, to) = above(polynomial, level, ends);
+                let is_above = to > from || polynomial.at(to) > level;
+                if self.first.is_nan() && is_above {
+                    self.first = time(from);
+                }
+            }),
+            _ => {}
+        }
+        if open > 0.0 {
+            self.open += match of.take {
+                Take::Mean | Take::Integral => open * (high - low),
+                // |∫ x² − ∫ p²| ≤ ∫ |x − p| |x + p|.
+                Take::Rms => 2.0 * open * (high - low) * self.last.abs().max(open),
+                Take::TimeAbove => {
+                    let near = |s: &f64| (polynomial.at(*s) - level).abs() <= open;
+                    let near = Polynomial::points().iter().filter(|s| near(s)).count();
+                    (high - low) * near as f64 / POINTS as f64
+                }
+                _ => 0.0,
+            };
+            if matches!(of.take, Take::Max | Take::Min) {
+                self.open = self.open.max(open);
+            }
+        }
+        self.seen = true;
+    }
+
+    /// A later part of the run.
+    pub(super) fn add_part(&mut self, of: &MetricReader, later: &Sum) {
+        self.span += later.span;
+        self.sum += later.sum;
+        self.extreme = match of.take {
+            Take::Min => self.extreme.min(later.extreme),
+            _ => self.extreme.max(later.extreme),
+        };
+        if self.first.is_nan() {
+            (self.first, self.at_event) = (later.first, later.at_event);
+        }
+        if later.seen {
+            self.last = later.last;
+        }
+        self.now = later.now;
+        self.seen |= later.seen;
+        self.undefined |= later.undefined;
+        self.open = match of.take {
+            Take::Max | Take::Min => self.open.max(later.open),
+            _ => self.open + later.open,
+        };
+    }
+
+    /// An event at an instant that was looked at just before.
+    pub(super) fn happens(&mut self, of: &MetricReader, time: f64) {
+        let inside = (of.window[0]..=of.window[1]).contains(&time);
+        if inside && self.first.is_nan() && matches!(of.take, Take::Value | Take::TimeOf) {
+            (self.first, self.at_event) = (time, self.now);
+        }
+    }
+
+    /// Its value; NaN where there is none.
+    pub(super) fn value(&self, take: Take) -> f64 {
+        let over_span = |alone: f64| match self.span > 0.0 {
+            true => self.sum / self.span,
+            false => alone,
+        };
+        match take {
+            Take::TimeOf | Take::FirstAbove if self.undefined => f64::NAN,
+            Take::TimeOf | Take::FirstAbove => self.first,
+            Take::Value => self.at_event,
+            _ if !self.seen || self.undefined => f64::NAN,
+            Take::Max | Take::Min => self.extreme,
+            Take::Final => self.last,
+            Take::Mean => over_span(self.last),
+            Take::Rms => over_span(self.last * self.last).sqrt(),
+            Take::Integral | Take::TimeAbove => self.sum,
+        }
+    }
+
+    /// What it may be off by because the quantity was not resolved in time: zero where it was.
+    pub(super) fn open(&self, take: Take) -> f64 {
+        match take {
+            Take::Mean if self.span > 0.0 => self.open / self.span,
+            Take::Rms if self.span > 0.0 => {
+                let square = (self.sum / self.span).max(f64::MIN_POSITIVE);
+                0.5 * self.open / self.span / square.sqrt()
+            }
+            _ => self.open,
+        }
+    }
+
+    /// Forgets what cannot be told any more.
+    pub(super) fn spoil(&mut self) {
+        (self.seen, self.undefined) = (true, true);
+        (self.first, self.at_event) = (f64::NAN, f64::NAN);
+    }
+}
+
+/// The part of a piece that rises or falls which is above a level; empty, at its end, where none is.
+fn above(polynomial: &Polynomial, level: f64, [low, high]: [f64; 2]) -> (f64, f64) {
+    match [low, high].map(|s| polynomial.at(s) > level) {
+        [true, true] => (low, high),
+        [false, false] => (high, high),
+        [true, false] => (low, polynomial.passes(level, [low, high])),
+        [false, true] => (polynomial.passes(level, [low, high]), high),
+    }
+}
+
+/// Raises what is the largest so far, as `of` counts; of a rough part by its values alone: a polynomial through a jump overshoots.
+fn largest(
+    polynomial: &Polynomial,
+    [low, high]: [f64; 2],
+    rough: bool,
+    of: impl Fn(f64) -> f64,
+    so_far: &mut f64,
+) {
+    let mut see = |s: f64| *so_far = so_far.max(of(polynomial.at(s)));
+    see(low);
+    if rough {
+        let points = Polynomial::points().into_iter();
+        points.filter(|s| (low..=high).contains(s)).for_each(see);
+    } else {
+        polynomial.monotone([low, high], |[_, end]| see(end));
+    }
+}

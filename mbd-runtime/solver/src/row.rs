@@ -1,0 +1,223 @@
+//! A row of a history: the numbers of its columns at a state.
+
+use mbd_scene::{Float, Layout, Quantity, Scene};
+
+use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
+use crate::error::StepError;
+use crate::system::{System, WORKS};
+use crate::trajectory::Content;
+
+/// Makes rows with some content.
+#[derive(Clone, Debug)]
+pub(crate) struct RowMaker {
+    pub content: Content,
+    /// The last row, its time first.
+    pub row: Vec<f64>,
+    /// Which of its numbers are measured.
+    pub picked: Vec<usize>,
+}
+
+/// What they make, not what they made last.
+impl PartialEq for RowMaker {
+    fn eq(&self, other: &Self) -> bool {
+        self.content == other.content && self.picked == other.picked
+    }
+}
+
+impl RowMaker {
+    /// Of rows with this content, which have so many columns.
+    pub(crate) fn new(content: Content, columns: usize) -> Self {
+        RowMaker {
+            content,
+            row: Vec::with_capacity(columns),
+            picked: Vec::new(),
+        }
+    }
+
+    /// Writes what is measured of the row at a state.
+    pub(crate) fn pick<T: Float>(
+        &mut self,
+        system: &mut System<T>,
+        (time, span): (f64, f64),
+        (state, scratch): (&[T], &mut [T]),
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.make(system, time, span, state, scratch)?;
+        for (out, column) in out.iter_mut().zip(&self.picked) {
+            *out = self.row.get(*column).copied().unwrap_or(f64::NAN);
+        }
+        Ok(())
+    }
+
+    /// Makes the row at a state; whether something of it has no value because rows of joints lose rank.
+    pub(crate) fn make<T: Float>(
+        &mut self,
+        system: &mut System<T>,
+        time: f64,
+        span: f64,
+        state: &[T],
+        scratch: &mut [T],
+    ) -> Result<bool, StepError> {
+        let (content, row) = (self.content, &mut self.row);
+        system.look(time, span, state)?;
+        let model = system.model.clone();
+        let layout = model.layout();
+        let state_alone = state.get(..layout.nx()).unwrap_or_default();
+        let forces = content.reactions || content.outputs || content.energy;
+        // Where rows lose rank for longer than an instant some multipliers have no value, and what hangs on them none either.
+        let anew = (forces && system.needs_anew(time, state_alone))
+            .then(|| system.read_anew(time, state_alone));
+        let determined = anew
+            .as_ref()
+            .map(|[_, determined, rates]| [determined.as_slice(), rates.as_slice()]);
+        row.clear();
+        row.push(time);
+        if content.state {
+            row.extend(system.in_world(time, state));
+            let bodies = read(system, (Quantity::Bodies, None), time, state, scratch);
+            for (own, numbers) in layout
+                .bodies
+                .iter()
+                .zip(bodies.chunks_exact(layout.directions.motion()))
+            {
+                if own.is_none() {
+                    row.extend(numbers.iter().map(|x| x.to_f64()));
+                }
+            }
+            row.push(system.drift);
+            for what in [Quantity::Constraint, Quantity::ConstraintRate] {
+                let rows = read(system, (what, None), time, state, scratch);
+                let sizes = rows.iter().map(|x| x.to_f64().abs());
+                row.extend(sizes.reduce(f64::max));
+            }
+        }
+        if content.nodes {
+            row.extend(system.nodes_in_world(time, system.probe.nodes()));
+        }
+        if content.lines {
+            let lines = read(system, (Quantity::Lines, None), time, state, scratch);
+            for line in lines.chunks_exact(10) {
+                row.extend(line.iter().step_by(2).take(2).map(|x| x.to_f64()));
+            }
+        }
+        if content.reactions {
+            let what = (Quantity::Reactions, determined);
+            let reactions = read(system, what, time, state, scratch);
+            row.extend(reactions.iter().map(|x| x.to_f64()));
+        }
+        if content.outputs {
+            // Most outputs have nothing to do with multipliers: the model's own are taken to the bit.
+            let asks = layout.asks_efforts(Quantity::Outputs);
+            let what = (Quantity::Outputs, determined.filter(|_| asks));
+            let outputs = read(system, what, time, state, scratch);
+            row.extend(outputs.iter().map(|x| x.to_f64()));
+        }
+        let undetermined = anew.is_some() && row.iter().any(|x| x.is_nan());
+        if content.energy {
+            let driven = layout.joints.iter().any(|slots| slots.driven);
+            // The power of prescribed motions is the same for every solution.
+            let all = anew.as_ref().map(|[all, ..]| [all.as_slice(), &[]]);
+            let what = (Quantity::Energy, all.filter(|_| driven));
+            let energy = read(system, what, time, state, scratch);
+            row.extend(energy.iter().take(3).map(|x| x.to_f64()));
+            row.push(energy.iter().take(3).map(|x| x.to_f64()).sum());
+            row.extend(energy.iter().skip(3).map(|x| x.to_f64()));
+            let works = state.iter().skip(layout.nx()).map(|x| x.to_f64());
+            row.extend(works.chain([f64::NAN; WORKS]).take(WORKS));
+            if acts(model.scene()) {
+                row.push(system.action_work);
+            }
+        }
+        Ok(undetermined)
+    }
+}
+
+/// A quantity at the state that `system` looked at last; with multipliers and accelerations that were found apart from the model, if there are any.
+fn read<'s, T: Float>(
+    system: &mut System<T>,
+    (what, found): (Quantity, Option<[&[f64]; 2]>),
+    time: f64,
+    state: &[T],
+    scratch: &'s mut [T],
+) -> &'s [T] {
+    let layout = system.model.layout();
+    let (length, own) = (layout.len(what), state.get(..layout.nx()));
+    let list = scratch.get_mut(..length).unwrap_or_default();
+    match found {
+        Some(found) => system.by_multipliers(what, (time, own.unwrap_or_default()), found, list),
+        None => system.seen(what, time, state, list),
+    }
+    list
+}
+
+/// Whether events change what is run.
+fn acts(scene: &Scene) -> bool {
+    scene.events.iter().any(|event| event.actions.changes())
+}
+
+/// The columns of rows.
+pub(crate) fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
+    let mut names = vec![Name::new("time", "", "s")];
+    if content.state {
+        names.extend(state_names(scene, layout));
+        names.extend(carried_names(scene, layout));
+        names.push(Name::new("quaternion_drift", "", ""));
+        if layout.nc > 0 {
+            names.push(Name::new("joint_drift", "", "m"));
+            names.push(Name::new("joint_drift_rate", "", "m/s"));
+        }
+    }
+    if content.nodes {
+        for node in &layout.nodes {
+            let (components, unit) = match node.z {
+                None => (["x", "y", "z"], "m"),
+                Some(_) => (["vx", "vy", "vz"], "m/s"),
+            };
+            let owner = node_name(scene, node.point);
+            names.extend(components.map(|component| Name::new(owner, component, unit)));
+        }
+    }
+    if content.lines {
+        for line in 0..scene.lines.len() {
+            names.push(Name::new(line_name(scene, line), "tension", "N"));
+            names.push(Name::new(line_name(scene, line), "stretch", "m"));
+        }
+    }
+    if content.reactions && layout.len(Quantity::Reactions) > 0 {
+        for joint in 0..scene.joints.len() {
+            for (kind, unit) in [("force", "N"), ("torque", "N m")] {
+                let owner = format!("{}.{kind}", joint_name(scene, joint));
+                let remark = match layout.redundancy.is_unique(joint) {
+                    true => "",
+                    false => "not unique",
+                };
+                names.extend(["x", "y", "z"].map(|c| Name {
+                    remark: remark.to_owned(),
+                    ..Name::new(&owner, c, unit)
+                }));
+            }
+        }
+    }
+    if content.outputs {
+        for output in &scene.outputs {
+            let unit = &output.unit.text;
+            match output.components {
+                1 => names.push(Name::new(&output.name, "", unit)),
+                _ => names.extend(["x", "y", "z"].map(|c| Name::new(&output.name, c, unit))),
+            }
+        }
+    }
+    if content.energy {
+        names.extend(
+            ["kinetic", "gravitational", "elastic", "total"]
+                .map(|kind| Name::new("energy", kind, "J")),
+        );
+        let kinds = ["loads", "dampers", "drives"];
+        names.extend(kinds.map(|kind| Name::new("power", kind, "W")));
+        names.extend(kinds.map(|kind| Name::new("work", kind, "J")));
+        if acts(scene) {
+            names.push(Name::new("work", "actions", "J"));
+        }
+    }
+    names
+}

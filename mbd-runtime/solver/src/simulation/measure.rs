@@ -1,0 +1,81 @@
+//! What a history measures of a run, step by step.
+
+use mbd_scene::Float;
+
+use super::Simulation;
+use crate::error::StepError;
+use crate::measure::MeasuredStep;
+use crate::trajectory::Trajectory;
+
+/// To which part of its size a quantity is resolved inside the steps of methods without a tolerance.
+const FIXED: f64 = 1e-10;
+/// The same over the tolerance of a method, and never below this.
+const OF_TOLERANCE: f64 = 0.01;
+const FINEST: f64 = 1e-12;
+
+impl<T: Float> Simulation<T> {
+    /// Measures the attempted step, which will be taken.
+    pub(super) fn measure_step(
+        &mut self,
+        size: f64,
+        trajectory: &mut Option<&mut Trajectory>,
+    ) -> Result<(), StepError> {
+        let Some((measures, maker)) = trajectory.as_mut().and_then(|it| it.measuring()) else {
+            return Ok(());
+        };
+        let start = self.time;
+        if self.watched && self.good.time() == start {
+            measures.keep(start);
+        }
+        let tolerance = self.options.method.tolerance();
+        let tolerance = tolerance.map_or(FIXED, |[tolerance, _]| OF_TOLERANCE * tolerance);
+        let step = MeasuredStep {
+            time: start,
+            size,
+            tolerance: tolerance.max(FINEST).max(16.0 * T::EPSILON.to_f64()),
+        };
+        measures.step(step, &mut |theta, out| {
+            let span = theta * size;
+            if theta > 0.0 {
+                self.inside_state(theta, size)?;
+            } else {
+                self.inside.copy_from_slice(&self.state);
+            }
+            if theta > 0.0 && theta < 1.0 {
+                self.system.stay(start + span, &mut self.inside)?;
+            }
+            let state = (self.inside.as_slice(), self.scratch.as_mut_slice());
+            maker.pick(&mut self.system, (start + span, span), state, out)
+        })
+    }
+
+    /// Measures the accepted state.
+    pub(super) fn measure_instant(
+        &mut self,
+        trajectory: &mut Option<&mut Trajectory>,
+    ) -> Result<(), StepError> {
+        let Some((measures, maker)) = trajectory.as_mut().and_then(|it| it.measuring()) else {
+            return Ok(());
+        };
+        let time = self.time;
+        measures.instant(time, |out| {
+            let state = (self.state.as_slice(), self.scratch.as_mut_slice());
+            maker.pick(&mut self.system, (time, 0.0), state, out)
+        })
+    }
+
+    /// The last instant of a run that stops: it is measured, and a row.
+    pub(super) fn record_end(
+        &mut self,
+        trajectory: &mut Option<&mut Trajectory>,
+    ) -> Result<(), StepError> {
+        self.measure_instant(trajectory)?;
+        match trajectory {
+            Some(trajectory) => {
+                let (system, scratch) = (&mut self.system, &mut self.scratch);
+                trajectory.push_end(system, self.time, &self.state, scratch)
+            }
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Relative coordinates: the same mechanics as absolute ones, and the numbers of independent tools.
+
+mod agreement;
+mod reference;

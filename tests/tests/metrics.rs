@@ -1,0 +1,222 @@
+//! Metrics of a run are as accurate as the run: closed forms, whatever rows a history has, which other events there are, and whoever runs the model.
+
+use std::f64::consts::{PI, TAU};
+
+use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{Content, Options, Sampling, Simulation, Stop, Trajectory};
+
+const OSCILLATOR: &str = "model Osc {
+    gravity: none;
+    point a { mass: 1 kg, start at [1 m, 0 m, 0 m] }
+    load k on a = -1 N/m * a.position;
+    metric top = max a.velocity.x;
+    metric low = min a.position.x { from: 1 s };
+    metric r = rms a.position.x;
+    metric m = mean a.position.x { from: 0 s, to: 1.5 s };
+    metric i = integral a.position.x { to: 1.5 s };
+    metric over = time_above a.position.x { level: 0.5 m };
+    metric first = first_above a.velocity.x { level: 0.5 m/s };
+    metric corner = integral abs(a.position.x);
+    metric last = final a.position.x { to: 1 s };
+    metric held = max abs(a.velocity.y);
+}";
+
+/// x = cos t over one turn. [unit of the metric]
+fn exact() -> [(&'static str, f64); 10] {
+    [
+        ("top", 1.0),
+        ("low", -1.0),
+        ("r", 0.5_f64.sqrt()),
+        ("m", 1.5_f64.sin() / 1.5),
+        ("i", 1.5_f64.sin()),
+        ("over", 2.0 * PI / 3.0),
+        ("first", PI + 0.5_f64.asin()),
+        ("corner", 4.0),
+        ("last", 1.0_f64.cos()),
+        ("held", 0.0),
+    ]
+}
+
+fn scene(text: &str) -> Scene {
+    let read = read_text(text);
+    let scene = read.scene.unwrap_or_else(|| panic!("{:?}", read.errors));
+    let document = write_toml(&scene);
+    assert_eq!(
+        read_toml(&document).scene.as_ref(),
+        Some(&scene),
+        "{document}"
+    );
+    scene
+}
+
+fn recorded(
+    scene: &Scene,
+    options: Options,
+    (until, sampling): (f64, Sampling),
+) -> (Trajectory, Stop) {
+    let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let model = Interpreted::<f64>::new(scene.clone(), &defaults).expect("defaults");
+    let mut history = Trajectory::new(&model, sampling, Content::ALL);
+    let mut run = Simulation::new(&model, options).expect("a model that runs");
+    let stop = run.record(until, &mut history).expect("a run that ends");
+    (history, stop)
+}
+
+fn told(history: &Trajectory, scene: &Scene) -> Vec<(String, f64)> {
+    let metrics = history.metrics(scene).into_iter();
+    metrics
+        .map(|metric| {
+            assert_eq!(metric.unresolved, 0.0, "{}", metric.name);
+            (metric.name, metric.value.unwrap_or(f64::NAN))
+        })
+        .collect()
+}
+
+fn value(history: &Trajectory, scene: &Scene, name: &str) -> f64 {
+    let all = told(history, scene);
+    let found = all.iter().find(|(known, _)| known == name);
+    found.map_or(f64::NAN, |(_, value)| *value)
+}
+
+#[test]
+fn every_kind_of_metric_of_an_oscillation_has_its_closed_form_to_the_accuracy_of_the_run() {
+    let scene = scene(OSCILLATOR);
+    // The errors of the runs themselves at their ends, times a margin.
+    let runs = [
+        (Options::vern7(1e-10), 1e-8),
+        (Options::vern7(1e-6), 2e-5),
+        (Options::tsit5(1e-8), 1e-6),
+        (Options::rodas5p(1e-8), 1e-6),
+        (Options::auto(1e-8), 1e-6),
+        (Options::rk4(0.01), 1e-8),
+        (Options::rattle(1e-3), 1e-6),
+    ];
+    for (options, bound) in runs {
+        for sampling in [Sampling::Steps, Sampling::Every(0.7)] {
+            let (history, _) = recorded(&scene, options, (TAU, sampling.clone()));
+            for ((name, found), (expected, exact)) in told(&history, &scene).iter().zip(exact()) {
+                assert_eq!(name, expected);
+                assert!(
+                    (found - exact).abs() <= bound,
+                    "{name}: {found} instead of {exact}, {options:?}, {sampling:?}"
+                );
+            }
+        }
+    }
+}
+
+fn stone(events: &str) -> Scene {
+    scene(&format!(
+        "model Stone {{
+            gravity: [0, 0, -10] m/s^2;
+            point a {{ mass: 1 kg, start at [0, 0, 0] m velocity [0, 0, 10] m/s }}
+            {events}
+            metric high = time_above a.position.z {{ level: 4.9 m }};
+            metric passed = first_above a.position.z {{ level: 4.9 m }};
+            metric just = first_above a.position.z {{ level: 4.9999 m }};
+            metric apex = max a.position.z;
+        }}"
+    ))
+}
+
+#[test]
+fn what_a_stone_does_between_two_steps_does_not_depend_on_its_events() {
+    // z = 10 t − 5 t²: above 4.9 m within √0.02 s of the apex at 1 s.
+    let half = 0.02_f64.sqrt();
+    let exact = [
+        ("high", 2.0 * half),
+        ("passed", 1.0 - half),
+        ("just", 1.0 - 2e-5_f64.sqrt()),
+        ("apex", 5.0),
+    ];
+    for events in [
+        "",
+        "event e = a.position.z falls 1 m;",
+        "event e = a.position.z rises 3 m; event f = a.velocity.z falls 2 m/s;",
+    ] {
+        let scene = stone(events);
+        for (options, bound) in [
+            (Options::tsit5(1e-8), 1e-9),
+            (Options::vern7(1e-8), 1e-9),
+            (Options::rk4(0.3), 1e-9),
+        ] {
+            let (history, _) = recorded(&scene, options, (2.0, Sampling::Every(0.9)));
+            for (name, exact) in exact {
+                let found = value(&history, &scene, name);
+                assert!(
+                    (found - exact).abs() <= bound,
+                    "{name}: {found} instead of {exact}, {options:?}, {events}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_last_instant_is_a_row_and_counts_though_the_grid_has_none_there() {
+    let scene = scene(
+        "model Fall {
+            gravity: [0, 0, -10] m/s^2;
+            point a { mass: 1 kg, start at [0, 0, 20] m }
+            event down = a.position.z falls 0 m { then: stop }
+            metric impact = final a.velocity.z;
+            metric deepest = min a.position.z;
+            metric speed = value a.velocity.z { at: down };
+            metric way = integral a.velocity.z;
+            metric t = time_of down;
+        }",
+    );
+    for options in [Options::tsit5(1e-8), Options::rk4(0.07)] {
+        let (history, stop) = recorded(&scene, options, (10.0, Sampling::Every(0.3)));
+        assert_eq!(stop, Stop::Event(0));
+        let exact = [-20.0, 0.0, -20.0, -20.0, 2.0];
+        for ((name, found), exact) in told(&history, &scene).iter().zip(exact) {
+            assert!((found - exact).abs() < 1e-9, "{name}: {found}");
+        }
+        let last = history.times().last().expect("a row");
+        assert!((last - 2.0).abs() < 1e-9, "{last}");
+        assert_eq!(history.len(), 8);
+    }
+}
+
+#[test]
+fn a_run_that_goes_on_has_the_rows_of_its_grid_and_one_end() {
+    let scene = stone("");
+    let model = Interpreted::<f64>::new(scene.clone(), &[]).expect("no params");
+    let mut history = Trajectory::new(&model, Sampling::Every(0.25), Content::RESULTS);
+    let mut run = Simulation::new(&model, Options::tsit5(1e-8)).expect("a model that runs");
+    for until in [0.1, 0.6, 0.75, 1.9] {
+        run.record(until, &mut history).expect("a run that ends");
+        assert_eq!(history.times().last(), Some(&until));
+    }
+    let grid = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 1.9];
+    assert_eq!(history.times(), grid);
+    assert!((value(&history, &scene, "apex") - 5.0).abs() < 1e-9);
+    let half = 0.02_f64.sqrt();
+    assert!((value(&history, &scene, "high") - 2.0 * half).abs() < 1e-9);
+}
+
+#[test]
+fn a_jump_of_what_is_measured_is_enclosed_and_noise_costs_no_run() {
+    let scene = scene(
+        "model Step {
+            gravity: none;
+            point a { mass: 1 kg, start at [0, 0, 0] m velocity [1, 0, 0] m/s }
+            metric stage = max if(a.position.x > 0.3 m, 2 m, 1 m);
+            metric area = integral if(a.position.x > 0.3 m, 2 m, 1 m);
+            metric since = first_above (if(a.position.x > 0.3 m, 2 m, 1 m)) { level: 1.5 m };
+            metric fast = rms sin(200 rad/s * time);
+        }",
+    );
+    let (history, _) = recorded(&scene, Options::vern7(1e-8), (1.0, Sampling::Steps));
+    // ∫ sin² 200 t over 1 s.
+    let rms = (0.5 - (400.0_f64).sin() / 800.0).sqrt();
+    for (name, exact) in [("stage", 2.0), ("area", 1.7), ("since", 0.3), ("fast", rms)] {
+        let found = value(&history, &scene, name);
+        assert!(
+            (found - exact).abs() < 1e-7,
+            "{name}: {found} instead of {exact}"
+        );
+    }
+}
