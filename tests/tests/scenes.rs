@@ -158,7 +158,12 @@ fn the_four_bar_turns_round_and_its_coupler_keeps_its_length() {
     let signs = |name: &str| {
         let column = column(&outcome, name);
         let late = &column[column.len() / 2..];
-        (late.iter().any(|a| *a > 0.0), late.iter().any(|a| *a < 0.0))
+        let sides = late.iter().map(|angle| angle.to_radians().sin());
+        let mut sides = [sides.clone(), sides];
+        (
+            sides[0].any(|side| side > 0.0),
+            sides[1].any(|side| side < 0.0),
+        )
     };
     assert_eq!(signs("crank_angle"), (true, true));
     assert_eq!(signs("rocker_angle"), (false, true));

@@ -23,7 +23,8 @@ const PENDULUM: &str = "model Pendulum {
 }";
 
 fn plan(coordinates: Coordinates, dispersed: &str, case: u64) -> RunPlan {
-    let folder = Folder::new(&format!("joint_starts_{}_{case}", coordinates.word()));
+    let what = &dispersed[..3];
+    let folder = Folder::new(&format!("starts_{what}_{}_{case}", coordinates.word()));
     let scene = read_text(PENDULUM).scene.expect("a scene");
     let model = Generic::<f64>::with_defaults(scene.in_coordinates(coordinates)).expect("valid");
     let text = format!(

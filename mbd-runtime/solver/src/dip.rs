@@ -59,7 +59,7 @@ impl<T: Float> Simulation<T> {
                 continue;
             };
             let mut looks = [[t0, m0], [t1, m1], [t2, m2]];
-            for _ in 0..FOLLOWED {
+            for look in 0..FOLLOWED {
                 let Some(at) = lowest(looks) else {
                     break;
                 };
@@ -71,7 +71,10 @@ impl<T: Float> Simulation<T> {
                     self.margins.keep_latest();
                     looked = true;
                 }
-                self.look_inside(at, step)?;
+                match look {
+                    0 => self.look_first(at, step)?,
+                    _ => self.look_inside(at, step)?,
+                }
                 if self.choose_passed() {
                     let low = if at < t1 { t0 } else { t1 };
                     if at < t1 {

@@ -67,7 +67,10 @@ impl<T: Float> Simulation<T> {
         self.margins.before.copy_from_slice(start);
         for look in 1..=looks {
             let high = f64::from(look) / f64::from(looks);
-            self.look_inside(high, step)?;
+            match looks {
+                LOOKS => self.look_inside(high, step)?,
+                _ => self.look_first(high, step)?,
+            }
             if self.choose_passed() {
                 return self.narrow(low, high, step);
             }
@@ -92,6 +95,17 @@ impl<T: Float> Simulation<T> {
         }
         self.inside_state(theta, step)?;
         self.read_margins(self.time + theta * step, theta * step)
+    }
+
+    /// The same for a first look, which need not be better than the ends of the step tell: what it finds passed is looked at again.
+    pub(crate) fn look_first(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
+        if self.inside_by_ends(theta, step) {
+            self.read_margins(self.time + theta * step, theta * step)?;
+            if !self.choose_passed() {
+                return Ok(());
+            }
+        }
+        self.look_inside(theta, step)
     }
 
     /// Reads the margins at the end of the attempted step, whose nodes are solved already.
@@ -284,9 +298,13 @@ impl<T: Float> Simulation<T> {
             // A little behind the straight line's zero: the far side is asked for.
             let slope = (above - below) / (high - low);
             let straight = low + above / slope + 0.5 * resolved;
+            let just_before = high - 0.75 * resolved;
             let middle = if !halve && straight > low && straight < high {
                 // Closer to an end than what is resolved says no more.
                 straight.max(low + 0.5 * resolved)
+            } else if !halve && straight >= high && just_before > low {
+                // The far side is the zero already: one trial before it says so.
+                just_before
             } else {
                 0.5 * (low + high)
             };

@@ -147,6 +147,7 @@ fn random_place(model: &dyn Model<f64>, seed: &mut u64) -> Arguments<f64> {
         hold: list(layout.holds())
             .into_iter()
             .map(|x| (1.4 * x).round())
+            .chain(list(layout.turns.len()))
             .chain(list(model.scene().runs.origin.map_or(0, |_| NUMBERS)))
             .collect(),
         ends: list(layout.len(Quantity::AnchorStates))

@@ -245,6 +245,29 @@ impl<T: Float> Explicit<T> {
         combine(state, T::from_f64(step), &weights, &self.stages, out);
     }
 
+    /// Whether the interpolant needs stages that the last attempt has not.
+    pub(crate) fn is_incomplete(&self) -> bool {
+        !self.complete && self.rows.len() > self.steps
+    }
+
+    /// The state at `theta` of the last attempt by the states and rates at its ends alone: the cubic of Hermite, of order four.
+    pub(crate) fn interpolate_ends(&self, theta: f64, step: f64, state: &[T], out: &mut [T]) {
+        let (t, rest) = (theta, 1.0 - theta);
+        let [at_end, rate, rate_at_end] = [
+            t * t * (3.0 - 2.0 * t),
+            step * t * rest * rest,
+            -step * t * t * rest,
+        ]
+        .map(T::from_f64);
+        let last = self.stages.chunks_exact(self.length.max(1));
+        let last = last.take(self.steps).next_back().unwrap_or(&[]);
+        let ends = state.iter().zip(&self.next);
+        let rates = self.first().iter().zip(last);
+        for (out, ((a, b), (k, l))) in out.iter_mut().zip(ends.zip(rates)) {
+            *out = *a + at_end * (*b - *a) + rate * *k + rate_at_end * *l;
+        }
+    }
+
     /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it; zero where the stages agree to
     /// `negligible` of k₁. |k|² = Σ weight k².
     pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {

@@ -487,6 +487,17 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
+    /// The same by the ends of the step alone, where the interpolant needs stages of its own that nobody asked for yet; whether it is that.
+    pub(crate) fn inside_by_ends(&mut self, theta: f64, step: f64) -> bool {
+        let method = self.method.explicit();
+        let Some(method) = method.filter(|method| theta < 1.0 && method.is_incomplete()) else {
+            return false;
+        };
+        method.interpolate_ends(theta, step, &self.state, &mut self.inside);
+        self.system.normalise(&mut self.inside);
+        true
+    }
+
     /// Notes a located event.
     pub(crate) fn note(&mut self, what: Happening) {
         self.events.push(Occurrence {

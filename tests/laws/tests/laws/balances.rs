@@ -169,13 +169,14 @@ fn energy_and_momentum_are_sums_over_what_moves_and_loads_give_force_times_veloc
 }
 
 #[test]
-fn loads_on_nodes_count_as_forces_and_do_no_work_of_their_own() {
+fn loads_on_nodes_count_as_forces_and_work_as_the_node_goes_with_its_anchors() {
     let mut random = Random::new(52);
     let mut scene = empty([0.0; 3], AngularVelocity::Body);
     let anchors = [0, 1, 2].map(|_| add_point(&mut scene, 1.0));
     let knot = node(&mut scene, NodeModel::Static);
     for anchor in anchors {
-        let numbers = [0.5, 200.0, 0.0];
+        // Of no free length and alike: the node is at the mean of its anchors, and goes with it.
+        let numbers = [0.0, 200.0, 0.0];
         scene
             .lines
             .push(line(LineKind::Line, [anchor, knot], numbers));
@@ -191,12 +192,19 @@ fn loads_on_nodes_count_as_forces_and_do_no_work_of_their_own() {
     let mut at = Instant {
         state: state(&scene, &[], &points),
         nodes: place.to_vec(),
-        effective: [200.0, 0.5].repeat(3),
+        effective: [200.0, 0.0].repeat(3),
         hold: vec![0.0; 3],
         ..Instant::default()
     };
     at.ends = evaluate_at(&scene, Quantity::AnchorStates, &at.at());
-    assert_eq!(evaluate_at(&scene, Quantity::Energy, &at.at())[3], 0.0);
+    let mean = points
+        .iter()
+        .map(|point| point.velocity)
+        .sum::<Vector3<f64>>()
+        / 3.0;
+    let power = Vector3::from(FORCES[0]).dot(&mean);
+    let got = evaluate_at(&scene, Quantity::Energy, &at.at())[3];
+    assert_close(&[got], &[power], 1e-13, 1e-13, "power");
     let (layout, numbers) = (layout(&scene), Numbers::new(&scene, &[]));
     let mut got = vec![0.0; 14];
     let mut scratch = Scratch::new(&layout);
