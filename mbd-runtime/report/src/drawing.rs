@@ -82,9 +82,9 @@ impl DrawingPart {
 /// A mechanism at one or more instants, later ones darker, and the paths of named points.
 ///
 /// ```
-/// use mbd_report::{Drawing, Shape};
+/// use mbd_report::{Drawing, DrawingPart};
 /// let svg = Drawing::new("Pendulum", ["x", "z"])
-///     .instant([Shape::Body(vec![[0.0, 0.0], [0.3, -0.4]]), Shape::Pivot([0.0, 0.0])])
+///     .instant([DrawingPart::Body(vec![[0.0, 0.0], [0.3, -0.4]]), DrawingPart::Pivot([0.0, 0.0])])
 ///     .svg();
 /// assert!(svg.starts_with("<svg"));
 /// ```

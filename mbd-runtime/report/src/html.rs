@@ -15,7 +15,7 @@ use super::table::ReportTable;
 /// A report, written from top to bottom. No dates, no paths, no machine names: the same input gives the same bytes.
 ///
 /// ```
-/// use mbd_report::{Report, Table};
+/// use mbd_report::{Report, ReportTable};
 /// let page = Report::new("Parachute").section("Result").paragraph("All taut.").command("cargo run --release").html();
 /// assert!(page.starts_with("<!DOCTYPE html>"));
 /// ```

@@ -63,8 +63,8 @@ struct TableColumn {
 /// A table: columns with units, rows of cells.
 ///
 /// ```
-/// use mbd_report::Table;
-/// let table = Table::new("Largest stable step").column("node", "").number("step", "s", 3).row(["mass".into(), 1.565e-4.into()]);
+/// use mbd_report::ReportTable;
+/// let table = ReportTable::new("Largest stable step").column("node", "").number("step", "s", 3).row(["mass".into(), 1.565e-4.into()]);
 /// assert!(table.text().contains("1.57e-4"));
 /// ```
 #[derive(Clone, Debug, Default)]

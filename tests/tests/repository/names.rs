@@ -40,8 +40,8 @@ fn declared(code: TokenStream, names: &mut Vec<String>) {
         _ => None,
     };
     let mut for_tests = false;
-    for at in 0..tokens.len() {
-        match &tokens[at] {
+    for (at, token) in tokens.iter().enumerate() {
+        match token {
             TokenTree::Group(group) => match group.delimiter() {
                 Delimiter::Bracket => {
                     let attribute = group.stream().to_string().replace(' ', "");
