@@ -35,6 +35,8 @@ pub(crate) struct Measures {
     states: Vec<Resolving>,
     /// Up to when the run was measured [s].
     until: f64,
+    /// The instant whose values are the first of those [s]; NaN: of none.
+    held: f64,
     /// What was known at an instant the run may go back to [s].
     kept: (f64, Vec<Sum>),
 }
@@ -107,6 +109,7 @@ impl Measures {
             values: vec![0.0; (2 * DEEPEST + 2) * POINTS * columns],
             states: vec![Resolving::Done; (2 * DEEPEST + 2) * columns],
             until: f64::NAN,
+            held: f64::NAN,
             kept: (f64::NAN, vec![Sum::NOTHING; readers.len()]),
             readers,
         };
@@ -123,7 +126,7 @@ impl Measures {
     pub(crate) fn clear(&mut self) {
         self.sums.fill(Sum::NOTHING);
         self.columns.fill(Column::default());
-        self.until = f64::NAN;
+        (self.until, self.held) = (f64::NAN, f64::NAN);
         self.kept.0 = f64::NAN;
     }
 
@@ -168,6 +171,7 @@ impl Measures {
 
     /// Takes back what was measured after a time. What cannot be taken back has no value any more.
     pub(crate) fn cut(&mut self, time: f64) {
+        self.held = f64::NAN;
         if self.until.is_nan() || self.until <= time {
             return;
         }
@@ -194,7 +198,7 @@ impl Measures {
             let polynomial = Polynomial::through([value; POINTS]);
             sum.add(reader, &polynomial, [time; 2], (false, 0.0));
         }
-        self.until = time;
+        (self.until, self.held) = (time, time);
         Ok(())
     }
 
@@ -220,7 +224,39 @@ impl Measures {
             }
             self.resolve(whole, step, at)?;
         }
-        self.until = step.time + step.size;
+        (self.until, self.held) = (step.time + step.size, f64::NAN);
+        Ok(())
+    }
+
+    /// A step between whose ends the quantities have no value of their own, as the forces of a `stepwise` node, whose rule is one of whole steps: straight
+    /// between them.
+    pub(crate) fn step_by_ends(
+        &mut self,
+        step: MeasuredStep,
+        at: &mut ColumnValues<'_>,
+    ) -> Result<(), StepError> {
+        let count = self.columns.len();
+        let times = [step.time, step.time + step.size];
+        let (now, before) = self.values.split_at_mut(count);
+        let before = before.get_mut(..count).unwrap_or_default();
+        if self.held == step.time {
+            before.copy_from_slice(now);
+        } else if count > 0 {
+            at(0.0, before)?;
+        }
+        if count > 0 {
+            at(1.0, now)?;
+        }
+        for ((reader, column), sum) in self.readers.iter().zip(&mut self.sums) {
+            let end = |list: &[f64]| list.get(*column).copied().unwrap_or(f64::NAN);
+            let (a, b) = (end(before), end(now));
+            let polynomial = Polynomial::through(Polynomial::places().map(|part| match part {
+                1.0 => b,
+                part => a + part * (b - a),
+            }));
+            sum.add(reader, &polynomial, times, (false, 0.0));
+        }
+        (self.until, self.held) = (times[1], times[1]);
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use mbd_scene::Float;
 
 use super::Simulation;
+use super::start::stepwise;
 use crate::error::StepError;
 use crate::measure::MeasuredStep;
 use crate::trajectory::Trajectory;
@@ -34,7 +35,8 @@ impl<T: Float> Simulation<T> {
             size,
             tolerance: tolerance.max(FINEST).max(16.0 * T::EPSILON.to_f64()),
         };
-        measures.step(step, &mut |theta, out| {
+        let by_ends = stepwise(&*self.system.model).is_some();
+        let mut at = |theta: f64, out: &mut [f64]| {
             let span = theta * size;
             if theta > 0.0 {
                 self.inside_state(theta, size)?;
@@ -46,7 +48,11 @@ impl<T: Float> Simulation<T> {
             }
             let state = (self.inside.as_slice(), self.scratch.as_mut_slice());
             maker.pick(&mut self.system, (start + span, span), state, out)
-        })
+        };
+        match by_ends {
+            true => measures.step_by_ends(step, &mut at),
+            false => measures.step(step, &mut at),
+        }
     }
 
     /// Measures the accepted state.

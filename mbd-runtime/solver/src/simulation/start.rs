@@ -589,7 +589,7 @@ fn unsupplied<T: Float>(model: &dyn Model<T>) -> StepError {
 }
 
 /// The first point with a `stepwise` node.
-fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
+pub(super) fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
     let nodes = &model.layout().nodes;
     nodes
         .iter()
