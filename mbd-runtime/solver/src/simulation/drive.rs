@@ -119,6 +119,8 @@ impl<T: Float> Simulation<T> {
         }
         if let Err(cause) = &outcome {
             self.go_back(cause, trajectory)?;
+            // What broke the run is told; where its last state cannot be measured, metrics of the end have no value.
+            let _ = self.measure_instant(trajectory);
         }
         if let Some(trajectory) = trajectory
             && !matches!(outcome, Ok(None))

@@ -109,6 +109,7 @@ impl<T: Float> Simulation<T> {
 
     /// Takes up the energy anew after something jumped.
     pub(crate) fn rebase(&mut self) {
+        self.jumped = true;
         let Some(balance) = &mut self.balance else {
             return;
         };

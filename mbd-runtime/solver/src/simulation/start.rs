@@ -171,6 +171,7 @@ impl<T: Float> Simulation<T> {
             count: 0,
             options,
             guess: None,
+            jumped: true,
             as_declared: true,
             started: false,
             stale: false,
