@@ -136,17 +136,27 @@ impl Trajectory {
     /// How far this history is from a finer one of the same run at the same times, column by column, with the largest value of the column: what is not
     /// a number in both is left out.
     ///
-    /// `rows` are those of this history that the other has.
+    /// `rows` are those of this history that the other has; `turn` says how much apart values of a column mean the same [its unit], as those of `atan2`
+    /// do that are a turn apart, by its name.
     #[must_use]
-    pub fn deviations(&self, rows: &[usize], finer: &Trajectory) -> Vec<(Deviation, f64)> {
+    pub fn deviations(
+        &self,
+        rows: &[usize],
+        finer: &Trajectory,
+        turn: impl Fn(&str) -> Option<f64>,
+    ) -> Vec<(Deviation, f64)> {
         let names = self.names().iter();
         let columns = names.map(|name| {
             let [own, other] = [self, finer].map(|history| history.column(&name.name));
             let own = own.unwrap_or_default();
             let picked = rows.iter().filter_map(|row| own.get(*row));
             let pairs = picked.zip(other.unwrap_or_default());
+            let known = pairs.filter(|(a, b)| !(a.is_nan() && b.is_nan()));
+            let turn = turn(&name.name);
+            let nearest =
+                |a: f64, b: f64| turn.map_or(a, |turn| a - turn * ((a - b) / turn).round());
             let (own, other): (Vec<f64>, Vec<f64>) =
-                pairs.filter(|(a, b)| !(a.is_nan() && b.is_nan())).unzip();
+                known.map(|(a, b)| (nearest(*a, *b), *b)).unzip();
             let size = other.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             (Deviation::between(&own, &other), size)
         });
