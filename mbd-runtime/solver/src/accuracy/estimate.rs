@@ -7,6 +7,7 @@
 use super::{Deviation, Question, TradeError, Unanswered, Variant};
 use crate::options::{Method, Options};
 use crate::trajectory::Trajectory;
+use crate::turns;
 
 /// The finest tolerance whose error a tenth of it can still tell: doubles hold 1e-16.
 const FINEST: f64 = 1e-13;
@@ -14,6 +15,8 @@ const FINEST: f64 = 1e-13;
 const TENTH: f64 = 0.1;
 /// Part of the wanted error that a tightened run aims at.
 const AIM: f64 = 0.3;
+/// Steps of a method of order five go with this power of the tolerance.
+const STEP_BY_TOLERANCE: f64 = 0.2;
 /// How often a run is tightened.
 const TRIES: usize = 12;
 
@@ -28,15 +31,21 @@ impl Options {
         }
     }
 
-    /// The same with its step, or its tolerance, times a factor.
+    /// The same with its step, or its tolerance, times a factor. What bounds adaptive steps beside the tolerance changes with it: where that alone
+    /// decides, a tighter tolerance would make the same steps again.
     fn tightened(self, factor: f64) -> Options {
         let mut options = self;
+        let bound = factor.powf(STEP_BY_TOLERANCE);
         match &mut options.method {
             Method::Rk4 { step } | Method::Rattle { step } => *step *= factor,
-            Method::Tsit5 { rtol, .. }
-            | Method::Vern7 { rtol, .. }
-            | Method::Rodas5P { rtol, .. }
-            | Method::Auto { rtol, .. } => *rtol *= factor,
+            Method::Tsit5 { rtol, max_step }
+            | Method::Vern7 { rtol, max_step }
+            | Method::Rodas5P { rtol, max_step }
+            | Method::Auto { rtol, max_step } => {
+                *rtol *= factor;
+                *max_step *= bound;
+                options.max_angle = (options.max_angle * bound).min(turns::MOST);
+            }
         }
         options
     }

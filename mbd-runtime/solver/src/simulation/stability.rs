@@ -298,7 +298,7 @@ impl<T: Float> Simulation<T> {
     }
 
     #[cold]
-    fn unstable(&self, step_size: f64, what: Instability) -> StepError {
+    pub(super) fn unstable(&self, step_size: f64, what: Instability) -> StepError {
         StepError::UnstableStep {
             time: self.time + step_size,
             step_size,
