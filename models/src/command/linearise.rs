@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use mbd_runtime::{Generic, Simulation, StateSpace, linearise_along, trim};
+use mbd_compiler::read_number;
+use mbd_runtime::{Generic, Simulation, StateSpace, Trimmed, linearise_along, trim};
 use models::report::ReportTable;
 use models::run::RunPlan;
 
@@ -21,6 +22,12 @@ pub struct LineariseArgs {
     /// A coordinate that is to be one of the linear system, `crank.angle`; may be repeated [default: joint coordinates in order of declaration].
     #[arg(long = "along", value_name = "COORDINATE")]
     along: Vec<String>,
+    /// Where a coordinate of the rest begins that is looked for, `boom.angle=-20deg`; may be repeated [default: the start].
+    #[arg(long = "guess", value_name = "NAME=VALUE", requires = "trim")]
+    guess: Vec<String>,
+    /// A param with another value, `riser_k=50kN/m`; may be repeated.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
 }
 
 /// Linearises a scene and tells its coordinates and eigenvalues.
@@ -37,20 +44,56 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     plan.begin(&mut run).map_err(|e| invalid(&e))?;
     run.start().map_err(|e| invalid(&e))?;
     let along: Vec<&str> = args.along.iter().map(String::as_str).collect();
-    let (state, place) = match args.trim {
-        true => {
-            let found = trim(&model)
-                .state(run.state())
-                .all_inputs(&plan.inputs)
-                .nodes(run.nodes())
-                .solve();
-            (found.map_err(|e| invalid(&e))?.state, "rest")
-        }
-        false => (run.state().to_vec(), "start"),
-    };
-    let space = linearise_along(&model, 0.0, &state, &plan.inputs, &along);
+    let guesses = args.guess.iter().map(|guess| number(guess));
+    let guesses = guesses.collect::<Result<Vec<_>, _>>()?;
+    let rest = args.trim.then(|| {
+        let begun = trim(&model)
+            .state(run.state())
+            .all_inputs(&plan.inputs)
+            .nodes(run.nodes());
+        let guessed = guesses.iter().fold(begun, |it, (name, value)| it.guess(name, *value));
+        guessed.solve()
+    });
+    let rest = rest.transpose().map_err(|e| invalid(&e))?;
+    let state = rest.as_ref().map_or(run.state(), |rest| &rest.state);
+    let space = linearise_along(&model, 0.0, state, &plan.inputs, &along);
     let space = space.map_err(|error| invalid(&error))?;
-    Ok(told(&space, place))
+    Ok(match &rest {
+        Some(rest) => format!("{}\n{}", told_rest(rest), told(&space, "rest")),
+        None => told(&space, "start"),
+    })
+}
+
+/// A coordinate and its number, as they are written.
+fn number(written: &str) -> Result<(String, f64), CommandFailure> {
+    let wrong = |why: &str| {
+        let form = "write it as NAME=VALUE, such as pin.angle=30deg";
+        CommandFailure::Invalid(format!("--guess `{written}`{why}: {form}"))
+    };
+    let Some((name, value)) = written.split_once('=') else {
+        return Err(wrong(""));
+    };
+    let (value, _) = read_number(value.trim()).map_err(|error| wrong(&format!(" ({error})")))?;
+    Ok((name.trim().to_owned(), value))
+}
+
+/// Where the rest is.
+fn told_rest(rest: &Trimmed) -> String {
+    let mut table = ReportTable::new("Rest")
+        .column("coordinate", "")
+        .column("unit", "")
+        .column("value", "")
+        .column("", "");
+    for (name, value) in rest.values() {
+        let undecided = rest.undecided.contains(&name.name);
+        table.push([
+            name.name.as_str().into(),
+            name.unit.as_str().into(),
+            value.into(),
+            undecided.then_some("undecided: it stayed where it began").into(),
+        ]);
+    }
+    table.text()
 }
 
 /// The tables.

@@ -271,6 +271,11 @@ impl<T: Scalar> Trim<'_, T> {
 }
 
 impl Trimmed {
+    /// Coordinates, their rates and inputs, with their values.
+    pub fn values(&self) -> impl Iterator<Item = (&Name, f64)> {
+        self.names.iter().zip(self.values.iter().copied())
+    }
+
     /// The value of a coordinate, its rate, or an input, by name.
     #[must_use]
     pub fn value(&self, name: &str) -> Option<f64> {
