@@ -194,7 +194,10 @@ impl Resolver<'_> {
                 let mut angles = Vec::new();
                 for argument in arguments {
                     let typed = self.typed(argument, scope);
-                    angles.push(typed.and_then(|t| self.fits(t, &name.text, false, units::NONE)));
+                    angles.push(typed.and_then(|typed| {
+                        self.in_radians(&typed, &format!("`{}`", name.text))?;
+                        self.fits(typed, &name.text, false, units::NONE)
+                    }));
                 }
                 let mut angles: Vec<Formula> = angles.into_iter().collect::<Option<_>>()?;
                 if name.text == "euler_zyx" {

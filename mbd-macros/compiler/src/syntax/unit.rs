@@ -28,11 +28,24 @@ pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
     let first = match reciprocal(cursor) {
         Some(one) => one,
         None if cursor.peek_word().is_some() => factor(cursor)?,
-        None => return Ok(None),
+        None => return Ok(in_brackets(cursor)),
     };
     let unit = product(cursor, first, false)?;
     no_unit_behind(cursor, &unit)?;
     Ok(Some(unit))
+}
+
+/// Takes a unit in brackets alone, `(kg*m)`: how it is told from a name that is a unit, too. What is no unit stays.
+fn in_brackets(cursor: &mut Cursor<'_>) -> Option<Unit> {
+    let mut ahead = *cursor;
+    let group = ahead.group(Bracket::Round)?;
+    Cursor::new(group).peek_word()?;
+    let inner = whole(Cursor::new(group)).ok()?;
+    *cursor = ahead;
+    Some(Unit {
+        text: format!("({})", inner.text),
+        ..inner
+    })
 }
 
 /// Refuses `kg m^2`: a unit behind a unit without a sign between them.
@@ -128,6 +141,9 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, LexemeMessage> {
                     if [&word.text, next].iter().all(|w| units::find(w).is_some()) =>
                 {
                     say::unit_product(here, &word.text, next)
+                }
+                _ if path && units::find(&word.text).is_some() => {
+                    say::point_behind_unit(cursor.here(), &word.text)
                 }
                 _ => say::unknown_unit(here, &word.text),
             });
