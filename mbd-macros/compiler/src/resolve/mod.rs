@@ -38,6 +38,7 @@ use mbd_scene::Scene;
 pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
 pub use next::NextSceneRegion;
+pub use turns::mixes_turns;
 pub use value::{MayDependOn, Scope, Typed};
 
 use crate::lexeme::{LexemeIndex, Region};

@@ -171,6 +171,13 @@ impl Resolver<'_> {
     }
 }
 
+/// Whether one of two units counts turns and the other one is of radians: 1 Hz is 2π rad/s.
+#[must_use]
+pub fn mixes_turns(a: &Unit, b: &Unit) -> bool {
+    let mixed = |turns: &Unit, other: &Unit| counts_turns(turns) && angle_of(other) == 1;
+    mixed(a, b) || mixed(b, a)
+}
+
 /// Whether a unit counts turns: `Hz`, `m*Hz`.
 pub fn counts_turns(unit: &Unit) -> bool {
     let mut words = unit.text.split(|c: char| !c.is_ascii_alphabetic());
