@@ -62,6 +62,6 @@ pub use solution::{Solution, SolutionMember};
 pub use strided::{RoundItem, StridedRun};
 pub use syntax::quantities;
 #[cfg(feature = "toml")]
-pub use toml::{read_toml, read_toml_in, toml_to_text, write_text, write_toml};
+pub use toml::{read_toml, read_toml_in, text_to_toml, toml_to_text, write_text, write_toml};
 pub use urdf::read_urdf;
 pub use vocabulary::Vocabulary;

@@ -1,6 +1,8 @@
 //! Scenes in TOML: the same scene, the same mistakes, each at its line and column.
 
-use mbd_compiler::{Reading, read_text, read_toml, toml_to_text, write_text, write_toml};
+use mbd_compiler::{
+    Reading, read_text, read_toml, text_to_toml, toml_to_text, write_text, write_toml,
+};
 use mbd_scene::Scene;
 
 fn told(reading: &Reading) -> Vec<String> {
@@ -188,6 +190,57 @@ fn a_document_as_text_keeps_its_consts_repetitions_and_units() {
     let (read, document) = (read_text(&text), read_toml(LINK));
     assert!(read.scene.is_some(), "{:?}\n{text}", read.errors);
     assert_eq!(read.scene, document.scene);
+}
+
+#[test]
+fn a_text_as_a_document_and_back_is_the_same_scene_with_what_was_written() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pass");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let whole = read_text(&text);
+        let document = text_to_toml(&text).unwrap();
+        let read = read_toml(&document);
+        assert_eq!(
+            read.scene,
+            whole.scene,
+            "{}\n{document}\n{:?}",
+            path.display(),
+            told(&read)
+        );
+        assert_eq!(read.options.verify, whole.options.verify);
+        assert_eq!(read.options.generic, whole.options.generic);
+        let again = toml_to_text(&document).unwrap();
+        assert_eq!(read_text(&again).scene, whole.scene, "{again}");
+    }
+    let text = "/// A swing.
+        model Swing {
+            gravity: [0.0, 0.0, -9.81] m/s^2; // downwards
+            const L = 80 cm;
+            param tilt = 30 deg in 0 deg ..= 60 deg;
+            body link[i in 0..3] {
+                mass: 500 g, // light
+                inertia: diag(55, 55, 1) g*m^2,
+                frame root at [0.0, 0.0, L / 2] rotated rpy(0, 0, 45 deg),
+            }
+            joint pin[i in 0..3]: universal from world to link[i].root { axes: [x, y], angle1: { damping: 3 N*mm*s, start: tilt } }
+            output bend = pin[0].angle1 in deg;
+        }";
+    let document = text_to_toml(text).unwrap();
+    for kept in [
+        "doc = \"A swing.\"",
+        "L = \"80 cm\"",
+        "tilt = { value = \"30 deg\", in = \"0 deg ..= 60 deg\" }",
+        "[body.\"link[i in 0..3]\"]\nmass = \"500 g\"",
+        "frame.root = { at = \"[0.0, 0.0, L / 2]\", rotated = \"rpy(0, 0, 45 deg)\" }",
+        "angle1 = { damping = \"3 N*mm*s\", start = \"tilt\" }",
+        "bend = { value = \"pin[0].angle1\", in = \"deg\" }",
+    ] {
+        assert!(document.contains(kept), "{kept}\n{document}");
+    }
+    assert_eq!(read_toml(&document).scene, read_text(text).scene);
+    assert!(read_text(text).scene.is_some());
+    assert_eq!(text_to_toml("model Swing { body }"), None);
 }
 
 const LINK: &str = r#"

@@ -30,6 +30,8 @@ pub struct SceneFile {
     pub source: String,
     /// The scene as it was written, if in TOML.
     pub document: Option<String>,
+    /// The declaration as it was written, if as text.
+    pub text: Option<String>,
     /// How its run is set: the table `[run]`.
     pub settings: Settings,
     /// That table as written.
@@ -244,6 +246,7 @@ impl SceneFile {
         };
         let reading = form.reading(&scene, folder);
         let document = (form == SceneFormat::Toml).then(|| scene.clone());
+        let written = (form == SceneFormat::Text).then(|| scene.clone());
         let settings = match misnamed {
             Some((line, told)) => Err(format!("line {line}: {told}")),
             None => Settings::read(&run),
@@ -263,6 +266,7 @@ impl SceneFile {
                     name: name.to_owned(),
                     source: text.to_owned(),
                     document,
+                    text: written,
                     scene,
                     reading,
                     settings,

@@ -252,7 +252,11 @@ impl<'t> TomlReader<'t> {
                     item.block.push(block);
                 }
                 (None, None, _) if spec.fields.is_none() => unknown.push((at, word)),
-                (None, None, DeValue::Table(_)) => unknown.push((at, word)),
+                (None, None, DeValue::Table(_))
+                    if say_toml::keys_of(spec).all(|key| key != word) =>
+                {
+                    unknown.push((at, word));
+                }
                 (None, None, _) => {
                     let field = self.field(word, at, value);
                     item.block.push(field);

@@ -60,13 +60,9 @@ pub(crate) fn numbers(setting: &str, value: &Value, units: &[&str]) -> Result<Ve
             }
             let example = match units {
                 [unit, ..] if units.iter().all(|other| other == unit) => {
-                    format!("\"[1, 0, 0] {unit}\"")
+                    format!("\"{}\"", format!("[1, 0, 0] {unit}").trim_end())
                 }
-                units => {
-                    let each: Vec<String> =
-                        units.iter().map(|unit| format!("\"0 {unit}\"")).collect();
-                    format!("[{}]", each.join(", "))
-                }
+                units => zeros(units),
             };
             Err(wrong(
                 setting,
@@ -77,6 +73,15 @@ pub(crate) fn numbers(setting: &str, value: &Value, units: &[&str]) -> Result<Ve
             ))
         }
     }
+}
+
+/// How nothing of as many numbers as there are units is written in TOML.
+pub(crate) fn zeros(units: &[&str]) -> String {
+    let each: Vec<String> = units
+        .iter()
+        .map(|unit| format!("\"{}\"", format!("0 {unit}").trim_end()))
+        .collect();
+    format!("[{}]", each.join(", "))
 }
 
 /// A number that was read with its unit, checked against what it must measure.

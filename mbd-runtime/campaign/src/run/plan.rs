@@ -13,7 +13,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use super::names::{PlanError, flat, no_column, unknown, wrong};
-use super::number::{number, numbers as numbers_of, positive};
+use super::number::{number, numbers as numbers_of, positive, zeros};
 use super::settings::Settings;
 
 /// Everything a run needs, in SI numbers.
@@ -460,9 +460,11 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
             if matches!(slots.source, InputSource::Input(_)) {
                 continue;
             }
+            let units = units.get(..slots.len).unwrap_or(&units);
             let text = format!(
-                "this scene takes `{name}` from its caller: give {} number(s) under [run.inputs]",
-                slots.len
+                "this scene takes `{name}` from its caller: give {} number(s) under [run.inputs], such as `{name} = {}`",
+                slots.len,
+                zeros(units)
             );
             return Err(wrong(setting, text));
         };
