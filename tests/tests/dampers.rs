@@ -15,7 +15,7 @@ model! {
         spring strut from first to second { damping: 1.2 N*s/m }
         spring coil from first to second { free_length: 4 m, stiffness: k, damping: 0.6 N*s/m }
         output push = strut.tension;
-        metric heat = integral (1.8 N*s/m * strut.stretch_rate^2) in mN*m;
+        metric heat = integral(1.8 N*s/m * strut.stretch_rate^2) in mN*m;
     }
 }
 

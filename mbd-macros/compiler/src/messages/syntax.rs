@@ -380,7 +380,11 @@ pub fn unknown_unit(at: Region, word: &str) -> LexemeMessage {
             format!("unknown unit `{word}`; write {instead}")
         }
         None if let Some(product) = crate::units::run_together(word) => {
-            format!("unknown unit `{word}`; a product of units is written `{product}`")
+            let what = match product.contains('*') {
+                true => "product of units",
+                false => "power of a unit",
+            };
+            format!("unknown unit `{word}`; a {what} is written `{product}`")
         }
         None => format!(
             "unknown unit `{word}`{} known: {}, combined with * / ^ ( )",
@@ -440,6 +444,14 @@ pub fn one_index(at: Region) -> LexemeMessage {
 pub fn unit_product(at: Region, first: &str, second: &str) -> LexemeMessage {
     let text =
         format!("`{first}.{second}` is no unit; a product of units is written `{first}*{second}`");
+    LexemeMessage::new(at, text)
+}
+
+/// `take`: the word of a metric at the beginning of another value.
+pub fn taken_of_a_run(at: Region, take: &str) -> LexemeMessage {
+    let text = format!(
+        "what is taken of a quantity over a run is a metric: write `metric NAME = {take} …` instead"
+    );
     LexemeMessage::new(at, text)
 }
 

@@ -461,7 +461,7 @@ impl Resolver<'_> {
 
     fn trailing_unit(&mut self, cursor: &mut Cursor<'_>) -> Option<Option<Unit>> {
         let here = cursor.here();
-        match unit::suffix(cursor) {
+        match unit::suffix_alone(cursor) {
             Ok(Some(unit)) if unit.dimension != units::INERTIA => {
                 let report = say::wrong_dimension(here, "inertia", units::INERTIA, unit.dimension);
                 self.fail(report)

@@ -25,12 +25,21 @@ pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, LexemeMessage> {
 
 /// Takes a unit if one comes next. A word right after a number must be a unit; after `*` or `/` it may be something else.
 pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
+    trailing(cursor, false)
+}
+
+/// The same where no operator can follow: what stands behind `*` or `/` is a unit, too.
+pub fn suffix_alone(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
+    trailing(cursor, true)
+}
+
+fn trailing(cursor: &mut Cursor<'_>, strict: bool) -> Result<Option<Unit>, LexemeMessage> {
     let first = match reciprocal(cursor) {
         Some(one) => one,
         None if cursor.peek_word().is_some() => factor(cursor)?,
         None => return Ok(in_brackets(cursor)),
     };
-    let unit = product(cursor, first, false)?;
+    let unit = product(cursor, first, strict)?;
     no_unit_behind(cursor, &unit)?;
     Ok(Some(unit))
 }
