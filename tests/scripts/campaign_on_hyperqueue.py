@@ -18,7 +18,7 @@ from pathlib import Path
 SHARDS = 8
 DISPERSED = """
 seed = 11
-cases = 399
+cases = 199
 block = 5
 
 [params]

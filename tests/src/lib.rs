@@ -1,6 +1,7 @@
 //! What the tests that cross crates share, beside what tests of the laws alone share: `laws`.
 
 pub mod agreement;
+pub mod cores;
 pub mod declared;
 pub mod double;
 pub mod families;

@@ -4,6 +4,7 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::Generic;
 use mbd_scene::{Differentiated, Layout, Model, Quantity, Scene, Variable};
 use tests::assert_close;
+use tests::cores::on_all_cores;
 use tests::instant::{partial_by_oracle, random_instant, value};
 use tests::random::Random;
 use tests::random_scene::random_scene;
@@ -53,8 +54,8 @@ fn interpreted_and_generic_agree_on_every_quantity_of_random_scenes() {
 
 #[test]
 fn every_derivative_equals_the_one_of_an_independent_oracle() {
-    let mut states = 0;
-    for seed in 0..SCENES {
+    let states = on_all_cores(SCENES, |seed| {
+        let mut states = 0;
         let scene = read(&random_scene(seed));
         let generic = Generic::<f64>::with_defaults(scene.clone()).expect("defaults are valid");
         let interpreted =
@@ -89,6 +90,7 @@ fn every_derivative_equals_the_one_of_an_independent_oracle() {
                 }
             }
         }
-    }
-    assert_eq!(states, 1000);
+        states
+    });
+    assert_eq!(states.iter().sum::<u64>(), 1000);
 }

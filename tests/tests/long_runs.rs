@@ -2,36 +2,30 @@
 
 use mbd_compiler::read_tokens;
 use mbd_scene::{Layout, Redundancy};
+use tests::cores::on_all_cores;
 use tests::fuzz::{
     Corpus, LARGE, SLOWEST, Tally, Verdict, declared_in_text, declared_in_toml, judge, large_file,
 };
 use tests::networks::{Decided, KINDS, Solved};
 use tests::points::costs;
 
-/// Reads inputs on some threads.
+/// Parts in which inputs are read beside each other.
+const PARTS: u64 = 4;
+
+/// Reads inputs on all cores.
 fn many(count: u64, input: impl Fn(&Corpus, u64) -> tests::fuzz::Input + Sync) -> Tally {
     let corpus = Corpus::new();
-    std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..4)
-            .map(|worker| {
-                let (corpus, input) = (&corpus, &input);
-                scope.spawn(move || {
-                    let mut tally = Tally {
-                        skipped: 4,
-                        ..Tally::default()
-                    };
-                    for number in (worker * count / 4)..((worker + 1) * count / 4) {
-                        tally.count(number, &input(corpus, number));
-                    }
-                    tally
-                })
-            })
-            .collect();
-        let tallies = workers
-            .into_iter()
-            .map(|worker| worker.join().expect("a thread"));
-        tallies.fold(Tally::default(), Tally::with)
-    })
+    let tallies = on_all_cores(PARTS, |part| {
+        let mut tally = Tally {
+            skipped: PARTS,
+            ..Tally::default()
+        };
+        for number in (part * count / PARTS)..((part + 1) * count / PARTS) {
+            tally.count(number, &input(&corpus, number));
+        }
+        tally
+    });
+    tallies.into_iter().fold(Tally::default(), Tally::with)
 }
 
 #[test]

@@ -4,6 +4,7 @@ use mbd_runtime::Options;
 use models::parachute::scene::{SceneInstant, TestCase};
 use models::parachute::stability::largest_taut_step;
 use models::parachute::variant::{Confluence, Damping, Flight, FlightPlan, fly};
+use tests::cores::on_all_cores;
 use tests::reference::{field, load};
 
 /// A flight sampled at the times of a reference file, up to `until`.
@@ -205,12 +206,14 @@ fn steady_riser_force_is_the_weight_of_the_capsule() {
 fn largest_stable_steps_are_those_of_the_eigenvalues() {
     // RK4 is stable to h λ = 2.785 on the real axis and h ω = 2.83 on the imaginary one. A point of 0.1 kg: dampers of 1784 N s/m together.
     // Undamped lines: the axial mode of the bodies at 50.4 rad/s; a rate node: C/K = 0.01 s. The stepwise limit is a measured one, the same mode.
-    for (confluence, predicted) in [
+    let cases = [
         (Confluence::Mass(0.1, Damping::On), 2.785 * 0.1 / 1784.0),
         (Confluence::Static, 2.83 / 50.4),
         (Confluence::Rate, 2.785 * 0.01),
         (Confluence::Euler, 0.048),
-    ] {
+    ];
+    on_all_cores(cases.len() as u64, |number| {
+        let (confluence, predicted) = cases[number as usize];
         let found =
             largest_taut_step(confluence).unwrap_or_else(|error| panic!("{confluence}: {error}"));
         println!("{confluence}: largest stable step {found} s, predicted {predicted} s");
@@ -218,5 +221,5 @@ fn largest_stable_steps_are_those_of_the_eigenvalues() {
             (found / predicted - 1.0).abs() <= 0.1,
             "{confluence}: found {found} s, predicted {predicted} s"
         );
-    }
+    });
 }

@@ -138,7 +138,7 @@ impl Campaign {
         let phases: Vec<Phase> = std::iter::once(first).chain(later).collect();
         let (phases, mut plans) = planned(phases, &given)?;
         let models: Vec<&dyn Model<f64>> = phases.iter().map(|phase| &*phase.model).collect();
-        let mut content = columns::NOTHING;
+        let mut content = Content::TIME;
         let mut nominal = plans.remove(0);
         let settings = phases.first().map(|phase| phase.settings.clone());
         let settings = settings.unwrap_or_default();
@@ -293,7 +293,6 @@ impl Campaign {
         resources: Resources,
         mut deliver: impl FnMut(FlownCase) -> ControlFlow<()>,
     ) {
-        let sampling = sampling(&self.nominal);
         let readers = self.metrics.readers();
         let first = match &self.columns {
             Some(columns) => columns.readers(0, &readers),
@@ -308,7 +307,7 @@ impl Campaign {
                 let goes = self.go_on(number(case.number()), ended)?;
                 Ok(goes.map(|goes| {
                     let model = goes.run.model().clone();
-                    let history = empty(&goes.plan, &*model, self.metrics.content);
+                    let history = Trajectory::new(&*model, self.sampling(), self.metrics.content);
                     let own = columns.readers(goes.phase, &readers);
                     Onward {
                         model: goes.phase,
@@ -321,7 +320,7 @@ impl Campaign {
         batch
             .cases((0..count).map(|place| self.params(number(place))))
             .threads(resources.threads)
-            .record(sampling, self.metrics.content)
+            .record(self.sampling(), self.metrics.content)
             .measure(first)
             .prepare(|case, run| self.begin(number(case.number()), run))
             .each(
@@ -354,8 +353,14 @@ impl Campaign {
         plan.begin(run)
     }
 
+    /// Metrics need no rows: histories have those that envelopes are read from.
+    fn sampling(&self) -> Sampling {
+        let instants = self.envelopes.iter().flat_map(Envelopes::instants);
+        Sampling::At(instants.collect())
+    }
+
     fn judge(&self, history: &Trajectory) -> Judged {
-        let end = history.times().last().copied().unwrap_or(f64::NAN);
+        let end = history.end();
         let envelopes = self.envelopes.as_ref();
         Judged {
             end,
@@ -412,16 +417,6 @@ impl Campaign {
             },
         }
     }
-}
-
-/// When rows of a planned run are written.
-fn sampling(plan: &RunPlan) -> Sampling {
-    plan.every.map_or(Sampling::Steps, Sampling::Every)
-}
-
-/// The history of a planned run, with nothing in it yet.
-fn empty(plan: &RunPlan, model: &dyn Model<f64>, content: Content) -> Trajectory {
-    Trajectory::new(model, sampling(plan), content)
 }
 
 /// What the file asks to be told beside the metrics.

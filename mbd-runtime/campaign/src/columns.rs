@@ -6,46 +6,6 @@ use mbd_runtime::{Content, Joined, Model, Name, Sampling, Trajectory};
 use crate::run::PlanError;
 use crate::run::names::wrong;
 
-/// Histories with nothing but the time.
-pub const NOTHING: Content = Content {
-    state: false,
-    nodes: false,
-    lines: false,
-    reactions: false,
-    outputs: false,
-    energy: false,
-};
-
-/// The columns of histories with their contents, widest last.
-fn groups() -> [Content; 6] {
-    [
-        Content {
-            outputs: true,
-            ..NOTHING
-        },
-        Content {
-            lines: true,
-            ..NOTHING
-        },
-        Content {
-            nodes: true,
-            ..NOTHING
-        },
-        Content {
-            state: true,
-            ..NOTHING
-        },
-        Content {
-            reactions: true,
-            ..NOTHING
-        },
-        Content {
-            energy: true,
-            ..NOTHING
-        },
-    ]
-}
-
 /// The models that a run comes to.
 pub type Models<'m> = [&'m dyn Model<f64>];
 
@@ -75,7 +35,7 @@ pub fn include(
     (setting, models): (&str, &Models<'_>),
 ) -> Result<(), PlanError> {
     let holds = |group: &Content| names(models, *group).iter().any(|it| it.name == column);
-    let Some(group) = groups().into_iter().find(holds) else {
+    let Some(group) = Content::ALL.groups().find(holds) else {
         let all = names(models, Content::ALL);
         let near = did_you_mean(column, all.iter().map(|it| it.name.as_str()));
         let text = format!(
@@ -83,11 +43,6 @@ pub fn include(
         );
         return Err(wrong(setting, text));
     };
-    content.state |= group.state;
-    content.nodes |= group.nodes;
-    content.lines |= group.lines;
-    content.reactions |= group.reactions;
-    content.outputs |= group.outputs;
-    content.energy |= group.energy;
+    *content = content.and(group);
     Ok(())
 }

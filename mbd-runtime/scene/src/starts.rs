@@ -2,9 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::evaluate::{Scratch, driven_coordinates};
 use crate::laws::body::attitude_of;
-use crate::laws::constant;
 use crate::laws::line::DETACHED;
+use crate::laws::turns::next_to;
+use crate::laws::{Numbers, constant};
 use crate::placement::{FREE, place_near};
 use crate::tree::Absolute;
 use crate::{Arguments, Formula, JointStart, Layout, Part, Place, PlacementError, Scene, Triple};
@@ -224,6 +226,22 @@ fn place_along_tree(
         &mut placed,
     )?;
     absolute.relative((scene, layout), &placed, from, state);
+    let declared = scene.starts.coordinates.iter().map(|start| JointStart {
+        joint: start.joint,
+        coordinate: start.coordinate,
+        value: start.value.as_ref().map(|it| constant(scene, from.0, it)),
+        rate: None,
+    });
+    let here = Arguments::before_a_run(scene, layout, from.1, state);
+    let numbers = Numbers::new(scene, from.0);
+    let scratch = &mut Scratch::new(layout);
+    let driven = driven_coordinates(scene, layout, &numbers, &here.at(), scratch);
+    for start in declared.chain(driven) {
+        let coordinate = (start.joint, start.coordinate);
+        if let Some(value) = start.value {
+            begin_next_to((scene, layout), coordinate, value, state);
+        }
+    }
     for start in given {
         if let Some(link) = layout.carried(start.joint) {
             let places = [link.slots.q, layout.nq + link.slots.v].map(|at| at + start.coordinate);
@@ -235,4 +253,20 @@ fn place_along_tree(
         }
     }
     Ok(())
+}
+
+/// Has the angle of a joint of the tree, that attitudes tell up to full turns, begin next to a value [rad]; another coordinate stays.
+pub fn begin_next_to(
+    (scene, layout): (&Scene, &Layout),
+    (joint, coordinate): (usize, usize),
+    value: f64,
+    state: &mut [f64],
+) {
+    let declared = scene.joints.get(joint);
+    let told = declared.and_then(|joint| joint.law.coordinate(coordinate));
+    let link = layout.carried(joint);
+    let slot = link.and_then(|link| state.get_mut(link.slots.q + coordinate));
+    if let (Some(slot), Some(true)) = (slot, told.map(|told| told.is_periodic())) {
+        *slot = next_to(*slot, value);
+    }
 }

@@ -17,6 +17,7 @@ mod chatter;
 mod columns;
 mod commands;
 mod compiled;
+mod content;
 mod dip;
 mod displace;
 mod error;
@@ -124,11 +125,12 @@ pub use lanes::{
 
 // What it leaves.
 pub use columns::{Name, state_names};
+pub use content::Content;
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff, UnevenLines};
 pub use event::{Happening, Occurrence};
 pub use metric::{MetricReader, MetricValue, MissingMetric};
 pub use node::NodeMemory;
-pub use trajectory::{Content, Joined, Sampling, Trajectory};
+pub use trajectory::{Joined, Sampling, Trajectory};
 pub use unilateral::Mode;
 pub use watch::Instability;
 

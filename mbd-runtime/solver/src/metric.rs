@@ -117,6 +117,16 @@ pub struct MetricReader {
 }
 
 impl MetricReader {
+    /// Whether it hangs on the quantity at nothing but the last instant of a run.
+    pub(crate) fn is_of_the_end(&self) -> bool {
+        self.take == Take::Final && self.window[1] == f64::INFINITY
+    }
+
+    /// Whether it hangs on the quantity before that.
+    pub(crate) fn is_over_time(&self) -> bool {
+        self.take != Take::TimeOf && !self.is_of_the_end()
+    }
+
     /// That of a declared metric, for histories with these columns.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::StepError;
 use crate::integrate::Scales;
+use crate::turns;
 
 /// The loosest relative tolerance: at 0.1 errors were 400 times the tolerance.
 const LOOSEST: f64 = 0.01;
@@ -241,8 +242,16 @@ pub struct Options {
     /// steps; in adaptive runs the relative tolerance times the amplitude V/ω at which what the line holds swings on it at the speed scale V, at
     /// most the length scale: so a switch is found before its force is wrong by more than that part of V √(K m). It must exceed the error of a step.
     pub guard_tolerance: Option<f64>,
+    /// How far an angle whose turns are counted sweeps over an adaptive step at most [rad]; 2 by itself, and no more: beyond half a turn nothing would
+    /// tell which turn it is.
+    #[serde(default = "most_angle")]
+    pub max_angle: f64,
     /// How the run stays on its joints.
     pub stabilise: Stabilise,
+}
+
+fn most_angle() -> f64 {
+    turns::MOST
 }
 
 impl Options {
@@ -262,6 +271,7 @@ impl Options {
             stop_at_events: false,
             scales: None,
             guard_tolerance: None,
+            max_angle: turns::MOST,
             stabilise: Stabilise::Projection,
         }
     }
@@ -339,6 +349,7 @@ impl Options {
                 });
             }
         }
+        positive("max_angle", self.max_angle, false)?;
         if let Stabilise::Baumgarte { alpha } = self.stabilise {
             positive("stabilise.alpha", alpha, true)?;
         }

@@ -3,9 +3,9 @@
 use mbd_scene::{Float, Layout, Quantity, Scene};
 
 use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
+use crate::content::Content;
 use crate::error::StepError;
 use crate::system::{System, WORKS};
-use crate::trajectory::Content;
 
 /// Makes rows with some content.
 #[derive(Clone, Debug)]
@@ -13,8 +13,8 @@ pub(crate) struct RowMaker {
     pub content: Content,
     /// The last row, its time first.
     pub row: Vec<f64>,
-    /// Which of its numbers are measured.
-    pub picked: Vec<usize>,
+    /// Which of its numbers are measured; `None` of a column that it has not.
+    pub picked: Vec<Option<usize>>,
 }
 
 /// What they make, not what they made last.
@@ -44,7 +44,8 @@ impl RowMaker {
     ) -> Result<(), StepError> {
         self.make(system, time, span, state, scratch)?;
         for (out, column) in out.iter_mut().zip(&self.picked) {
-            *out = self.row.get(*column).copied().unwrap_or(f64::NAN);
+            let value = column.and_then(|column| self.row.get(column));
+            *out = value.copied().unwrap_or(f64::NAN);
         }
         Ok(())
     }

@@ -189,6 +189,8 @@ pub struct Simulation<T: Float> {
     samplers: Vec<Sampler<T>>,
     /// Room for what controllers give.
     given: Vec<T>,
+    /// Whether something jumped since the last step that was measured.
+    jumped: bool,
     /// Whether the state is still that of the declared start.
     as_declared: bool,
     started: bool,

@@ -6,6 +6,7 @@ use mbd_scene::metrics::Take;
 use mbd_scene::{Float, Layout, Model, Scene};
 
 use crate::columns::Name;
+use crate::content::Content;
 use crate::error::{Statistics, StepError};
 use crate::measure::Measures;
 use crate::metric::{MetricReader, MissingMetric};
@@ -26,97 +27,6 @@ pub enum Sampling {
     Every(f64),
     /// At these times, increasing [s].
     At(Vec<f64>),
-}
-
-/// What a row holds besides the time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Content {
-    /// All coordinates of the state; what the quaternions, and in a scene with joints Φ and Φ̇, are off by: the largest row, rows without unit
-    /// counted as metres.
-    pub state: bool,
-    /// Positions of nodes that are not part of the state, velocities of `rate` nodes.
-    pub nodes: bool,
-    /// Tension [N] and stretch [m] of every line.
-    pub lines: bool,
-    /// Force [N] and torque [N m] of every joint on its child at the origin of its frame there, world axes. Where rows repeat others they are
-    /// not unique, and the column says so: the rows that were left out carry nothing.
-    pub reactions: bool,
-    /// The declared outputs.
-    pub outputs: bool,
-    /// Kinetic, gravitational and elastic energy and their sum [J], power of loads, dampers and prescribed
-    /// motions [W], and their work [J] when the run integrates it; in a scene whose events change something also the work of these actions [J].
-    pub energy: bool,
-}
-
-impl Content {
-    /// Everything.
-    pub const ALL: Content = Content {
-        state: true,
-        nodes: true,
-        lines: true,
-        reactions: true,
-        outputs: true,
-        energy: true,
-    };
-    /// Line tensions and declared outputs only.
-    pub const RESULTS: Content = Content {
-        state: false,
-        nodes: false,
-        lines: true,
-        reactions: false,
-        outputs: true,
-        energy: false,
-    };
-}
-
-const NOTHING: Content = Content {
-    state: false,
-    nodes: false,
-    lines: false,
-    reactions: false,
-    outputs: false,
-    energy: false,
-};
-
-impl Content {
-    /// Each of its groups of columns alone, in the order of the columns.
-    fn groups(self) -> impl Iterator<Item = Content> {
-        let of = NOTHING;
-        let all = [
-            (self.state, Content { state: true, ..of }),
-            (self.nodes, Content { nodes: true, ..of }),
-            (self.lines, Content { lines: true, ..of }),
-            (
-                self.reactions,
-                Content {
-                    reactions: true,
-                    ..of
-                },
-            ),
-            (
-                self.outputs,
-                Content {
-                    outputs: true,
-                    ..of
-                },
-            ),
-            (self.energy, Content { energy: true, ..of }),
-        ];
-        all.into_iter()
-            .filter_map(|(has, group)| has.then_some(group))
-    }
-
-    /// Both.
-    fn and(self, other: Content) -> Content {
-        Content {
-            state: self.state || other.state,
-            nodes: self.nodes || other.nodes,
-            lines: self.lines || other.lines,
-            reactions: self.reactions || other.reactions,
-            outputs: self.outputs || other.outputs,
-            energy: self.energy || other.energy,
-        }
-    }
 }
 
 /// Named columns over time. Angular velocities, positions and forces are those of the state and the declaration: world axes unless named `body`.
@@ -166,8 +76,12 @@ pub struct Trajectory {
     next: usize,
     /// Whether the last row is where a run stopped beside the grid.
     beside: bool,
+    /// When the run ended [s]; NaN: it did not.
+    end: f64,
     measures: Measures,
+    /// Rows of what is measured at instants, and over steps.
     measured: RowMaker,
+    inside: RowMaker,
     /// Rows at which some reactions or efforts of motors have no value, because rows of joints lose rank, and not in passing: they are not
     /// numbers there, and their cells in CSV are empty. In passing they have the value they tend to.
     pub undetermined: u64,
@@ -185,6 +99,7 @@ impl Trajectory {
             self.drop_end();
         }
         self.measures.cut(time);
+        self.end = f64::NAN;
         self.next = self.next.saturating_sub(self.times().len() - kept);
         for column in &mut self.columns {
             column.truncate(kept);
@@ -212,8 +127,10 @@ impl Trajectory {
             first: f64::NAN,
             next: 0,
             beside: false,
+            end: f64::NAN,
             measures: Measures::default(),
-            measured: RowMaker::new(NOTHING, 0),
+            measured: RowMaker::new(Content::TIME, 0),
+            inside: RowMaker::new(Content::TIME, 0),
             undetermined: 0,
             events: Vec::new(),
             statistics: Statistics::default(),
@@ -236,14 +153,32 @@ impl Trajectory {
         self
     }
 
-    fn measure_columns(&mut self, (scene, layout): (&Scene, &Layout), readers: Vec<MetricReader>) {
-        let needed: Vec<usize> = readers
-            .iter()
-            .filter(|reader| reader.take != Take::TimeOf)
-            .map(|reader| reader.column)
-            .collect();
-        // Rows are made of groups of columns: those that nobody asks for are left out.
-        let (mut content, mut kept, mut begins) = (NOTHING, vec![0], 1);
+    fn measure_columns(&mut self, scene: (&Scene, &Layout), readers: Vec<MetricReader>) {
+        let those = |ask: &dyn Fn(&MetricReader) -> bool| -> Vec<usize> {
+            let asked = readers.iter().filter(|reader| ask(reader));
+            asked.map(|reader| reader.column).collect()
+        };
+        let mut columns = those(&|reader| reader.take != Take::TimeOf);
+        columns.sort_unstable();
+        columns.dedup();
+        let over_time = those(&MetricReader::is_over_time);
+        self.measured = self.rows_with(scene, &columns, &columns);
+        self.inside = self.rows_with(scene, &over_time, &columns);
+        let readers = readers.into_iter().map(|reader| {
+            let column = columns.binary_search(&reader.column).unwrap_or(0);
+            (reader, column)
+        });
+        self.measures = Measures::new(readers.collect(), columns.len());
+    }
+
+    /// Makes rows of those groups of columns that one of `needed` is in; picks `columns` of them, of those that are in none nothing.
+    fn rows_with(
+        &self,
+        (scene, layout): (&Scene, &Layout),
+        needed: &[usize],
+        columns: &[usize],
+    ) -> RowMaker {
+        let (mut content, mut kept, mut begins) = (Content::TIME, vec![0], 1);
         for group in self.maker.content.groups() {
             let count = names(scene, layout, group).len() - 1;
             let own = begins..begins + count;
@@ -253,18 +188,11 @@ impl Trajectory {
             }
             begins += count;
         }
-        self.measured = RowMaker::new(content, kept.len());
-        let place = |column: usize| kept.iter().position(|own| *own == column).unwrap_or(0);
-        let mut columns: Vec<usize> = needed.iter().map(|column| place(*column)).collect();
-        columns.sort_unstable();
-        columns.dedup();
-        let picked = |column: usize| columns.binary_search(&place(column)).unwrap_or(0);
-        let readers = readers.into_iter().map(|reader| {
-            let column = picked(reader.column);
-            (reader, column)
-        });
-        self.measures = Measures::new(readers.collect(), columns.len());
-        self.measured.picked = columns;
+        let place = |column: &usize| kept.iter().position(|own| own == column);
+        RowMaker {
+            picked: columns.iter().map(place).collect(),
+            ..RowMaker::new(content, kept.len())
+        }
     }
 
     /// The value of a metric that this history measures, and what it may be off by because the quantity was not resolved, both in its unit; not a number
@@ -277,12 +205,19 @@ impl Trajectory {
         value.ok_or(MissingMetric::NotRecorded)
     }
 
+    /// When the recorded run ended [s], whether there is a row or not; not a number where it did not come to an end.
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
     /// Drops all rows and events, for another run of the same scene; the memory stays.
     pub fn clear(&mut self) {
         self.columns.iter_mut().for_each(Vec::clear);
         self.events.clear();
         (self.first, self.next, self.undetermined) = (f64::NAN, 0, 0);
         self.beside = false;
+        self.end = f64::NAN;
         self.measures.clear();
         self.statistics = Statistics::default();
     }
@@ -423,7 +358,7 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Adds a row where a run stops, of a history whose grid has none there; where the run goes on it is dropped.
+    /// The run ended here. A history whose grid has no row at this time gets one; where the run goes on it is dropped.
     pub(crate) fn push_end<T: Float>(
         &mut self,
         system: &mut System<T>,
@@ -431,6 +366,7 @@ impl Trajectory {
         state: &[T],
         scratch: &mut [T],
     ) -> Result<(), StepError> {
+        self.end = time;
         let last = self.times().last().copied().unwrap_or(f64::NEG_INFINITY);
         if !matches!(self.sampling, Sampling::Every(_)) || last >= time - resolution(time) {
             return Ok(());
@@ -449,10 +385,10 @@ impl Trajectory {
         }
     }
 
-    /// What is measured, and how rows of it are made.
-    pub(crate) fn measuring(&mut self) -> Option<(&mut Measures, &mut RowMaker)> {
+    /// What is measured, and how rows of it are made at instants, and over steps.
+    pub(crate) fn measuring(&mut self) -> Option<(&mut Measures, [&mut RowMaker; 2])> {
         let any = !self.measures.is_empty();
-        any.then_some((&mut self.measures, &mut self.measured))
+        any.then_some((&mut self.measures, [&mut self.measured, &mut self.inside]))
     }
 
     /// Adds located events, at the last instant that was measured.

@@ -2,7 +2,7 @@
 //! (equation (1) of `mbd_scene::laws::turns`).
 
 use mbd_scene::laws::constant;
-use mbd_scene::{Float, JointStart, Layout};
+use mbd_scene::{Float, JointStart, Layout, begin_next_to};
 
 use crate::laws::Laws;
 use crate::system::System;
@@ -38,21 +38,33 @@ impl<T: Float> System<T> {
         self.take_up_turns();
     }
 
-    /// Counts turns from these starts of joints on, else from those that the declaration gives, else from (−π, π] on.
-    pub(crate) fn count_turns_from_starts(&mut self, given: &[JointStart]) {
+    /// Counts turns from these starts of joints on, else from where motors have them, else from those that the declaration gives, else from (−π, π] on.
+    pub(crate) fn count_turns_from_starts(
+        &mut self,
+        given: &[JointStart],
+        (time, state): (f64, &[T]),
+    ) {
         if self.memory.turns.is_empty() {
             return;
         }
-        let (scene, layout) = (self.model.scene(), self.model.layout());
-        let params: Vec<f64> = self.model.params().iter().map(|x| x.to_f64()).collect();
+        let model = self.model.clone();
+        let (scene, layout) = (model.scene(), model.layout());
+        let own = state.get(..self.nx).unwrap_or_default();
+        let at = self.nodes.at(T::from_f64(time), own, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*model));
+        let mut driven = Vec::new();
+        laws.run(&*model, &at, |scene, layout, numbers, at, scratch| {
+            driven = mbd_scene::driven_coordinates(scene, layout, numbers, at, scratch);
+        });
+        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         let start = |&(joint, number): &(usize, usize)| {
-            let mut given = given.iter();
-            let given = given.find(|it| (it.joint, it.coordinate) == (joint, number));
+            let mut said = given.iter().chain(&driven);
+            let said = said.find(|it| (it.joint, it.coordinate) == (joint, number));
             let mut declared = scene.starts.coordinates.iter();
             let declared = declared.find(|it| (it.joint, it.coordinate) == (joint, number));
             let declared = declared.and_then(|it| it.value.as_ref());
             let declared = declared.map(|value| constant(scene, &params, value));
-            given.and_then(|it| it.value).or(declared)
+            said.and_then(|it| it.value).or(declared)
         };
         let angles = layout.turns.iter();
         let angles: Vec<f64> = angles.map(|it| start(it).unwrap_or_default()).collect();
@@ -69,15 +81,15 @@ impl<T: Float> System<T> {
     }
 
     /// By how much the angle that turns most turns over a step that was tried, by the rates at its ends [rad].
-    pub(crate) fn turned_in(&mut self, step: f64, end: f64, state: &[T]) -> f64 {
+    pub(crate) fn angle_swept(&mut self, step: f64, end: f64, state: &[T]) -> f64 {
         if self.memory.turns.is_empty() {
             return 0.0;
         }
         self.look_at_angles(end, state);
         let [last, now] = &self.turning.angles;
         let rates = last.iter().zip(now).skip(1).step_by(2);
-        let turned = rates.map(|(a, b)| 0.5 * step * (a.abs() + b.abs()));
-        turned.fold(0.0, f64::max)
+        let swept = rates.map(|(a, b)| 0.5 * step * (a.abs() + b.abs()));
+        swept.fold(0.0, f64::max)
     }
 
     /// Takes the angles at an accepted step, next to those of the one before.
@@ -113,23 +125,43 @@ impl<T: Float> System<T> {
     }
 
     /// Goes on with the turns of joints that are the same in the model of the last run: the same name and the same law.
-    pub(crate) fn count_on(&mut self, last: &Self, state: &[T]) {
+    pub(crate) fn count_on(&mut self, last: &Self, before: &[T], state: &mut [T]) {
         let (from, to) = (last.model.clone(), self.model.clone());
         let (olds, old_layout) = (&from.scene().joints, from.layout());
-        let mut angles = Vec::with_capacity(to.layout().turns.len());
-        for &(joint, number) in &to.layout().turns {
-            let new = to.scene().joints.get(joint);
-            let old = olds.iter().position(|old| {
-                new.is_some_and(|new| (&old.name, &old.law) == (&new.name, &new.law))
-            });
-            let angle = old.and_then(|old| last.turned(old_layout, old, number, state));
-            angles.push(angle.unwrap_or_default());
+        let counted = |joint: usize, number: usize| {
+            let new = to.scene().joints.get(joint)?;
+            let old = olds
+                .iter()
+                .position(|old| (&old.name, &old.law) == (&new.name, &new.law));
+            last.counted_angle(old_layout, old?, number, before)
+        };
+        let mut angles: Vec<f64> = self.memory.turns.iter().map(|x| x.to_f64()).collect();
+        for (angle, &(joint, number)) in angles.iter_mut().zip(&to.layout().turns) {
+            *angle = counted(joint, number).unwrap_or(*angle);
         }
         self.count_turns_from(angles);
+        let mut numbers: Vec<f64> = state.iter().map(|x| x.to_f64()).collect();
+        for (joint, declared) in to.scene().joints.iter().enumerate() {
+            for number in 0..declared.law.measured().count() {
+                if let Some(angle) = counted(joint, number) {
+                    let scene = (to.scene(), to.layout());
+                    begin_next_to(scene, (joint, number), angle, &mut numbers);
+                }
+            }
+        }
+        for (slot, number) in state.iter_mut().zip(numbers) {
+            *slot = T::from_f64(number);
+        }
     }
 
     /// An angle that counts turns, as a link of the tree or by the memory [rad].
-    fn turned(&self, layout: &Layout, joint: usize, number: usize, state: &[T]) -> Option<f64> {
+    fn counted_angle(
+        &self,
+        layout: &Layout,
+        joint: usize,
+        number: usize,
+        state: &[T],
+    ) -> Option<f64> {
         if let Some(link) = layout.carried(joint) {
             return state.get(link.slots.q + number).map(|x| x.to_f64());
         }

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::moving::{Moving, moving};
 use crate::stiffness::Stiffness;
+use crate::turns;
 
 /// What hρ may not exceed often.
 const LIMIT: f64 = 2.5;
@@ -90,11 +91,14 @@ pub enum Instability {
     Stages(f64),
     /// Energy from nothing (positive) or lost (negative), over the energy that moved.
     Energy(f64),
+    /// An angle whose turns are counted sweeps over this much in the step, by its rates at the ends [rad]: beyond half a turn nothing tells which turn
+    /// it is.
+    Turn(f64),
 }
 
 impl Instability {
     /// A step that should do in place of this one: hρ = 2, with the rate taken no smaller than the limit implies; or energy kept to a tenth of what is
-    /// allowed, with an error of the energy that grows like h⁴.
+    /// allowed, with an error of the energy that grows like h⁴; or angles that sweep over what they may in adaptive steps.
     pub(crate) fn suggestion(self, step: f64) -> f64 {
         match self {
             Instability::Stages(rho) => step * 2.0 / rho.max(LIMIT),
@@ -102,6 +106,7 @@ impl Instability {
                 let finer = (0.1 * ENERGY / part.abs()).powf(0.25);
                 step * finer.clamp(1.0 / 16.0, 0.5)
             }
+            Instability::Turn(swept) => step * turns::MOST / swept,
         }
     }
 }
@@ -110,6 +115,10 @@ impl fmt::Display for Instability {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Instability::Stages(rho) => write!(f, "step times rate is {rho:.2}"),
+            Instability::Turn(swept) => write!(
+                f,
+                "an angle turns by {swept:.2} rad in it, and beyond half a turn nothing tells which turn it is"
+            ),
             Instability::Energy(part) if !part.is_finite() => {
                 write!(f, "it makes energy without bound")
             }

@@ -1,6 +1,6 @@
 //! The error of a run: by a second, finer one, and by the energy that it made or lost.
 
-use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::{Formula, Function, Scene};
 use mbd_runtime::{Model, Sampling, Simulation, Trajectory};
 
 use super::outcome::{CONTENT, RunOutcome};
@@ -11,6 +11,8 @@ const ROWS: usize = 400;
 /// An angle that is nothing beside a turn [rad], and what is nothing in any unit.
 const SMALL_ANGLE: f64 = 1e-3;
 const NOTHING: f64 = 1e-9;
+/// A column that never is more than this part of the largest value of its unit may be what rounding and tolerances leave of zero.
+const SMALL_PART: f64 = 1e-6;
 /// An error beyond this part of the size of what it is an error of is told.
 const LARGE: f64 = 0.01;
 
@@ -23,7 +25,7 @@ pub struct Estimate {
     pub unit: String,
     /// Its error, the root of the mean square over the run [its unit].
     pub error: f64,
-    /// The same over the largest value of its unit in the history.
+    /// The same over the largest value of the column, or over a millionth of the largest of its unit, where that is more.
     pub relative: f64,
 }
 
@@ -57,22 +59,22 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         let owner = name.split('.').next().unwrap_or(name);
         asked.contains(&name) || asked.contains(&owner)
     };
-    let deviations = first.deviations(&rows, &finer);
-    // Small against everything of its unit is what rounding leaves of zero.
-    let scale = |unit: &str| {
+    let deviations = first.deviations(&rows, &finer, |column| turn(model.scene(), column));
+    let scale = |unit: &str, own: f64| {
         let same = first.names().iter().zip(&deviations);
         let sizes = same.filter(|(name, _)| name.unit == unit);
         let largest = sizes.map(|(_, (_, size))| *size).fold(0.0, f64::max);
+        let scale = own.max(SMALL_PART * largest);
         match unit {
-            "rad" => largest.max(SMALL_ANGLE),
-            "deg" => largest.max(SMALL_ANGLE.to_degrees()),
-            _ => largest,
+            "rad" => scale.max(SMALL_ANGLE),
+            "deg" => scale.max(SMALL_ANGLE.to_degrees()),
+            _ => scale,
         }
     };
     let all = first.names().iter().zip(&deviations);
     let told = all.filter(|(name, _)| counts(&name.name));
-    let estimates = told.filter_map(|(name, (deviation, _))| {
-        let scale = scale(&name.unit);
+    let estimates = told.filter_map(|(name, (deviation, size))| {
+        let scale = scale(&name.unit, *size);
         (scale > NOTHING).then(|| Estimate {
             column: name.name.clone(),
             unit: name.unit.clone(),
@@ -81,6 +83,15 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         })
     });
     estimates.max_by(|a, b| a.relative.total_cmp(&b.relative))
+}
+
+/// How much apart values of an output mean the same [its unit]: a turn, where it is an `atan2`.
+fn turn(scene: &Scene, column: &str) -> Option<f64> {
+    let output = scene.outputs.iter().find(|output| output.name == column)?;
+    match scene.said(&output.value) {
+        Formula::Apply(Function::Atan2, _) => Some(std::f64::consts::TAU / output.unit.factor),
+        _ => None,
+    }
 }
 
 /// Rows at increasing times, evenly chosen; none at the instant of an event or a switch: what jumps there has two values, and of two runs one may stand
@@ -129,7 +140,7 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
     let doubts = [
         by_estimate.map(|it| {
             format!(
-                "`{}` is off by about {:.1e} {}, {:.1} % of the largest value of its kind: {change}; where that does not help, the motion is chaotic over this time",
+                "`{}` is off by about {:.1e} {}, {:.1} % of its largest value: {change}; where that does not help, the motion is chaotic over this time",
                 it.column,
                 it.error,
                 it.unit,

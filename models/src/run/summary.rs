@@ -282,10 +282,7 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         };
         let off = format!("`{}`, {:.1e}{unit} (rms)", estimate.column, estimate.error);
         rows.push(("off most, by a second, finer run", off.into()));
-        rows.push((
-            "the same over the largest value of its unit",
-            estimate.relative.into(),
-        ));
+        rows.push(("the same over its largest value", estimate.relative.into()));
     }
     let mut table = ReportTable::new("Run")
         .column("what", "")

@@ -6,6 +6,7 @@ use mbd_scene::joints::{Distance, JointLaw};
 use mbd_scene::{AngularVelocity, Layout, Model, Place, Quantity, Redundancy, Scene};
 use nalgebra::{DMatrix, DVector};
 use tests::assert_close;
+use tests::cores::on_all_cores;
 use tests::mechanism::{
     Instance, add_external_loads, add_joint, add_point, all_joints, at, empty, evaluate, hang,
     layout, random_seat, state, with_components,
@@ -282,8 +283,8 @@ fn interpreted_and_generic_agree_on_every_quantity_of_the_joints() {
 
 /// World = body = generic = interpreted accelerations at random states of 20 mechanisms; equal digits in all.
 fn agree(states: usize) -> usize {
-    let mut seen = 0;
-    for seed in 100..120 {
+    let seen = on_all_cores(20, |number| {
+        let seed = 100 + number;
         let body = mechanism(seed);
         let world = with_components(&body, AngularVelocity::World);
         let layout = layout(&body);
@@ -336,9 +337,9 @@ fn agree(states: usize) -> usize {
                 );
             }
         }
-        seen += own;
-    }
-    seen
+        own
+    });
+    seen.into_iter().sum()
 }
 
 #[test]

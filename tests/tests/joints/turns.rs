@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mbd_runtime::{Generic, Options, Scalar, Simulation};
-use mbd_scene::{Coordinates, Scene};
+use mbd_runtime::{Generic, Instability, Options, Scalar, Simulation, StepError};
+use mbd_scene::{Coordinates, Quantity, Scene};
 use tests::assert_close;
 use tests::declared::read;
 
@@ -115,12 +115,109 @@ fn turns_are_kept_by_starts_snapshots_and_what_goes_on() {
         run.run(0.5).expect("a run");
         assert_close(&[rate(&run)], &[0.0], 0.0, 1e-12, how);
     }
-    // Declared, the same: and the coordinate is what was declared.
-    let mut run = simulation::<f64>(wheel(
-        ", stiffness: 0.1 N*m/rad, start: 270 deg",
-        Coordinates::Absolute,
-    ));
-    run.run(0.5).expect("a run");
-    let want = -1.5 * PI * 0.5f64.sin();
-    assert_close(&[rate(&run)], &[want], 0.0, 1e-10, "declared");
+    // Declared, the same in both families: and the coordinate is what was declared.
+    for coordinates in BOTH {
+        for turns in [0.75, -1.75, 3.0] {
+            let said = format!(", stiffness: 0.1 N*m/rad, start: {} deg", 360.0 * turns);
+            let mut run = simulation::<f64>(wheel(&said, coordinates));
+            run.run(0.5).expect("a run");
+            let want = -turns * TAU * 0.5f64.sin();
+            assert_close(&[rate(&run)], &[want], 0.0, 1e-10, "declared");
+        }
+    }
+}
+
+#[test]
+fn both_angles_of_a_universal_joint_start_beyond_half_a_turn() {
+    // A spring on one axle turns the cross, one on the other the wheel: each is its own pendulum where the other is at a whole turn.
+    for (first, second, want) in [(720.0, 200.0, 200.0), (200.0, 360.0, 200.0)] {
+        for coordinates in BOTH {
+            let scene = read(&format!(
+                "model Cross {{ gravity: none;
+                   body rim {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+                   joint pin: universal from world to rim.com {{ axes: [x, y],
+                     angle1: {{ start: {first} deg }}, angle2: {{ start: {second} deg }} }}
+                   output sum = pin.angle1 + pin.angle2; }}"
+            ));
+            let model = Generic::<f64>::with_defaults(scene.in_coordinates(coordinates));
+            let model = model.expect("a valid scene");
+            let mut out = [0.0];
+            let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+            run.start().expect("a start");
+            run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+            let whole = if first == want { second } else { first };
+            let sum: f64 = (want + whole) / 360.0 * TAU;
+            assert_close(&out, &[sum], 0.0, 1e-9, "the sum of both");
+        }
+    }
+}
+
+#[test]
+fn what_a_motor_drives_begins_with_the_turns_of_its_course() {
+    // The spring is wound by what the motor says, and so is what the motor pushes with.
+    for course in [
+        "300 deg",
+        "1000 deg + 1 rad/s * time",
+        "[wish, 0 rad/s, 0 rad/s^2]",
+        "wish, filter: 20 ms",
+    ] {
+        for coordinates in BOTH {
+            let scene = read(&format!(
+                "model Wheel {{ gravity: none;
+                   input wish: angle = 400 deg;
+                   body rim {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+                   joint pin: hinge from world to rim.com {{ axis: z, stiffness: 0.3 N*m/rad, motor: {course} }}
+                   output wound = pin.angle in deg; }}"
+            ));
+            let model = Generic::<f64>::with_defaults(scene.in_coordinates(coordinates));
+            let model = model.expect("a valid scene");
+            let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+            run.run(1.0)
+                .unwrap_or_else(|error| panic!("{course}, {coordinates:?}: {error}"));
+            let mut out = [0.0];
+            run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+            let want = match course {
+                "300 deg" => 300.0,
+                it if it.contains("wish") => 400.0,
+                _ => 1000.0 + 1f64.to_degrees(),
+            };
+            assert_close(&out, &[want], 0.0, 1e-9, course);
+        }
+    }
+}
+
+#[test]
+fn turns_go_on_from_either_family_to_either() {
+    for from in BOTH {
+        for to in BOTH {
+            let said = ", stiffness: 0.1 N*m/rad, start: 1000 deg";
+            let mut run = simulation::<f64>(wheel(said, from));
+            run.run(0.25).expect("a run");
+            let model = Generic::<f64>::with_defaults(wheel(said, to)).expect("a valid scene");
+            let mut next = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+            next.take_over(&mut run, &[]).expect("the same wheel");
+            next.run(1.5).expect("a run");
+            let want = -1000f64.to_radians() * 1.5f64.sin();
+            assert_close(&[rate(&next)], &[want], 0.0, 1e-9, "rate");
+        }
+    }
+}
+
+#[test]
+fn a_fixed_step_in_which_an_angle_turns_more_than_half_a_turn_is_refused() {
+    let said = ", stiffness: 1e-9 N*m/rad, start_rate: 100 rad/s";
+    for options in [Options::rk4(0.04), Options::rattle(0.04)] {
+        let scene = wheel(said, Coordinates::Absolute);
+        let model = Generic::<f64>::with_defaults(scene).expect("a valid scene");
+        let mut run = Simulation::new(&model, options).expect("options that fit");
+        let error = run.run(1.0).expect_err("four radians a step");
+        let StepError::UnstableStep {
+            what: Instability::Turn(swept),
+            ..
+        } = error.cause
+        else {
+            panic!("{error}");
+        };
+        assert_close(&[swept, run.time()], &[4.0, 0.0], 0.0, 1e-9, "swept");
+    }
 }

@@ -16,7 +16,7 @@ use crate::syntax::{Item, ModelSyntax, NameSyntax};
 pub(super) const MOST: usize = 10_000;
 
 impl<'a> Resolver<'a> {
-    /// Names consts, params, states and tables.
+    /// Names consts, params and tables.
     pub fn collect_numbers(&mut self, model: &'a ModelSyntax<'a>) {
         for item in &model.items {
             let Some(name) = &item.name else {
@@ -27,12 +27,12 @@ impl<'a> Resolver<'a> {
             }
             self.later.insert(name.word.text.clone());
         }
-        self.collect(model, &["const", "param", "state", "table"]);
+        self.collect(model, &["const", "param", "table"]);
     }
 
-    /// Names inputs, whose repetitions may be consts.
-    pub fn collect_inputs(&mut self, model: &'a ModelSyntax<'a>) {
-        self.collect(model, &["input"]);
+    /// Names inputs and states, whose repetitions may be consts.
+    pub fn collect_repeated_numbers(&mut self, model: &'a ModelSyntax<'a>) {
+        self.collect(model, &["input", "state"]);
     }
 
     /// Names everything else.

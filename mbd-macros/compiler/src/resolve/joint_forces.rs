@@ -287,9 +287,9 @@ impl Resolver<'_> {
             return self.fail(say::start_of_coordinate(at, &owner.name, unit));
         };
         let typed = self.value(value, owner.scope)?;
-        let here = typed.at;
+        let (here, unit) = (typed.at, typed.angle != 0);
         let formula = self.along_fits(typed, field, owner)?;
-        if field.name == START.name && owner.coordinate.is_periodic() {
+        if field.name == START.name && owner.coordinate.is_periodic() && !unit {
             let turns = fold::at_defaults(&formula, &self.scene);
             if let Some(angle) = turns.filter(|angle| angle.abs() > std::f64::consts::TAU) {
                 return self.fail(say::start_beyond_a_turn(here, &owner.name, angle));

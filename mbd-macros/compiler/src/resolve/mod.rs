@@ -170,7 +170,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.settings(model);
     resolver.collect_numbers(model);
     resolver.consts();
-    resolver.collect_inputs(model);
+    resolver.collect_repeated_numbers(model);
     resolver.numbers();
     resolver.collect_things(model);
     resolver.known = ResolvedSoFar::Names;

@@ -3,9 +3,11 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use mbd_runtime::{Content, Ended, Handover, Model, RunError, Simulation, Stop, Trajectory};
+use mbd_runtime::{
+    Content, Ended, Handover, Model, RunError, Sampling, Simulation, Stop, Trajectory,
+};
 
-use super::{Campaign, Resources, empty};
+use super::{Campaign, Resources};
 use crate::columns;
 use crate::phases::FlownPart;
 use crate::results::CaseRow;
@@ -46,7 +48,7 @@ impl Campaign {
         let models: Vec<&dyn Model<f64>> = self.phases.iter().map(|it| &*it.model).collect();
         match parts {
             [alone] if models.len() == 1 => alone.history.clone(),
-            [] if models.len() == 1 => empty(&self.nominal, &*self.model, Content::ALL),
+            [] if models.len() == 1 => Trajectory::new(&*self.model, Sampling::Steps, Content::ALL),
             parts => {
                 let parts = parts.iter().map(|part| (part.phase, &part.history));
                 columns::joined(&models, Content::ALL).join(&parts.collect::<Vec<_>>())
@@ -114,9 +116,10 @@ impl CasePart {
     /// A part that begins where its run stands.
     fn new(phase: usize, plan: RunPlan, run: &Simulation<f64>) -> Self {
         let model = run.model().clone();
+        let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
         CasePart {
             phase,
-            history: empty(&plan, &*model, Content::ALL),
+            history: Trajectory::new(&*model, sampling, Content::ALL),
             plan,
             model,
             from: run.time(),

@@ -1,6 +1,6 @@
 //! Envelopes: columns of all cases at the same instants, and what they say there: smallest, percentiles, largest.
 //!
-//! Between rows of a history columns are straight, as for metrics. A case that failed, or that ended before an instant, has no value there.
+//! Histories of cases have their rows at these instants, and no others. A case that failed, or that ended before an instant, has no value there.
 
 mod block;
 mod told;
@@ -104,27 +104,23 @@ impl Envelopes {
             let values = history.column(column).unwrap_or(&[]);
             numbers.extend(
                 self.instants()
-                    .map(|at| between(history.times(), values, at)),
+                    .map(|at| value_at(history.times(), values, at)),
             );
         }
         numbers
     }
 }
 
-/// The value at an instant of a column that is straight between its rows; of rows at one time, the last.
-fn between(times: &[f64], values: &[f64], at: f64) -> f64 {
+/// The value of a column in the row at an instant, of several the last; NaN where there is none.
+fn value_at(times: &[f64], values: &[f64], at: f64) -> f64 {
     // Instants are multiples of a distance, the last row is where the run ended.
     let near = 1e-12 * at.abs();
-    let next = times.partition_point(|time| *time <= at + near);
-    let row = |k: usize| Some((*times.get(k)?, *values.get(k)?));
-    let Some((t0, x0)) = next.checked_sub(1).and_then(row) else {
-        return f64::NAN;
-    };
-    match row(next) {
-        _ if t0 >= at - near => x0,
-        Some((t1, x1)) => x0 + (x1 - x0) * ((at - t0) / (t1 - t0)),
-        None => f64::NAN,
-    }
+    let before = times
+        .partition_point(|time| *time <= at + near)
+        .checked_sub(1);
+    let row = before.and_then(|k| Some((*times.get(k)?, *values.get(k)?)));
+    row.filter(|(time, _)| *time >= at - near)
+        .map_or(f64::NAN, |(_, value)| value)
 }
 
 #[cfg(test)]
@@ -132,15 +128,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_column_is_straight_between_its_rows_and_is_nowhere_else() {
+    fn a_column_has_the_value_of_the_last_row_at_an_instant_and_none_elsewhere() {
         let (times, values) = ([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 6.0]);
-        let at = |t: f64| between(&times, &values, t);
-        assert_eq!([0.0, 0.5, 2.0, 3.0].map(at), [0.0, 1.0, 5.5, 6.0]);
-        // Where an event acts there is a row before it and one after it.
-        assert_eq!(at(1.0), 5.0);
-        assert!(at(-0.1).is_nan() && at(3.1).is_nan());
+        let at = |t: f64| value_at(&times, &values, t);
+        // Where one part of a run follows another there are two rows.
+        assert_eq!([0.0, 1.0, 3.0].map(at), [0.0, 5.0, 6.0]);
+        assert!([-0.1, 0.5, 3.1].map(at).iter().all(|x| x.is_nan()));
         // 30 · 0.1 is a rounding error beyond 3.
         assert_eq!(at(30.0 * 0.1), 6.0);
-        assert!(between(&[], &[], 0.0).is_nan());
+        assert!(value_at(&[], &[], 0.0).is_nan());
     }
 }

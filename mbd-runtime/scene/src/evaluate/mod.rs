@@ -23,7 +23,7 @@ use crate::laws::{
 };
 use crate::scalar::algebra::write;
 use crate::tree::SpatialInertia;
-use crate::{At, Layout, Quantity, Real, Scene};
+use crate::{At, JointStart, Layout, Quantity, Real, Scene};
 use solver::MotionSolver;
 
 /// Scratch of one evaluation: carries nothing from call to call.
@@ -297,6 +297,33 @@ pub fn impulses<S: Real>(
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     energy::impulses(&evaluation, out);
+}
+
+/// The coordinates that motors drive, where their courses have them.
+pub fn driven_coordinates(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+) -> Vec<JointStart> {
+    let any = scene.joints.iter().any(|it| it.motors().next().is_some());
+    if !any {
+        return Vec::new();
+    }
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    let joints = scene.joints.iter().enumerate();
+    let motors = joints.flat_map(|(index, joint)| joint.motors().map(move |it| (index, it)));
+    let driven = motors.map(|(joint, (coordinate, formula))| {
+        let course = evaluation.course(formula);
+        JointStart {
+            joint,
+            coordinate,
+            value: Some(course.value),
+            rate: Some(course.rate),
+        }
+    });
+    driven.collect()
 }
 
 /// Appends the angles of [`Layout::turns`] [rad], each with its rate [rad/s].

@@ -21,7 +21,7 @@ pub(crate) mod numbers;
 pub mod origin;
 pub mod rate;
 mod table;
-mod turns;
+pub(crate) mod turns;
 mod winding;
 
 pub use coupling::{Coupling, is_discontinuous};

@@ -12,6 +12,11 @@ use std::f64::consts::TAU;
 use crate::Real;
 use crate::laws::evaluation::Evaluation;
 
+/// An angle next to another one, by (1) [rad].
+pub fn next_to(angle: f64, last: f64) -> f64 {
+    angle + TAU * ((last - angle) / TAU + 0.5).floor()
+}
+
 impl<S: Real> Evaluation<'_, S> {
     /// An angle in (−π, π] with the turns that were counted, by (1).
     pub(crate) fn with_turns(&self, joint: usize, coordinate: usize, angle: S) -> S {

@@ -11,15 +11,14 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::evaluate::{Scratch, evaluate};
+use crate::evaluate::{Scratch, driven_coordinates, evaluate};
 use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::branch;
-use crate::laws::ground::{course, ground};
-use crate::laws::kinematics::Kinematics;
+use crate::laws::ground::ground;
 use crate::laws::numbers::Numbers;
 use crate::{
-    AngularVelocity, Arguments, Formula, FrameMotion, Layout, Part, Place, PointSlots, Quantity,
-    Relative, Scene, Twist,
+    AngularVelocity, Arguments, FrameMotion, Layout, Part, Place, PointSlots, Quantity, Relative,
+    Scene, Twist,
 };
 
 mod at_zero;
@@ -244,27 +243,9 @@ pub(crate) fn place_near(
         }
     }
     let mut all = given.to_vec();
-    for (index, joint) in scene.joints.iter().enumerate() {
-        for (coordinate, formula) in joint.motors() {
-            let course = match formula {
-                // What motors follow is what the state and the defaults of the inputs say, as in the rows of (3).
-                Formula::Vector(_) => {
-                    let here = placement.here(state);
-                    let at = here.at();
-                    let mut kinematics = Kinematics::new(layout);
-                    let evaluation = kinematics.read(scene, layout, &placement.numbers, &at);
-                    evaluation.course(formula)
-                }
-                _ => course(formula, scene, &placement.numbers, time),
-            };
-            all.retain(|start| (start.joint, start.coordinate) != (index, coordinate));
-            all.push(JointStart {
-                joint: index,
-                coordinate,
-                value: Some(course.value),
-                rate: Some(course.rate),
-            });
-        }
+    for driven in placement.driven(state) {
+        all.retain(|it| (it.joint, it.coordinate) != (driven.joint, driven.coordinate));
+        all.push(driven);
     }
     match given.is_empty() {
         true => placement.rest(&all, state),
@@ -532,6 +513,13 @@ impl Placement<'_> {
 
     fn here(&self, state: &[f64]) -> Arguments<f64> {
         Arguments::before_a_run(self.scene, self.layout, self.time, state)
+    }
+
+    /// What motors follow is what the state and the defaults of the inputs say, as in the rows of (3).
+    fn driven(&mut self, state: &[f64]) -> Vec<JointStart> {
+        let here = self.here(state);
+        let (numbers, scratch) = (&self.numbers, &mut self.scratch);
+        driven_coordinates(self.scene, self.layout, numbers, &here.at(), scratch)
     }
 
     /// Rows of all joints at these coordinates and speeds; nothing that a node decides.

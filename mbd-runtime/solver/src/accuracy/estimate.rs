@@ -7,6 +7,7 @@
 use super::{Deviation, Question, TradeError, Unanswered, Variant};
 use crate::options::{Method, Options};
 use crate::trajectory::Trajectory;
+use crate::turns;
 
 /// The finest tolerance whose error a tenth of it can still tell: doubles hold 1e-16.
 const FINEST: f64 = 1e-13;
@@ -14,6 +15,8 @@ const FINEST: f64 = 1e-13;
 const TENTH: f64 = 0.1;
 /// Part of the wanted error that a tightened run aims at.
 const AIM: f64 = 0.3;
+/// Steps of a method of order five go with this power of the tolerance.
+const STEP_BY_TOLERANCE: f64 = 0.2;
 /// How often a run is tightened.
 const TRIES: usize = 12;
 
@@ -28,15 +31,21 @@ impl Options {
         }
     }
 
-    /// The same with its step, or its tolerance, times a factor.
+    /// The same with its step, or its tolerance, times a factor. What bounds adaptive steps beside the tolerance changes with it: where that alone
+    /// decides, a tighter tolerance would make the same steps again.
     fn tightened(self, factor: f64) -> Options {
         let mut options = self;
+        let bound = factor.powf(STEP_BY_TOLERANCE);
         match &mut options.method {
             Method::Rk4 { step } | Method::Rattle { step } => *step *= factor,
-            Method::Tsit5 { rtol, .. }
-            | Method::Vern7 { rtol, .. }
-            | Method::Rodas5P { rtol, .. }
-            | Method::Auto { rtol, .. } => *rtol *= factor,
+            Method::Tsit5 { rtol, max_step }
+            | Method::Vern7 { rtol, max_step }
+            | Method::Rodas5P { rtol, max_step }
+            | Method::Auto { rtol, max_step } => {
+                *rtol *= factor;
+                *max_step *= bound;
+                options.max_angle = (options.max_angle * bound).min(turns::MOST);
+            }
         }
         options
     }
@@ -136,17 +145,27 @@ impl Trajectory {
     /// How far this history is from a finer one of the same run at the same times, column by column, with the largest value of the column: what is not
     /// a number in both is left out.
     ///
-    /// `rows` are those of this history that the other has.
+    /// `rows` are those of this history that the other has; `turn` says how much apart values of a column mean the same [its unit], as those of `atan2`
+    /// do that are a turn apart, by its name.
     #[must_use]
-    pub fn deviations(&self, rows: &[usize], finer: &Trajectory) -> Vec<(Deviation, f64)> {
+    pub fn deviations(
+        &self,
+        rows: &[usize],
+        finer: &Trajectory,
+        turn: impl Fn(&str) -> Option<f64>,
+    ) -> Vec<(Deviation, f64)> {
         let names = self.names().iter();
         let columns = names.map(|name| {
             let [own, other] = [self, finer].map(|history| history.column(&name.name));
             let own = own.unwrap_or_default();
             let picked = rows.iter().filter_map(|row| own.get(*row));
             let pairs = picked.zip(other.unwrap_or_default());
+            let known = pairs.filter(|(a, b)| !(a.is_nan() && b.is_nan()));
+            let turn = turn(&name.name);
+            let nearest =
+                |a: f64, b: f64| turn.map_or(a, |turn| a - turn * ((a - b) / turn).round());
             let (own, other): (Vec<f64>, Vec<f64>) =
-                pairs.filter(|(a, b)| !(a.is_nan() && b.is_nan())).unzip();
+                known.map(|(a, b)| (nearest(*a, *b), *b)).unzip();
             let size = other.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             (Deviation::between(&own, &other), size)
         });

@@ -34,10 +34,11 @@ use std::time::Instant;
 use mbd_scene::Model;
 
 use crate::compiled::Scalar;
+use crate::content::Content;
 use crate::error::{RunError, Statistics};
 use crate::options::Options;
 use crate::simulation::Simulation;
-use crate::trajectory::{Content, Sampling, Trajectory};
+use crate::trajectory::{Sampling, Trajectory};
 
 mod estimate;
 mod race;

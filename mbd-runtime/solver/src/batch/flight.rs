@@ -11,12 +11,13 @@ use mbd_scene::{Float, Model};
 use super::case::{Case, Failed, Finished, Why};
 use super::queue::Desk;
 use crate::compiled::Scalar;
+use crate::content::Content;
 use crate::error::{RunError, Statistics, StepError};
 use crate::lanes::{Lane, Runs};
 use crate::metric::MetricReader;
 use crate::options::Options;
 use crate::simulation::{Course, Simulation, Stop};
-use crate::trajectory::{Content, Joined, Sampling, Trajectory};
+use crate::trajectory::{Joined, Sampling, Trajectory};
 
 /// What the caller does with a fresh run before it begins.
 pub(super) type Prepare<'b, T> =

@@ -11,11 +11,12 @@ use std::thread::available_parallelism;
 use mbd_scene::Model;
 
 use crate::compiled::Scalar;
+use crate::content::Content;
 use crate::error::RunError;
 use crate::metric::MetricReader;
 use crate::options::Options;
 use crate::simulation::Simulation;
-use crate::trajectory::{Content, Joined, Sampling, Trajectory};
+use crate::trajectory::{Joined, Sampling, Trajectory};
 
 mod case;
 mod flight;

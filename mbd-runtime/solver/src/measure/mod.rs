@@ -1,8 +1,11 @@
 //! Metrics while a run goes on: of every step that is taken, the quantity over the step, by the interpolant of the method.
 //!
-//! Over a step a quantity is a polynomial through nine values. Where its last coefficients say that it is not one, the step is cut in half, and each
-//! half again: a corner is enclosed, a curve resolved. Extremes, passings of a level and integrals then are those of polynomials. So a metric neither depends
-//! on which rows a history has nor on where steps happen to end.
+//! Over a step a quantity is a polynomial through five values, where that does not do through nine. Where the last coefficients say that it is not one, the
+//! step is cut in half, and each half again: a corner is enclosed, a curve resolved. Extremes, passings of a level and integrals then are those of
+//! polynomials. So a metric neither depends on which rows a history has nor on where steps happen to end.
+//!
+//! Evaluations are what this costs: where two polynomials follow each other they share a value, and a quantity is looked at no closer than its metrics hang
+//! on it: the largest value needs no digits of a step in which the quantity stays small.
 //!
 //! Rejected: reading metrics from the rows of a history, straight between them: their error is that of the grid and not that of the run.
 
@@ -11,7 +14,7 @@ mod sum;
 
 use crate::error::StepError;
 use crate::metric::MetricReader;
-use polynomial::{POINTS, Polynomial};
+use polynomial::{DEGREE, POINTS, Polynomial};
 use sum::Sum;
 
 /// Writes the columns at a part of a step, 0 … 1.
@@ -21,6 +24,8 @@ type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a
 const DEEPEST: usize = 30;
 /// Halvings after which what does not get smaller is noise.
 const PATIENCE: usize = 3;
+/// How many values polynomials have, one after the other until one does.
+const COUNTS: [usize; 2] = [5, POINTS];
 
 /// What is measured of a run.
 #[derive(Clone, Debug, Default)]
@@ -35,7 +40,7 @@ pub(crate) struct Measures {
     states: Vec<Resolving>,
     /// Up to when the run was measured [s].
     until: f64,
-    /// The instant whose values are the first of those [s]; NaN: of none.
+    /// The instant whose values are known as those of the end of a step [s]; NaN: of none.
     held: f64,
     /// What was known at an instant the run may go back to [s].
     kept: (f64, Vec<Sum>),
@@ -60,6 +65,8 @@ struct Column {
     size: f64,
     /// What halving did not make smaller.
     noise: f64,
+    /// Whether a metric hangs on it before the end of the run.
+    over_time: bool,
 }
 
 /// What becomes of a column over a half: each is resolved by itself, so that no metric depends on which others there are.
@@ -68,8 +75,8 @@ enum Resolving {
     /// It was resolved over more than this half.
     #[default]
     Done,
-    /// It is resolved here, or gets no smoother.
-    Here,
+    /// It is resolved here by so many values, or gets no smoother.
+    Here(usize),
     /// It is cut further.
     Further,
 }
@@ -83,6 +90,24 @@ struct Half {
 }
 
 impl Half {
+    /// A whole step.
+    const WHOLE: Half = Half {
+        depth: 0,
+        side: 0,
+        part: [0.0, 1.0],
+    };
+
+    /// Both of its halves.
+    fn halves(self) -> [Half; 2] {
+        let [low, high] = self.part;
+        let middle = 0.5 * (low + high);
+        [([low, middle], 0), ([middle, high], 1)].map(|(part, side)| Half {
+            depth: self.depth + 1,
+            side,
+            part,
+        })
+    }
+
     /// Its place among all that are under way at once.
     fn index(self) -> usize {
         2 * self.depth + self.side
@@ -98,14 +123,35 @@ pub(crate) struct MeasuredStep {
     pub size: f64,
     /// Up to which part of its size a quantity is resolved.
     pub tolerance: f64,
+    /// Whether quantities have no value of their own between its ends, as the forces of a `stepwise` node, whose rule is one of whole steps: they are
+    /// straight there.
+    pub straight: bool,
+    /// Whether quantities are at its start what they were at the end of the step before.
+    pub continues: bool,
+}
+
+impl MeasuredStep {
+    /// When a part of it begins and ends [s].
+    fn times(&self, part: [f64; 2]) -> [f64; 2] {
+        part.map(|part| match part {
+            1.0 => self.time + self.size,
+            part => self.time + part * self.size,
+        })
+    }
 }
 
 impl Measures {
     /// Of these metrics, each of which reads one of so many columns.
     pub(crate) fn new(readers: Vec<(MetricReader, usize)>, columns: usize) -> Self {
+        let of = |column: usize, readers: &[(MetricReader, usize)]| Column {
+            over_time: readers
+                .iter()
+                .any(|(reader, own)| *own == column && reader.is_over_time()),
+            ..Column::default()
+        };
         let mut measures = Measures {
             sums: vec![Sum::NOTHING; readers.len()],
-            columns: vec![Column::default(); columns],
+            columns: (0..columns).map(|at| of(at, &readers)).collect(),
             values: vec![0.0; (2 * DEEPEST + 2) * POINTS * columns],
             states: vec![Resolving::Done; (2 * DEEPEST + 2) * columns],
             until: f64::NAN,
@@ -125,7 +171,9 @@ impl Measures {
     /// For another run.
     pub(crate) fn clear(&mut self) {
         self.sums.fill(Sum::NOTHING);
-        self.columns.fill(Column::default());
+        for column in &mut self.columns {
+            (column.size, column.noise) = (0.0, 0.0);
+        }
         (self.until, self.held) = (f64::NAN, f64::NAN);
         self.kept.0 = f64::NAN;
     }
@@ -189,13 +237,19 @@ impl Measures {
         time: f64,
         mut at: impl FnMut(&mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), StepError> {
-        let count = self.columns.len();
-        if count > 0 {
-            at(self.values.get_mut(..count).unwrap_or_default())?;
+        if !self.columns.is_empty()
+            && let Err(error) = at(self.row(Half::WHOLE, DEGREE))
+        {
+            let all = self.readers.iter().zip(&mut self.sums);
+            let of_the_end = all.filter(|((reader, _), _)| reader.is_of_the_end());
+            of_the_end.for_each(|(_, sum)| sum.spoil());
+            return Err(error);
         }
+        let first = DEGREE * self.columns.len();
+        let values = self.values.get(first..).unwrap_or_default();
         for ((reader, column), sum) in self.readers.iter().zip(&mut self.sums) {
-            let value = self.values.get(*column).copied().unwrap_or(f64::NAN);
-            let polynomial = Polynomial::through([value; POINTS]);
+            let value = values.get(*column).copied().unwrap_or(f64::NAN);
+            let polynomial = Polynomial::constant(value);
             sum.add(reader, &polynomial, [time; 2], (false, 0.0));
         }
         (self.until, self.held) = (time, time);
@@ -208,78 +262,67 @@ impl Measures {
         step: MeasuredStep,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
-        let whole = Half {
-            depth: 0,
-            side: 0,
-            part: [0.0, 1.0],
-        };
-        if !self.columns.is_empty() {
-            self.sample(whole, &|_| true, at)?;
+        let end = step.time + step.size;
+        if self.columns.iter().any(|column| column.over_time) {
+            if step.continues && self.held == step.time {
+                self.copy((Half::WHOLE, DEGREE), (Half::WHOLE, 0));
+            } else {
+                at(0.0, self.row(Half::WHOLE, 0))?;
+            }
+            self.held = f64::NAN;
+            at(1.0, self.row(Half::WHOLE, DEGREE))?;
+            let times = [step.time, end];
             for column in 0..self.columns.len() {
-                let state = match self.is_open(whole, column, step) {
+                if !self.columns.get(column).is_some_and(|it| it.over_time) {
+                    continue;
+                }
+                let inside = !step.straight
+                    && self.any_sum(column, |sum, reader| sum.looks_inside(reader, times));
+                let state = match inside {
                     true => Resolving::Further,
-                    false => Resolving::Here,
+                    false => Resolving::Here(2),
                 };
-                self.set_state(whole, column, state);
+                self.set_state(Half::WHOLE, column, state);
+                self.see(Half::WHOLE, 0, column);
+                self.see(Half::WHOLE, DEGREE, column);
             }
-            self.resolve(whole, step, at)?;
+            self.look_inside(Half::WHOLE, step, at)?;
+            self.resolve(Half::WHOLE, step, at)?;
+            self.held = end;
         }
-        (self.until, self.held) = (step.time + step.size, f64::NAN);
+        self.until = end;
         Ok(())
     }
 
-    /// A step between whose ends the quantities have no value of their own, as the forces of a `stepwise` node, whose rule is one of whole steps: straight
-    /// between them.
-    pub(crate) fn step_by_ends(
-        &mut self,
-        step: MeasuredStep,
-        at: &mut ColumnValues<'_>,
-    ) -> Result<(), StepError> {
+    /// The values at a point of a half.
+    fn row(&mut self, half: Half, point: usize) -> &mut [f64] {
         let count = self.columns.len();
-        let times = [step.time, step.time + step.size];
-        let (now, before) = self.values.split_at_mut(count);
-        let before = before.get_mut(..count).unwrap_or_default();
-        if self.held == step.time {
-            before.copy_from_slice(now);
-        } else if count > 0 {
-            at(0.0, before)?;
-        }
-        if count > 0 {
-            at(1.0, now)?;
-        }
-        for ((reader, column), sum) in self.readers.iter().zip(&mut self.sums) {
-            let end = |list: &[f64]| list.get(*column).copied().unwrap_or(f64::NAN);
-            let (a, b) = (end(before), end(now));
-            let polynomial = Polynomial::through(Polynomial::places().map(|part| match part {
-                1.0 => b,
-                part => a + part * (b - a),
-            }));
-            sum.add(reader, &polynomial, times, (false, 0.0));
-        }
-        (self.until, self.held) = (times[1], times[1]);
-        Ok(())
+        let first = (half.index() * POINTS + point) * count;
+        let row = self.values.get_mut(first..first + count);
+        row.unwrap_or_default()
     }
 
-    /// Evaluates the columns at the points of a half, for those that `count` there.
-    fn sample(
-        &mut self,
-        half: Half,
-        counts: &dyn Fn(Resolving) -> bool,
-        at: &mut ColumnValues<'_>,
-    ) -> Result<(), StepError> {
+    fn value_at(&self, half: Half, point: usize, column: usize) -> f64 {
+        let at = (half.index() * POINTS + point) * self.columns.len() + column;
+        self.values.get(at).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Writes the values at a point of a half, that are known, to another point.
+    fn copy(&mut self, (from, point): (Half, usize), (to, place): (Half, usize)) {
         let count = self.columns.len();
-        let [low, high] = half.part;
-        let states = self.states.get(half.index() * count..).unwrap_or_default();
-        let room = self.values.chunks_exact_mut(count.max(1));
-        let rows = room.skip(half.index() * POINTS);
-        for (place, row) in Polynomial::places().into_iter().zip(rows) {
-            at(low + place * (high - low), row)?;
-            let all = self.columns.iter_mut().zip(row.iter()).zip(states);
-            for ((column, value), _) in all.filter(|(_, state)| counts(**state)) {
-                column.size = column.size.max(value.abs());
-            }
+        let [source, target] = [(from, point), (to, place)]
+            .map(|(half, point)| (half.index() * POINTS + point) * count);
+        if source + count <= self.values.len() && target + count <= self.values.len() {
+            self.values.copy_within(source..source + count, target);
         }
-        Ok(())
+    }
+
+    /// Sees the size of a column at a point of a half.
+    fn see(&mut self, half: Half, point: usize, column: usize) {
+        let value = self.value_at(half, point, column);
+        if let Some(column) = self.columns.get_mut(column) {
+            column.size = column.size.max(value.abs());
+        }
     }
 
     fn state(&self, half: Half, column: usize) -> Resolving {
@@ -294,24 +337,74 @@ impl Measures {
         }
     }
 
-    /// A column over a half.
-    fn polynomial(&self, half: Half, column: usize) -> Polynomial {
-        let count = self.columns.len();
-        let first = half.index() * POINTS;
-        let value = |point: usize| self.values.get((first + point) * count + column).copied();
-        Polynomial::through(std::array::from_fn(|point| {
-            value(point).unwrap_or(f64::NAN)
-        }))
+    /// Whether what holds of a metric of a column does of one of them.
+    fn any_sum(&self, column: usize, holds: impl Fn(&Sum, &MetricReader) -> bool) -> bool {
+        let all = self.readers.iter().zip(&self.sums);
+        let mut own = all.filter(|((_, own), _)| *own == column);
+        own.any(|((reader, _), sum)| holds(sum, reader))
     }
 
-    /// Whether a column is not yet resolved over a half.
-    fn is_open(&self, half: Half, column: usize, step: MeasuredStep) -> bool {
+    /// A column over a half, through so many values.
+    fn polynomial(&self, half: Half, column: usize, count: usize) -> Polynomial {
+        let stride = Polynomial::stride(count);
+        Polynomial::through(count, |place| self.value_at(half, place * stride, column))
+    }
+
+    /// Whether a polynomial is not yet what a metric of its column needs over a half.
+    fn is_open(
+        &self,
+        half: Half,
+        column: usize,
+        polynomial: &Polynomial,
+        step: MeasuredStep,
+    ) -> bool {
         let known = self.columns.get(column).copied().unwrap_or_default();
         let allowed = (step.tolerance * known.size).max(2.0 * known.noise);
-        self.polynomial(half, column).tail() > allowed
+        let times = step.times(half.part);
+        let hangs = |sum: &Sum, reader: &MetricReader| sum.hangs_on(reader, times, polynomial);
+        polynomial.error() > allowed && self.any_sum(column, hangs)
     }
 
-    /// Adds the columns that are resolved over a half of which the values are known, and cuts it for the others.
+    /// Evaluates columns inside a half whose ends are known until each is resolved, or all its points are.
+    fn look_inside(
+        &mut self,
+        half: Half,
+        step: MeasuredStep,
+        at: &mut ColumnValues<'_>,
+    ) -> Result<(), StepError> {
+        let [low, high] = half.part;
+        let mut known = 2;
+        for count in COUNTS {
+            let all = 0..self.columns.len();
+            let mut further = all.clone();
+            if !further.any(|column| self.state(half, column) == Resolving::Further) {
+                break;
+            }
+            let (stride, before) = (Polynomial::stride(count), Polynomial::stride(known));
+            let places = Polynomial::places().into_iter().enumerate();
+            let new = places.filter(|(point, _)| point % stride == 0 && point % before != 0);
+            for (point, place) in new {
+                at(low + place * (high - low), self.row(half, point))?;
+                for column in all.clone() {
+                    if self.state(half, column) == Resolving::Further {
+                        self.see(half, point, column);
+                    }
+                }
+            }
+            for column in all {
+                if self.state(half, column) == Resolving::Further {
+                    let polynomial = self.polynomial(half, column, count);
+                    if !self.is_open(half, column, &polynomial, step) {
+                        self.set_state(half, column, Resolving::Here(count));
+                    }
+                }
+            }
+            known = count;
+        }
+        Ok(())
+    }
+
+    /// Adds the columns that are resolved over a half, and cuts it for the others.
     fn resolve(
         &mut self,
         half: Half,
@@ -324,27 +417,23 @@ impl Measures {
         if !all.clone().any(further) {
             return Ok(());
         }
-        let [low, high] = half.part;
-        let middle = 0.5 * (low + high);
-        let halves = [([low, middle], 0), ([middle, high], 1)].map(|(part, side)| Half {
-            depth: half.depth + 1,
-            side,
-            part,
-        });
+        let halves = half.halves();
         for own in halves {
             for column in all.clone() {
-                let state = self.state(half, column);
+                let state = match self.state(half, column) {
+                    Resolving::Further => Resolving::Further,
+                    Resolving::Here(_) | Resolving::Done => Resolving::Done,
+                };
                 self.set_state(own, column, state);
             }
-            self.sample(own, &|state| state == Resolving::Further, at)?;
+            let first = own.side * DEGREE / 2;
+            self.copy((half, first), (own, 0));
+            self.copy((half, first + DEGREE / 2), (own, DEGREE));
+            self.look_inside(own, step, at)?;
         }
         for column in all {
-            let states = match self.state(half, column) {
-                Resolving::Further => self.cut_column(half, halves, column, step),
-                Resolving::Here | Resolving::Done => [Resolving::Done; 2],
-            };
-            for (own, state) in halves.into_iter().zip(states) {
-                self.set_state(own, column, state);
+            if self.state(half, column) == Resolving::Further {
+                self.give_up(half, halves, column);
             }
         }
         for own in halves {
@@ -353,56 +442,51 @@ impl Measures {
         Ok(())
     }
 
-    /// What becomes of a column over both halves of a part over which it was not resolved.
-    fn cut_column(
-        &mut self,
-        whole: Half,
-        halves: [Half; 2],
-        column: usize,
-        step: MeasuredStep,
-    ) -> [Resolving; 2] {
-        let open = halves.map(|half| self.is_open(half, column, step));
+    /// Cuts a column no further whose halves are as rough as the whole, or the smallest there are.
+    fn give_up(&mut self, whole: Half, halves: [Half; 2], column: usize) {
+        let tail = |half: Half| self.polynomial(half, column, POINTS).tail();
+        let is_open = |half: &Half| self.state(*half, column) == Resolving::Further;
         let depth = whole.depth + 1;
-        let before = self.polynomial(whole, column).tail();
-        let [one, other] = halves.map(|half| self.polynomial(half, column).tail());
-        let smaller = one.min(other);
-        if open == [true; 2] && smaller > 0.5 * before && depth >= PATIENCE {
-            // Both halves are as rough as the whole.
-            if let Some(known) = self.columns.get_mut(column) {
-                known.noise = known.noise.max(smaller);
-            }
-            return [Resolving::Here; 2];
+        let smaller = halves.map(tail).into_iter().fold(f64::INFINITY, f64::min);
+        let rough = depth >= PATIENCE && halves.iter().all(is_open) && smaller > 0.5 * tail(whole);
+        let known = self.columns.get_mut(column).filter(|_| rough);
+        if let Some(known) = known {
+            known.noise = known.noise.max(smaller);
         }
-        open.map(|open| match open && depth < DEEPEST {
-            true => Resolving::Further,
-            false => Resolving::Here,
-        })
+        if !rough && depth < DEEPEST {
+            return;
+        }
+        for half in halves {
+            if self.state(half, column) == Resolving::Further {
+                self.set_state(half, column, Resolving::Here(POINTS));
+            }
+        }
     }
 
+    /// Adds the columns that are resolved over a half.
     fn add(&mut self, half: Half, step: MeasuredStep) {
-        let times = half.part.map(|part| match part {
-            1.0 => step.time + step.size,
-            part => step.time + part * step.size,
-        });
+        let times = step.times(half.part);
         for index in 0..self.readers.len() {
             let Some((reader, column)) = self.readers.get(index) else {
                 continue;
             };
-            if self.state(half, *column) != Resolving::Here {
+            let Resolving::Here(count) = self.state(half, *column) else {
                 continue;
-            }
-            let polynomial = self.polynomial(half, *column);
+            };
+            let polynomial = self.polynomial(half, *column, count);
             let size = self.columns.get(*column).map_or(0.0, |known| known.size);
-            let tail = polynomial.tail();
-            let rough = tail > step.tolerance * size;
+            let Some(sum) = self.sums.get_mut(index) else {
+                continue;
+            };
+            let rough = !step.straight
+                && polynomial.error() > step.tolerance * size
+                && sum.hangs_on(reader, times, &polynomial);
             // What is halved that often is a corner or a jump in an interval of time that is nothing.
             let open = match rough && half.depth < DEEPEST {
-                true => tail,
+                true => polynomial.tail(),
                 false => 0.0,
             };
-            if let Some(sum) = self.sums.get_mut(index) {
-                sum.add(reader, &polynomial, times, (rough, open));
-            }
+            sum.add(reader, &polynomial, times, (rough, open));
         }
     }
 }

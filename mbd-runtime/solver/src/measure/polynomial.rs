@@ -1,15 +1,20 @@
-//! A quantity inside a part of a step: the polynomial through its values at nine Chebyshev points.
+//! A quantity inside a part of a step: the polynomial through its values at n + 1 Chebyshev points, n = 1, 2, 4 or 8, or a constant. The points of
+//! each are among those of the next.
 //!
-//!   p(s) = Σ c_k T_k(s),  −1 ≤ s ≤ 1,   values at s_j = −cos(π j / 8)                                     (1)
-//!   c_k = (2/8) Σ″ p(s_j) cos(π (8 − j) k / 8), the first and the last term of Σ″ halved, c_0 and c_8 too   (2)
+//!   p(s) = Σ c_k T_k(s),  −1 ≤ s ≤ 1,   values at s_j = −cos(π j / n)                                     (1)
+//!   c_k = (2/n) Σ″ p(s_j) cos(π (n − j) k / n), the first and the last term of Σ″ halved, c_0 and c_n too   (2)
 //!
-//! What c_7 and c_8 are is about what the polynomial is off by. Source: Trefethen, Approximation Theory and Approximation Practice, chapters 3 and 4.
+//! The last two coefficients are about what a polynomial of two degrees less is off by; where the coefficients fall like powers, this one is off by
+//! as much less as the last two are less than the two before. Source: Trefethen, Approximation Theory and Approximation Practice, chapters 3, 4 and 8.
 
-/// Values of a polynomial.
+/// The most values of a polynomial.
 pub(super) const POINTS: usize = 9;
-const DEGREE: usize = POINTS - 1;
-/// Places among which the sign of the slope is looked at.
-const PLACES: usize = 32;
+/// The degree of that polynomial.
+pub(super) const DEGREE: usize = POINTS - 1;
+/// Places among which the sign of the slope is looked at, for each degree.
+const PLACES: usize = 4;
+/// The least part of its last coefficients that a polynomial is taken to be off by, however fast they fall.
+const LEAST_PART: f64 = 0.01;
 /// cos(π j / 8) for j = 0 … 15.
 const COSINES: [f64; 2 * DEGREE] = {
     let [a, b, c] = [
@@ -38,39 +43,93 @@ const GAUSS: [[f64; 2]; 9] = [
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Polynomial {
     coefficients: [f64; POINTS],
+    /// How many of them there are; the rest are zero.
+    count: usize,
 }
 
 impl Polynomial {
-    /// Where the values of a polynomial are, as parts of its interval, 0 … 1, rising.
+    /// Where the values of a polynomial with the most are, as parts of its interval, 0 … 1, rising.
     pub(super) fn places() -> [f64; POINTS] {
         std::array::from_fn(|j| 0.5 * (1.0 - COSINES[j]))
     }
 
-    /// The same on −1 … 1.
-    pub(super) fn points() -> [f64; POINTS] {
-        std::array::from_fn(|j| -COSINES[j])
+    /// How far apart the points of a polynomial with so many values are among the most.
+    pub(super) const fn stride(count: usize) -> usize {
+        match count {
+            0 | 1 => DEGREE,
+            count => DEGREE / (count - 1),
+        }
     }
 
-    /// That through these values.
-    pub(super) fn through(values: [f64; POINTS]) -> Self {
+    /// The places of its values on −1 … 1.
+    pub(super) fn points(&self) -> impl Iterator<Item = f64> + use<> {
+        let count = self.count;
+        let stride = Self::stride(count);
+        (0..count).map(move |j| -COSINES[j * stride])
+    }
+
+    /// That which has this value everywhere.
+    pub(super) fn constant(value: f64) -> Self {
         let mut coefficients = [0.0; POINTS];
-        for (k, coefficient) in coefficients.iter_mut().enumerate() {
-            for (j, value) in values.iter().enumerate() {
-                let end = j == 0 || j == DEGREE;
-                let half = if end { 0.5 } else { 1.0 };
-                *coefficient += half * value * COSINES[(DEGREE - j) * k % COSINES.len()];
-            }
-            *coefficient *= 2.0 / DEGREE as f64;
+        coefficients[0] = value;
+        Polynomial {
+            coefficients,
+            count: 1,
         }
-        coefficients[0] *= 0.5;
-        coefficients[DEGREE] *= 0.5;
-        Polynomial { coefficients }
+    }
+
+    /// That through so many values, 2, 3, 5 or 9, one after the other.
+    pub(super) fn through(count: usize, value: impl Fn(usize) -> f64) -> Self {
+        let mut coefficients = [0.0; POINTS];
+        let (stride, degree) = (Self::stride(count), count - 1);
+        for j in 0..count {
+            let end = j == 0 || j == degree;
+            let value = if end { 0.5 * value(j) } else { value(j) };
+            for (k, coefficient) in coefficients.iter_mut().take(count).enumerate() {
+                *coefficient += value * COSINES[stride * (degree - j) * k % COSINES.len()];
+            }
+        }
+        let factor = 2.0 / degree as f64;
+        let all = coefficients.iter_mut().take(count).enumerate();
+        for (k, coefficient) in all {
+            *coefficient *= if k == 0 || k == degree {
+                0.5 * factor
+            } else {
+                factor
+            };
+        }
+        Polynomial {
+            coefficients,
+            count,
+        }
+    }
+
+    /// The sizes of its last two coefficients together; not finite where a value is not.
+    pub(super) fn tail(&self) -> f64 {
+        self.sizes(0)
     }
 
     /// What it is off by, about.
-    pub(super) fn tail(&self) -> f64 {
-        let [.., before, last] = self.coefficients;
-        before.abs() + last.abs()
+    pub(super) fn error(&self) -> f64 {
+        let [tail, before] = [self.sizes(0), self.sizes(2)];
+        if tail < before {
+            tail * (tail / before).max(LEAST_PART)
+        } else {
+            tail
+        }
+    }
+
+    /// The sizes of two coefficients together, so many before the last.
+    fn sizes(&self, before: usize) -> f64 {
+        let known = self.coefficients.iter().take(self.count).rev();
+        known.skip(before).take(2).map(|x| x.abs()).sum()
+    }
+
+    /// Between what its values are, with several times what it may be off by.
+    pub(super) fn bounds(&self) -> [f64; 2] {
+        let [middle, rest @ ..] = self.coefficients;
+        let half = rest.iter().map(|x| x.abs()).sum::<f64>() + 4.0 * self.tail();
+        [middle - half, middle + half]
     }
 
     /// Its value at −1 … 1.
@@ -90,10 +149,15 @@ impl Polynomial {
     /// Calls with a part of −1 … 1 cut where its slope changes sign, piece by piece, rising: within one it rises or falls.
     pub(super) fn monotone(&self, [low, high]: [f64; 2], mut part: impl FnMut([f64; 2])) {
         let slope = self.slope();
+        let [middle, rest @ ..] = slope;
+        if middle.abs() >= rest.iter().map(|x| x.abs()).sum() {
+            return part([low, high]);
+        }
         let mut start = low;
         let mut before = (low, sum(&slope, low));
-        for place in 1..=PLACES {
-            let s = low + (high - low) * place as f64 / PLACES as f64;
+        let places = PLACES * self.count;
+        for place in 1..=places {
+            let s = low + (high - low) * place as f64 / places as f64;
             let now = (s, sum(&slope, s));
             if (before.1 < 0.0) != (now.1 < 0.0) {
                 let turn = cut([before.0, now.0], |s| sum(&slope, s) < 0.0);
@@ -155,8 +219,14 @@ mod tests {
         3.0 - s + 2.0 * s * s - s.powi(7) + 0.5 * s.powi(8)
     }
 
+    fn through(count: usize, function: impl Fn(f64) -> f64) -> Polynomial {
+        let places = Polynomial::places();
+        let stride = Polynomial::stride(count);
+        Polynomial::through(count, |j| function(2.0 * places[j * stride] - 1.0))
+    }
+
     fn of(function: impl Fn(f64) -> f64) -> Polynomial {
-        Polynomial::through(Polynomial::places().map(|part| function(2.0 * part - 1.0)))
+        through(POINTS, function)
     }
 
     #[test]

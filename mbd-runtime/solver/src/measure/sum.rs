@@ -2,7 +2,7 @@
 
 use mbd_scene::metrics::Take;
 
-use super::polynomial::{POINTS, Polynomial};
+use super::polynomial::Polynomial;
 use crate::metric::MetricReader;
 
 /// What is known of a metric up to an instant.
@@ -42,6 +42,38 @@ impl Sum {
         undefined: false,
         open: 0.0,
     };
+
+    /// Whether it hangs on the quantity inside a part of the run, and not only at its end.
+    pub(super) fn looks_inside(&self, of: &MetricReader, [begin, end]: [f64; 2]) -> bool {
+        let [from, to] = of.window;
+        let inside = from <= end && begin <= to;
+        inside
+            && match of.take {
+                Take::Value | Take::TimeOf => false,
+                Take::Final => to < end,
+                Take::FirstAbove => self.first.is_nan(),
+                _ => true,
+            }
+    }
+
+    /// Whether another polynomial that is about this one over a part of the run could give it another value.
+    pub(super) fn hangs_on(
+        &self,
+        of: &MetricReader,
+        times: [f64; 2],
+        polynomial: &Polynomial,
+    ) -> bool {
+        let [least, most] = polynomial.bounds();
+        let level = of.level.unwrap_or(f64::NAN);
+        let enough = match of.take {
+            Take::Max => most <= self.extreme,
+            Take::Min => least >= self.extreme,
+            Take::FirstAbove => most <= level,
+            Take::TimeAbove => most <= level || least > level,
+            _ => false,
+        };
+        !enough && self.looks_inside(of, times)
+    }
 
     /// A part of the run between two times; where it stayed `rough` the quantity is no polynomial, but for an error of `open`.
     pub(super) fn add(
@@ -103,8 +135,9 @@ impl Sum {
                 Take::Rms => 2.0 * open * (high - low) * self.last.abs().max(open),
                 Take::TimeAbove => {
                     let near = |s: &f64| (polynomial.at(*s) - level).abs() <= open;
-                    let near = Polynomial::points().iter().filter(|s| near(s)).count();
-                    (high - low) * near as f64 / POINTS as f64
+                    let points = polynomial.points().count();
+                    let near = polynomial.points().filter(near).count();
+                    (high - low) * near as f64 / points as f64
                 }
                 _ => 0.0,
             };
@@ -205,7 +238,7 @@ fn largest(
     let mut see = |s: f64| *so_far = so_far.max(of(polynomial.at(s)));
     see(low);
     if rough {
-        let points = Polynomial::points().into_iter();
+        let points = polynomial.points();
         points.filter(|s| (low..=high).contains(s)).for_each(see);
     } else {
         polynomial.monotone([low, high], |[_, end]| see(end));

@@ -1,5 +1,7 @@
 //! Advancing: try a step, test its error, look for events inside it, record, commit.
 
+use std::f64::consts::PI;
+
 use mbd_scene::Float;
 
 use super::{Pace, Simulation, Stop};
@@ -10,7 +12,7 @@ use crate::integrate::{Control, StiffnessTest, Verdict};
 use crate::momentum::MomentumBalance;
 use crate::trajectory::{Trajectory, resolution};
 use crate::turns;
-use crate::watch::Watch;
+use crate::watch::{Instability, Watch};
 
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
@@ -119,6 +121,8 @@ impl<T: Float> Simulation<T> {
         }
         if let Err(cause) = &outcome {
             self.go_back(cause, trajectory)?;
+            // What broke the run is told; where its last state cannot be measured, metrics of the end have no value.
+            let _ = self.measure_instant(trajectory);
         }
         if let Some(trajectory) = trajectory
             && !matches!(outcome, Ok(None))
@@ -298,15 +302,16 @@ impl<T: Float> Simulation<T> {
             return Err(self.collapse(step, Collapse::ErrorTest));
         }
         let tried = self.make_step(step);
-        let turned = match (&tried, &self.pace) {
-            (Ok(()), Pace::Adaptive(..)) => {
+        let swept = match &tried {
+            Ok(()) => {
                 let (end, next) = (self.time + step, self.method.next());
-                self.system.turned_in(step, end, next)
+                self.system.angle_swept(step, end, next)
             }
-            _ => 0.0,
+            Err(_) => 0.0,
         };
         let Pace::Adaptive(control, norm) = &mut self.pace else {
             return match tried {
+                Ok(()) if swept > PI => Err(self.unstable(step, Instability::Turn(swept))),
                 Ok(()) => Ok(true),
                 Err(cause) => Err(self.blame(step, cause)),
             };
@@ -316,7 +321,8 @@ impl<T: Float> Simulation<T> {
                 let (error, next) = self.method.estimate(step);
                 let error = norm.measure(error, &self.state, next);
                 // A step that turns too far is shortened as one whose error is too large.
-                let error = error.max((turned / turns::MOST).powf(self.method.exponent()));
+                let most = self.options.max_angle.min(turns::MOST);
+                let error = error.max((swept / most).powf(self.method.exponent()));
                 (control.judge(step, error, smallest), None)
             }
             Err(cause) => (control.fail(step, smallest), Some(cause)),

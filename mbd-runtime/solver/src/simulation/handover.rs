@@ -69,7 +69,8 @@ impl<T: Float> Simulation<T> {
         self.put(last.time, origin, &state)?;
         self.hold_the_same(last);
         self.detach_the_same(last);
-        self.system.count_on(&last.system, &last.state);
+        self.system
+            .count_on(&last.system, &last.state, &mut self.state);
         self.begin()?;
         let after = (self.momentum(), self.energies());
         handover.momentum = [before.0, after.0];

@@ -21,7 +21,7 @@ impl<T: Float> Simulation<T> {
         size: f64,
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), StepError> {
-        let Some((measures, maker)) = trajectory.as_mut().and_then(|it| it.measuring()) else {
+        let Some((measures, [_, maker])) = trajectory.as_mut().and_then(|it| it.measuring()) else {
             return Ok(());
         };
         let start = self.time;
@@ -34,8 +34,9 @@ impl<T: Float> Simulation<T> {
             time: start,
             size,
             tolerance: tolerance.max(FINEST).max(16.0 * T::EPSILON.to_f64()),
+            straight: stepwise(&*self.system.model).is_some(),
+            continues: !std::mem::replace(&mut self.jumped, false),
         };
-        let by_ends = stepwise(&*self.system.model).is_some();
         let mut at = |theta: f64, out: &mut [f64]| {
             let span = theta * size;
             if theta > 0.0 {
@@ -49,10 +50,7 @@ impl<T: Float> Simulation<T> {
             let state = (self.inside.as_slice(), self.scratch.as_mut_slice());
             maker.pick(&mut self.system, (start + span, span), state, out)
         };
-        match by_ends {
-            true => measures.step_by_ends(step, &mut at),
-            false => measures.step(step, &mut at),
-        }
+        measures.step(step, &mut at)
     }
 
     /// Measures the accepted state.
@@ -60,7 +58,7 @@ impl<T: Float> Simulation<T> {
         &mut self,
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), StepError> {
-        let Some((measures, maker)) = trajectory.as_mut().and_then(|it| it.measuring()) else {
+        let Some((measures, [maker, _])) = trajectory.as_mut().and_then(|it| it.measuring()) else {
             return Ok(());
         };
         let time = self.time;

@@ -109,6 +109,7 @@ impl<T: Float> Simulation<T> {
 
     /// Takes up the energy anew after something jumped.
     pub(crate) fn rebase(&mut self) {
+        self.jumped = true;
         let Some(balance) = &mut self.balance else {
             return;
         };
@@ -297,7 +298,7 @@ impl<T: Float> Simulation<T> {
     }
 
     #[cold]
-    fn unstable(&self, step_size: f64, what: Instability) -> StepError {
+    pub(super) fn unstable(&self, step_size: f64, what: Instability) -> StepError {
         StepError::UnstableStep {
             time: self.time + step_size,
             step_size,

@@ -126,7 +126,7 @@ impl<T: Float> Simulation<T> {
         for (slot, value) in state.iter_mut().zip(system.set_down(0.0, None, &start)) {
             *slot = value;
         }
-        system.count_turns_from_starts(&[]);
+        system.count_turns_from_starts(&[], (0.0, &state));
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),
@@ -171,6 +171,7 @@ impl<T: Float> Simulation<T> {
             count: 0,
             options,
             guess: None,
+            jumped: true,
             as_declared: true,
             started: false,
             stale: false,
@@ -216,7 +217,8 @@ impl<T: Float> Simulation<T> {
             *to = from;
         }
         self.take_back_actions()?;
-        self.system.count_turns_from_starts(&[]);
+        self.system
+            .count_turns_from_starts(&[], (time, &self.state));
         self.time = time;
         self.as_declared = false;
         self.started = false;
@@ -237,7 +239,8 @@ impl<T: Float> Simulation<T> {
             for (slot, value) in self.state.iter_mut().zip(start) {
                 *slot = value;
             }
-            self.system.count_turns_from_starts(&[]);
+            self.system
+                .count_turns_from_starts(&[], (self.time, &self.state));
         }
     }
 
@@ -277,14 +280,16 @@ impl<T: Float> Simulation<T> {
         let checked = self.check_state(self.time, &numbers);
         checked.map_err(|cause| self.failed(cause))?;
         self.put(self.time, None, &state)?;
-        self.system.count_turns_from_starts(&starts);
+        self.system
+            .count_turns_from_starts(&starts, (self.time, &self.state));
         Ok(())
     }
 
     /// What [`Simulation::set_turns`] does.
     pub(crate) fn give_turns(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
         let starts = self.joint_starts(given)?;
-        self.system.count_turns_from_starts(&starts);
+        self.system
+            .count_turns_from_starts(&starts, (self.time, &self.state));
         Ok(())
     }
 

@@ -114,8 +114,10 @@ impl Joined {
         let mut joined = Trajectory {
             maker: RowMaker::new(content, self.names.len()),
             beside: false,
+            end: parts.last().map_or(f64::NAN, |(_, part)| part.end),
             measures: Measures::default(),
             measured: RowMaker::new(content, 0),
+            inside: RowMaker::new(content, 0),
             sampling: Sampling::Steps,
             first: f64::NAN,
             next: 0,

@@ -96,3 +96,27 @@ fn a_run_that_is_less_accurate_than_one_percent_says_what_to_change() {
     let told = run(&["run", &file, "--out", &out, "--no-estimate"]);
     assert!(told.is_ok_and(|told| !told.contains("off most")));
 }
+
+#[test]
+fn a_large_angle_hides_no_small_one_and_a_turn_more_of_an_atan2_is_no_error() {
+    let folder = Folder::new("directions");
+    let out = folder.0.join("out").display().to_string();
+    // A damped wheel spins up for hundreds of turns; its direction jumps by a turn each time it comes round.
+    let text = |tolerance: &str| {
+        format!(
+            "model Wheel {{ gravity: [0, 0, -9.81] m/s^2;
+          body wheel {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+          joint spin: hinge from world to wheel.com {{ axis: z, force: 1 N*m, damping: 0.001 N*m*s }}
+          output turned = spin.angle;
+          output direction = atan2(sin(spin.angle), cos(spin.angle)); }}
+        [run]\nuntil = \"20 s\"\ntolerance = {tolerance}\n"
+        )
+    };
+    let coarse = folder.file("coarse.mbd", &text("1e-3"));
+    let error = run(&["run", &coarse, "--out", &out]).expect_err("a loose tolerance");
+    let told = error.to_string();
+    assert!(told.contains("`direction` is off by about"), "{told}");
+    let fine = folder.file("fine.mbd", &text("1e-9"));
+    let told = run(&["run", &fine, "--out", &out]).expect("accurate enough");
+    assert!(told.contains("the same over its largest value"), "{told}");
+}

@@ -331,7 +331,7 @@ pub fn start_beyond_a_turn(at: Region, name: &str, angle: f64) -> LexemeMessage 
     LexemeMessage::new(
         at,
         format!(
-            "the start of `{name}` is {angle} rad, more than a full turn: write it as `{angle} deg` if that is meant"
+            "the start of `{name}` has no unit and would be more than a full turn: write `{angle} deg`, or `{angle} rad` if that is meant"
         ),
     )
 }
