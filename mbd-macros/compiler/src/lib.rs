@@ -49,7 +49,7 @@ pub use kernels::{Kernel, KernelDriver, Kernels, ResultPlaces, Window};
 pub use lists::{NumberList, ProgramArguments};
 pub use messages::similar::nearest;
 pub use messages::{About, Location, Message, MessagePlace};
-pub use number::read_number;
+pub use number::{read_number, read_vector};
 pub use operation::{Binary, Comparison, Op, Unary};
 pub use partition::{Local, ProgramBlock, partition};
 pub use phases::misfits;
@@ -57,11 +57,11 @@ pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{
     DeclarationOptions, NamedFile, NextScene, Reading, Spans, read_text, read_text_in, read_tokens,
 };
-pub use resolve::{Emitted, Named};
+pub use resolve::{Emitted, Named, mixes_turns};
 pub use solution::{Solution, SolutionMember};
 pub use strided::{RoundItem, StridedRun};
 pub use syntax::quantities;
 #[cfg(feature = "toml")]
-pub use toml::{read_toml, read_toml_in, toml_to_text, write_text, write_toml};
+pub use toml::{read_toml, read_toml_in, text_to_toml, toml_to_text, write_text, write_toml};
 pub use urdf::read_urdf;
 pub use vocabulary::Vocabulary;

@@ -1,8 +1,8 @@
-//! A number with its unit, on its own: what a command line or a settings file gives for a param.
+//! A number with its unit, or three of them, on their own: what a command line or a settings file gives for a param.
 
 use mbd_scene::Unit;
 
-use crate::lexeme::{self, LexemeKind, Region};
+use crate::lexeme::{self, Bracket, LexemeKind, Region};
 use crate::messages::LexemeMessage;
 use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
@@ -12,6 +12,46 @@ use crate::units;
 /// # Errors
 /// What is wrong with the text.
 pub fn read_number(text: &str) -> Result<(f64, Unit), String> {
+    read(text, |cursor| number(cursor, text))
+}
+
+/// Reads `[8, 0, 0] m/s` or `[8 m/s, 0, 0]`: the values in SI, each with its unit.
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn read_vector(text: &str) -> Result<Vec<(f64, Unit)>, String> {
+    read(text, |cursor| {
+        let Some(group) = cursor.group(Bracket::Square) else {
+            return Err(format!(
+                "`{text}` is no vector with a unit, such as `[8, 0, 0] m/s`"
+            ));
+        };
+        let shared = unit::suffix(cursor).map_err(told)?;
+        let parts = Cursor::new(group).comma_separated().into_iter();
+        let parts = parts.map(|part| {
+            let mut part = Cursor::new(part);
+            let (value, own) = number(&mut part, text)?;
+            part.finish("the end of the number").map_err(told)?;
+            match &shared {
+                Some(_) if !own.text.is_empty() => Err(format!(
+                    "`{text}` has a unit inside its brackets and one behind them: write one of them"
+                )),
+                Some(unit) => Ok((value * unit.factor, unit.clone())),
+                None => Ok((value, own)),
+            }
+        });
+        parts.collect()
+    })
+}
+
+/// Reads all of a text.
+fn read<V>(
+    text: &str,
+    value: impl FnOnce(&mut Cursor<'_>) -> Result<V, String>,
+) -> Result<V, String> {
+    if text.trim().is_empty() {
+        return Err("a value is missing: write a number with its unit, such as `2.5 kN/m`".into());
+    }
     let (lexemes, places, messages) = lexeme::from_text(text);
     if let Some(message) = messages.located(&places).into_iter().next() {
         return Err(message.text);
@@ -20,7 +60,17 @@ pub fn read_number(text: &str) -> Result<(f64, Unit), String> {
         lexemes: &lexemes,
         at: Region::START,
     });
-    let told = |report: LexemeMessage| report.text;
+    let value = value(&mut cursor)?;
+    cursor.finish("the end of the number").map_err(told)?;
+    Ok(value)
+}
+
+fn told(report: LexemeMessage) -> String {
+    report.text
+}
+
+/// Takes a number with its sign and its unit.
+fn number(cursor: &mut Cursor<'_>, text: &str) -> Result<(f64, Unit), String> {
     let sign = if cursor.sign('-').is_some() {
         -1.0
     } else {
@@ -36,8 +86,7 @@ pub fn read_number(text: &str) -> Result<(f64, Unit), String> {
         ));
     };
     cursor.take();
-    let unit = unit::suffix(&mut cursor).map_err(told)?;
-    cursor.finish("the end of the number").map_err(told)?;
+    let unit = unit::suffix(cursor).map_err(told)?;
     let unit = unit.unwrap_or_else(|| units::si("", units::NONE));
     let value = sign * number * unit.factor;
     if value.is_finite() {
@@ -73,5 +122,27 @@ mod tests {
                 .unwrap_err()
                 .contains("unknown unit `kgs`")
         );
+    }
+
+    #[test]
+    fn a_vector_has_its_unit_behind_or_inside_its_brackets() {
+        let values = |text: &str| -> Result<Vec<f64>, String> {
+            read_vector(text).map(|all| all.into_iter().map(|(value, _)| value).collect())
+        };
+        assert_eq!(
+            values("[8, -0.5, 0] km/h"),
+            values("[8 km/h, -0.5 km/h, 0 m/s]")
+        );
+        assert_eq!(values("[1, 2, 3] km"), Ok(vec![1e3, 2e3, 3e3]));
+        for text in [
+            "",
+            "[1 m, 2, 3] m",
+            "[1, x, 3] m",
+            "3 m",
+            "[1, 2 3] m",
+            "[1, 2, 3] m m",
+        ] {
+            assert!(values(text).is_err(), "{text}");
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! Scenes in TOML: the same scene, the same mistakes, each at its line and column.
 
-use mbd_compiler::{Reading, read_text, read_toml, toml_to_text, write_text, write_toml};
+use mbd_compiler::{
+    Reading, read_text, read_toml, text_to_toml, toml_to_text, write_text, write_toml,
+};
 use mbd_scene::Scene;
 
 fn told(reading: &Reading) -> Vec<String> {
@@ -188,6 +190,57 @@ fn a_document_as_text_keeps_its_consts_repetitions_and_units() {
     let (read, document) = (read_text(&text), read_toml(LINK));
     assert!(read.scene.is_some(), "{:?}\n{text}", read.errors);
     assert_eq!(read.scene, document.scene);
+}
+
+#[test]
+fn a_text_as_a_document_and_back_is_the_same_scene_with_what_was_written() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pass");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let whole = read_text(&text);
+        let document = text_to_toml(&text).unwrap();
+        let read = read_toml(&document);
+        assert_eq!(
+            read.scene,
+            whole.scene,
+            "{}\n{document}\n{:?}",
+            path.display(),
+            told(&read)
+        );
+        assert_eq!(read.options.verify, whole.options.verify);
+        assert_eq!(read.options.generic, whole.options.generic);
+        let again = toml_to_text(&document).unwrap();
+        assert_eq!(read_text(&again).scene, whole.scene, "{again}");
+    }
+    let text = "/// A swing.
+        model Swing {
+            gravity: [0.0, 0.0, -9.81] m/s^2; // downwards
+            const L = 80 cm;
+            param tilt = 30 deg in 0 deg ..= 60 deg;
+            body link[i in 0..3] {
+                mass: 500 g, // light
+                inertia: diag(55, 55, 1) g*m^2,
+                frame root at [0.0, 0.0, L / 2] rotated rpy(0, 0, 45 deg),
+            }
+            joint pin[i in 0..3]: universal from world to link[i].root { axes: [x, y], angle1: { damping: 3 N*mm*s, start: tilt } }
+            output bend = pin[0].angle1 in deg;
+        }";
+    let document = text_to_toml(text).unwrap();
+    for kept in [
+        "doc = \"A swing.\"",
+        "L = \"80 cm\"",
+        "tilt = { value = \"30 deg\", in = \"0 deg ..= 60 deg\" }",
+        "[body.\"link[i in 0..3]\"]\nmass = \"500 g\"",
+        "frame.root = { at = \"[0.0, 0.0, L / 2]\", rotated = \"rpy(0, 0, 45 deg)\" }",
+        "angle1 = { damping = \"3 N*mm*s\", start = \"tilt\" }",
+        "bend = { value = \"pin[0].angle1\", in = \"deg\" }",
+    ] {
+        assert!(document.contains(kept), "{kept}\n{document}");
+    }
+    assert_eq!(read_toml(&document).scene, read_text(text).scene);
+    assert!(read_text(text).scene.is_some());
+    assert_eq!(text_to_toml("model Swing { body }"), None);
 }
 
 const LINK: &str = r#"
@@ -682,6 +735,94 @@ fn words_of_a_document_that_are_not_ours_are_answered() {
         )));
         assert!(told.join("\n").contains(answer), "{told:?}");
     }
+}
+
+#[test]
+fn keys_that_people_guess_are_answered_once_with_what_is_written() {
+    let answers = [
+        (
+            "[param.k]\ndefault = \"3 m\"",
+            "unknown field `default`; here it is called `value`",
+        ),
+        (
+            "[let]\na = { vlaue = \"3 m\" }",
+            "unknown field `vlaue`; did you mean `value`?",
+        ),
+        (
+            "[output.o]\nexpression = \"1 m\"",
+            "unknown field `expression`; here it is called `value`",
+        ),
+        (
+            "[load.push]\non = \"bob\"\nforce = \"[0, 0, 1] N\"",
+            "unknown field `force`; here it is called `value`",
+        ),
+        (
+            "[metric.m]\nmax = \"bob.position.z\"",
+            "this metric has no `value`: write `metric.highest = { value = \"max bob.position.z\", from = \"1 s\" }`",
+        ),
+        (
+            "[event.e]\nwhen = \"time rises 1 s\"",
+            "this event has no `value`: write `event.low = { value = \"bob.position.z\", falls = \"-1 m\" }`",
+        ),
+        (
+            "[event]\ne = \"time rises 1 s\"",
+            "in TOML `rises` is a key of its own: `{ value = \"bob.position.z\", rises = \"1 m\" }`",
+        ),
+        (
+            "[table.rho]\n\"0 km\" = \"1 kg\"\n\"1 km\" = \"2 kg\"",
+            "this table has no `value`: write `table.rho = \"{ 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 }\"`",
+        ),
+        (
+            "[input.wind]\nvalue = \"[8, 0, 0] m/s\"",
+            "this input has no `kind`: write `input.wind = { kind = \"speed\", value = \"[8, 0, 0] m/s\" }`",
+        ),
+        (
+            "[input]\nwind = \"[8, 0, 0] m/s\"",
+            "expected the kind of the input: a quantity or a unit of SI",
+        ),
+        (
+            "[input]\nwind = \"speed = [8, 0, 0] m/s\"",
+            "in TOML the default of an input is a key of its own: `{ kind = \"speed\", value = \"[8, 0, 0] m/s\" }`",
+        ),
+        (
+            "[body.rod]\nmass = \"1 kg\"\ninertia = \"diag(1, 1, 1) kg*m^2\"\nfram.top = \"[0, 0, 1] m\"\n[joint.pin]\nkind = \"hinge\"\nfrom = \"world\"\nto = \"rod.com\"\naxis = \"y\"",
+            "unknown field `fram`; did you mean `frame`?",
+        ),
+        (
+            "[rnu]\nuntil = \"3 s\"",
+            "unknown item `rnu`; did you mean `run`?",
+        ),
+    ];
+    for (lines, answer) in answers {
+        let document =
+            format!("model = \"A\"\ngravity = \"none\"\npoint.bob.mass = \"1 kg\"\n{lines}\n");
+        let told = told(&read_toml(&document));
+        assert!(
+            told.len() == 1 && told[0].contains(answer),
+            "{lines}: {told:#?}"
+        );
+    }
+}
+
+/// What a message says to write.
+#[test]
+fn the_forms_that_messages_of_toml_propose_are_read() {
+    let document = "model = \"A\"\ngravity = \"none\"\n\
+        const.L = \"2.1 m\"\n\
+        param.m_tip = { value = \"761 kg\", in = \"600 kg ..= 900 kg\" }\n\
+        input.wind = { kind = \"speed\", value = \"[8, 0, 0] m/s\" }\n\
+        state.seen = { start = \"0 m\", rate = \"(bob.position.x - seen) / (20 ms)\" }\n\
+        table.rho = \"{ 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 }\"\n\
+        let.speed = \"norm(bob.velocity)\"\n\
+        load.push = { on = \"rod\", at = \"tip\", value = \"[0, 0, 5] N\" }\n\
+        output.bend = { value = \"pin.angle\", in = \"deg\" }\n\
+        metric.highest = { value = \"max bob.position.z\", from = \"1 s\" }\n\
+        event.low = { value = \"bob.position.z\", falls = \"-1 m\" }\n\
+        joint.pin = { kind = \"hinge\", from = \"world\", to = \"rod.tip\", axis = \"y\" }\n\
+        point.bob.mass = \"1 kg\"\n\
+        [body.rod]\nmass = \"1 kg\"\ninertia = \"diag(1, 1, 1) kg*m^2\"\nframe.tip = \"[0, 0, 1] m\"\n";
+    let read = read_toml(document);
+    assert!(read.scene.is_some(), "{:?}", told(&read));
 }
 
 #[test]

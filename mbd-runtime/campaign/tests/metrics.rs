@@ -31,7 +31,7 @@ stone! {
         metric mean_speed = mean norm(stone.velocity);
         metric rms_speed = rms norm(stone.velocity);
         metric path = integral norm(stone.velocity);
-        metric part = integral norm(stone.velocity) { from: 0.5 s, to: 1 s }
+        metric part = integral norm(stone.velocity) in km { from: 0.5 s, to: 1 s }
         metric fast = time_above norm(stone.velocity) in kph { level: 10 m/s }
         metric since = first_above norm(stone.velocity) { level: 36 kph }
         metric passing = value norm(stone.velocity) { at: half };
@@ -47,8 +47,8 @@ const FALL: [(&str, &str, f64); 11] = [
     ("sideways", "m", 0.0),
     ("mean_speed", "m/s", 10.0),
     ("rms_speed", "m/s", 11.547_005_383_792_515),
-    ("path", "m/s s", 20.0),
-    ("part", "m/s s", 3.75),
+    ("path", "m", 20.0),
+    ("part", "km", 0.00375),
     ("fast", "s", 1.0),
     ("since", "s", 1.0),
     ("passing", "m/s", 10.0),

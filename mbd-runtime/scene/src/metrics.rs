@@ -76,13 +76,17 @@ impl Take {
         matches!(self, Take::TimeAbove | Take::FirstAbove)
     }
 
-    /// Its unit, made of that of the quantity: s for times, `N s` for the integral of a force.
+    /// Its unit, made of that of the quantity: s for times, `N s` for the integral of a force, `kJ` for that of `kJ/s`.
     #[must_use]
     pub fn unit(self, of: &str) -> String {
         match self {
             Take::TimeAbove | Take::FirstAbove | Take::TimeOf => "s".to_owned(),
-            Take::Integral if of.is_empty() => "s".to_owned(),
-            Take::Integral => format!("{of} s"),
+            Take::Integral => match of.strip_suffix("/s") {
+                Some("1") => String::new(),
+                Some(of) => of.to_owned(),
+                None if of.is_empty() => "s".to_owned(),
+                None => format!("{of} s"),
+            },
             _ => of.to_owned(),
         }
     }

@@ -167,12 +167,12 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
     }
     for (line, numbers) in scene.lines.iter().zip(&numbers.lines) {
         let (k, c, l) = (numbers.stiffness, numbers.damping, numbers.free_length);
-        demand(
-            positive(k),
-            format!("{}.stiffness", line.name),
-            k,
-            "positive [N/m]",
-        )?;
+        let (fits, wanted) = match line.kind.is_unilateral() {
+            true => (positive(k), "positive [N/m]"),
+            // A spring without stiffness is a damper.
+            false => (k.is_finite() && k >= T::zero(), "zero or positive [N/m]"),
+        };
+        demand(fits, format!("{}.stiffness", line.name), k, wanted)?;
         demand(
             c.is_finite() && c >= T::zero(),
             format!("{}.damping", line.name),

@@ -404,8 +404,8 @@ step_errors! {
         rows: Vec<(String, f64)>,
     }
     "inconsistent_start",
-    format!("the joints do not hold at the start ({norm:.3e} left: {})", sized(rows)),
-    "start closer to a state where all joints hold, or look for joints that contradict each other";
+    format!("the joints do not hold at the start: they stay open by up to {norm:.3e} [m or rad] ({})", sized(rows)),
+    "give a joint of each of their loops a start near which it closes (`start: 30 deg`, `[run.start]`, `set_joints`); where nothing closes it, change a length or a frame of the loop, or take away joints that contradict each other";
 
     /// The joints hold, but on a root of their rows that is not the joint: an axis points the other way, or axes are exchanged.
     WrongBranch {

@@ -81,7 +81,9 @@ pub(crate) struct Margins {
 
 /// The longest C/K of some lines [s].
 fn longest_delay<T: Float>(lines: &[LineNumbers<T>]) -> f64 {
-    let delays = lines.iter().map(|n| (n.damping / n.stiffness).to_f64());
+    // A damper has none: it neither slackens nor creeps to a length.
+    let elastic = lines.iter().filter(|n| n.stiffness > T::zero());
+    let delays = elastic.map(|n| (n.damping / n.stiffness).to_f64());
     delays.fold(0.0, f64::max)
 }
 

@@ -46,7 +46,7 @@ impl fmt::Display for MissingMetric {
             }
             MissingMetric::StoppedEarly => "the run stopped before its end",
             MissingMetric::NoValue => {
-                "its event did not happen, its level was not passed, or its quantity has no value there"
+                "its event did not happen, its level was not passed, nothing of the run lies between its `from` and `to`, or its quantity has no value there"
             }
         })
     }

@@ -59,7 +59,8 @@ fn tables(file: &SceneFile) -> String {
     parts.push(describe::operations(&SceneEquations::trace(&file.scene)).text());
     let advice = advice(&file.scene, &file.settings);
     let advice = advice.iter().map(|text| format!("advice: {text}"));
-    let told: Vec<String> = file.remarks.iter().cloned().chain(advice).collect();
+    let told = file.remarks.iter().cloned();
+    let told: Vec<String> = told.chain(file.windows()).chain(advice).collect();
     if !told.is_empty() {
         parts.push(told.join("\n") + "\n");
     }

@@ -1,9 +1,9 @@
 //! `mbd convert`: any scene as TOML, or as the text of a declaration.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use mbd_compiler::{format_text, toml_to_text, write_text, write_toml};
+use mbd_compiler::{format_text, read_toml_in, text_to_toml, toml_to_text, write_text, write_toml};
 
 use super::failure::CommandFailure;
 use super::scene_file::SceneFile;
@@ -30,12 +30,24 @@ pub struct ConvertArgs {
 /// The scene of a file in one of both forms, with the settings of its run.
 pub fn convert(args: &ConvertArgs) -> Result<String, CommandFailure> {
     let file = SceneFile::find(&args.scene)?;
-    // What is a document already keeps its repetitions, consts and units.
-    let scene = match (args.to, &file.document) {
-        (FileFormat::Toml, Some(document)) => document.clone(),
-        (FileFormat::Mbd, Some(document)) => laid_out(toml_to_text(document).unwrap_or_default()),
-        (FileFormat::Toml, None) => write_toml(&file.scene),
-        (FileFormat::Mbd, None) => laid_out(write_text(&file.scene)),
+    // What was written by a person keeps its repetitions, consts, units and expressions.
+    let scene = match (args.to, &file.document, &file.text) {
+        (FileFormat::Toml, Some(document), _) => document.clone(),
+        (FileFormat::Mbd, Some(document), _) => {
+            laid_out(toml_to_text(document).unwrap_or_default())
+        }
+        (FileFormat::Toml, None, Some(text)) => {
+            let folder = args.scene.parent().unwrap_or(Path::new(""));
+            // One that would be another scene is written from what it is.
+            let same = |document: &String| {
+                read_toml_in(document, folder).scene.as_ref() == Some(&file.scene)
+            };
+            let document = text_to_toml(text).filter(same);
+            document.unwrap_or_else(|| write_toml(&file.scene))
+        }
+        (FileFormat::Mbd, None, Some(text)) => laid_out(text.clone()),
+        (FileFormat::Toml, None, None) => write_toml(&file.scene),
+        (FileFormat::Mbd, None, None) => laid_out(write_text(&file.scene)),
     };
     Ok(match file.run.as_str() {
         "" => scene,

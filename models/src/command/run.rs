@@ -10,7 +10,7 @@ use models::progress::ProgressLine;
 use models::report::ReportTable;
 use models::run::{
     Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, phases_json,
-    publish, publish_gltf, publish_phases, summary_json, warning,
+    publish, publish_gltf, publish_phases, summary_json, warning, windows,
 };
 use toml::Value;
 
@@ -257,6 +257,7 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     let warning = warning(&scene, &plan, &outcome);
     let doubt = doubt(&scene, &plan, &outcome);
     let warning = warning.into_iter().chain(doubt.clone()).chain(unmoved);
+    let warning = warning.chain(windows(&scene, plan.until));
     let warning: Vec<String> = warning.collect();
     let told = if args.json {
         for warning in &warning {
@@ -317,7 +318,10 @@ fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Comman
         settings.estimate = Some(false);
     }
     for set in &args.set {
-        let Some((name, given)) = set.split_once('=') else {
+        let parts = set.split_once('=');
+        let parts =
+            parts.filter(|(name, given)| ![name, given].iter().any(|part| part.trim().is_empty()));
+        let Some((name, given)) = parts else {
             return Err(CommandFailure::Usage(format!(
                 "--set `{set}`: write it as NAME=VALUE, such as riser_k=50kN/m"
             )));

@@ -10,7 +10,7 @@ use mbd_compiler::{
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Model, ParamError};
 use models::in_lanes::in_lanes;
-use models::run::{PlanError, RunPlan, Settings, line_of, split};
+use models::run::{PlanError, RunPlan, Settings, line_of, misnamed_table, split, windows};
 use models::scenes::{self, Make};
 
 use super::failure::CommandFailure;
@@ -30,6 +30,8 @@ pub struct SceneFile {
     pub source: String,
     /// The scene as it was written, if in TOML.
     pub document: Option<String>,
+    /// The declaration as it was written, if as text.
+    pub text: Option<String>,
     /// How its run is set: the table `[run]`.
     pub settings: Settings,
     /// That table as written.
@@ -157,16 +159,26 @@ impl SceneFile {
         let mut settings = self.settings.clone();
         settings.until.get_or_insert(1.0.into());
         let wrong = RunPlan::new(&self.scene, &settings).err();
-        let placed = wrong.and_then(|error| Some((self.line_of(&error)?, error)));
-        match placed {
+        let told = wrong.and_then(|error| match self.line_of(&error) {
+            Some(line) => Some(format!("line {line}: {error}")),
+            // What the declaration says of its start stands in no setting.
+            None => (error.setting == "start").then(|| error.to_string()),
+        });
+        match told {
             None => Ok(()),
-            Some((line, error)) => Err(CommandFailure::Mistakes(Mistakes {
+            Some(told) => Err(CommandFailure::Mistakes(Mistakes {
                 file: self.name.clone(),
                 source: self.source.clone(),
                 errors: Vec::new(),
-                settings: Some(format!("line {line}: {error}")),
+                settings: Some(told),
             })),
         }
+    }
+
+    /// What is said of metrics that count beyond the end of the run that the file sets.
+    pub fn windows(&self) -> Vec<String> {
+        let plan = RunPlan::new(&self.scene, &self.settings);
+        plan.map_or(Vec::new(), |plan| windows(&self.scene, plan.until))
     }
 
     /// The line of a setting in this file.
@@ -224,9 +236,21 @@ impl SceneFile {
             SceneFormat::Urdf => (text.to_owned(), String::new()),
             SceneFormat::Toml | SceneFormat::Text => split(text),
         };
+        let misnamed = match form {
+            SceneFormat::Text => misnamed_table(&scene),
+            SceneFormat::Toml | SceneFormat::Urdf => None,
+        };
+        let scene = match &misnamed {
+            Some((line, _)) => first_lines(&scene, line - 1),
+            None => scene,
+        };
         let reading = form.reading(&scene, folder);
         let document = (form == SceneFormat::Toml).then(|| scene.clone());
-        let settings = Settings::read(&run);
+        let written = (form == SceneFormat::Text).then(|| scene.clone());
+        let settings = match misnamed {
+            Some((line, told)) => Err(format!("line {line}: {told}")),
+            None => Settings::read(&run),
+        };
         let mut errors = reading.errors.clone();
         let scene = reading.scene.as_ref();
         errors.extend(scene.and_then(|scene| immovable(&reading, &Layout::new(scene))));
@@ -242,6 +266,7 @@ impl SceneFile {
                     name: name.to_owned(),
                     source: text.to_owned(),
                     document,
+                    text: written,
                     scene,
                     reading,
                     settings,
@@ -258,6 +283,12 @@ impl SceneFile {
             })),
         }
     }
+}
+
+/// The first lines of a text.
+fn first_lines(text: &str, count: usize) -> String {
+    let lines = text.lines().take(count);
+    lines.map(|line| format!("{line}\n")).collect()
 }
 
 /// Reads an ordinary file of a sensible size.

@@ -21,6 +21,7 @@ mod pictures;
 mod planes;
 mod ready;
 mod robots;
+mod slips;
 mod starts;
 mod stops;
 mod trade;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use mbd_compiler::read_number;
+use mbd_compiler::{mixes_turns, read_number};
 use models::trade::{advice, publish, race, table, unit, usual};
 
 use super::failure::CommandFailure;
@@ -66,11 +66,14 @@ fn wanted(text: &str, unit: &str) -> Result<f64, CommandFailure> {
         // `N m` of a torque is written `N*m`.
         unit => read_number(&format!("1 {}", unit.replace(' ', "*"))).ok(),
     };
+    let mixed = own
+        .as_ref()
+        .is_some_and(|(_, own)| mixes_turns(own, &given));
     let (factor, dimension) =
         own.map_or((1.0, None), |(factor, own)| (factor, Some(own.dimension)));
     let value = match (given.text.is_empty(), dimension) {
         (true, _) => value,
-        (false, Some(dimension)) if dimension == given.dimension => value / factor,
+        (false, Some(dimension)) if dimension == given.dimension && !mixed => value / factor,
         (false, Some(_)) => {
             return Err(wrong(format!(
                 "the column is in {unit}: give an error in a unit of that kind"

@@ -16,3 +16,21 @@ pub fn metrics(scene: &Scene, outcome: &RunOutcome) -> Vec<MetricValue> {
     }
     told
 }
+
+/// One sentence a metric whose window reaches beyond the end of the run [s].
+#[must_use]
+pub fn windows(scene: &Scene, until: f64) -> Vec<String> {
+    let told = scene.runs.metrics.iter().filter_map(|metric| {
+        let name = &metric.name;
+        match (metric.from, metric.to) {
+            (Some(from), _) if from >= until => Some(format!(
+                "warning: metric `{name}` counts from {from} s on, and the run ends at {until} s: it has no value; write an earlier `from`, or a later end of the run (`until`)"
+            )),
+            (_, Some(to)) if to > until => Some(format!(
+                "warning: metric `{name}` counts up to {to} s, and the run ends at {until} s: it is told of what lies before; write an earlier `to`, or a later end of the run (`until`)"
+            )),
+            _ => None,
+        }
+    });
+    told.collect()
+}

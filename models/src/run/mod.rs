@@ -11,8 +11,8 @@ mod start;
 mod summary;
 
 pub use estimate::{Estimate, doubt};
-pub use mbd_campaign::run::{Phase, PlanError, RunPlan, Settings, line_of, split};
-pub use metrics::metrics;
+pub use mbd_campaign::run::{Phase, PlanError, RunPlan, Settings, line_of, misnamed_table, split};
+pub use metrics::{metrics, windows};
 pub use outcome::{RunOutcome, fly, fly_model};
 pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};

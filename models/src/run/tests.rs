@@ -220,7 +220,7 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     );
     fails(
         "[run]\nuntil = 1\n[run.inputs]\nwind = 3",
-        "expected 3 numbers, found 1",
+        "expected 3 numbers, found one",
     );
     fails(
         &format!("[run]\nuntil = 1\n{winded}rain = 1\n"),

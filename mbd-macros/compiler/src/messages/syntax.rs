@@ -3,7 +3,7 @@
 use super::{LexemeMessage, article};
 use mbd_scene::{JointLaw, Unit};
 
-use super::similar::did_you_mean;
+use super::similar::{self, did_you_mean};
 use crate::lexeme::{Bracket, LexemeIndex, Region};
 use crate::syntax::foreign;
 use crate::syntax::words::{self, ItemWord};
@@ -137,12 +137,18 @@ pub fn unknown_item(at: Region, word: &str) -> LexemeMessage {
     } else if let Some(kind) = joint_kind(word) {
         let form = joint_form(kind);
         format!("; `{kind}` is a kind of joint, `{form}`")
+    } else if similar::nearest(word, known.iter().copied().chain([THE_RUN])) == Some(THE_RUN) {
+        let answer = foreign::translated(foreign::EXPECTED_ITEMS, THE_RUN).unwrap_or_default();
+        format!("; did you mean `{THE_RUN}`? {answer}")
     } else {
         let near = did_you_mean(word, known.iter().copied());
         format!("{} items here: {}", ended(near), known.join(", "))
     };
     LexemeMessage::new(at, format!("unknown item `{word}`{why}"))
 }
+
+/// The settings of a run, which are no item.
+const THE_RUN: &str = "run";
 
 /// The joint that a word means, in the language or in that of another tool.
 fn joint_kind(word: &str) -> Option<&'static str> {
@@ -236,6 +242,23 @@ pub fn event_compares(at: Region, sign: &str) -> LexemeMessage {
     )
 }
 
+/// `word`: what stands for the passage, `ours`: the words here that may be meant.
+pub fn event_passage(at: Region, word: &str, ours: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("an event is where a value passes another: write {ours} instead of `{word}`"),
+    )
+}
+
+pub fn event_in_one_text(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "in TOML `{word}` is a key of its own: `{{ value = \"bob.position.z\", {word} = \"1 m\" }}`"
+        ),
+    )
+}
+
 pub fn event_at_time(at: Region, time: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
@@ -279,6 +302,23 @@ pub fn no_colon(at: Region, field: &str, value: &str) -> LexemeMessage {
         at,
         format!("a value stands behind a colon: `{field}: {value}`"),
     )
+}
+
+/// `word`: what stands where an item inside another one begins, `ours`: the one that is meant.
+pub fn misspelt_inner(at: Region, word: &str, ours: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("unknown field `{word}`; did you mean `{ours}`?"),
+    )
+}
+
+/// `inner`: the word behind the colon that has a colon, too.
+pub fn two_colons(at: Region, field: &str, inner: &str) -> LexemeMessage {
+    let text = match field {
+        "set" | "map" => format!("what is set is written with `=`: `{field}: {inner} = …`"),
+        _ => format!("expected a value after `{field}:`, found the field `{inner}`"),
+    };
+    LexemeMessage::new(at, text)
 }
 
 pub fn kind_and_name(at: Region, field: &str, name: &str) -> LexemeMessage {
@@ -340,7 +380,11 @@ pub fn unknown_unit(at: Region, word: &str) -> LexemeMessage {
             format!("unknown unit `{word}`; write {instead}")
         }
         None if let Some(product) = crate::units::run_together(word) => {
-            format!("unknown unit `{word}`; a product of units is written `{product}`")
+            let what = match product.contains('*') {
+                true => "product of units",
+                false => "power of a unit",
+            };
+            format!("unknown unit `{word}`; a {what} is written `{product}`")
         }
         None => format!(
             "unknown unit `{word}`{} known: {}, combined with * / ^ ( )",
@@ -400,6 +444,19 @@ pub fn one_index(at: Region) -> LexemeMessage {
 pub fn unit_product(at: Region, first: &str, second: &str) -> LexemeMessage {
     let text =
         format!("`{first}.{second}` is no unit; a product of units is written `{first}*{second}`");
+    LexemeMessage::new(at, text)
+}
+
+/// `take`: the word of a metric at the beginning of another value.
+pub fn taken_of_a_run(at: Region, take: &str) -> LexemeMessage {
+    let text = format!(
+        "what is taken of a quantity over a run is a metric: write `metric NAME = {take} …` instead"
+    );
+    LexemeMessage::new(at, text)
+}
+
+pub fn point_behind_unit(at: Region, unit: &str) -> LexemeMessage {
+    let text = format!("no point stands behind a unit: write `{unit}`");
     LexemeMessage::new(at, text)
 }
 

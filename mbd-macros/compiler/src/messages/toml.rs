@@ -1,7 +1,8 @@
 //! Messages of reading TOML: what the document does not say in the way a scene is written.
 
-use super::LexemeMessage;
+use super::{LexemeMessage, resolve, similar};
 use crate::lexeme::Region;
+use crate::syntax::foreign;
 use crate::syntax::words::ItemWord;
 
 pub fn parse(at: Region, error: &str) -> LexemeMessage {
@@ -42,24 +43,86 @@ pub fn table(at: Region, item: &ItemWord) -> LexemeMessage {
 }
 
 pub fn missing(at: Region, item: &ItemWord, key: &str) -> LexemeMessage {
+    let example = EXAMPLES
+        .iter()
+        .find(|(word, _)| *word == item.word)
+        .map_or_else(String::new, |(_, example)| format!(": write `{example}`"));
     LexemeMessage::new(
         at,
         format!(
-            "this {} has no `{key}`; its keys: {}",
+            "this {} has no `{key}`{example}; its keys: {}",
             item.word,
             keys(item)
         ),
     )
 }
 
+/// How the items that people write otherwise stand in TOML.
+const EXAMPLES: &[(&str, &str)] = &[
+    ("const", "const.L = \"2.1 m\""),
+    (
+        "param",
+        "param.m_tip = { value = \"761 kg\", in = \"600 kg ..= 900 kg\" }",
+    ),
+    (
+        "input",
+        "input.wind = { kind = \"speed\", value = \"[8, 0, 0] m/s\" }",
+    ),
+    (
+        "state",
+        "state.seen = { start = \"0 m\", rate = \"(bob.position.x - seen) / (20 ms)\" }",
+    ),
+    (
+        "table",
+        "table.rho = \"{ 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 }\"",
+    ),
+    ("let", "let.speed = \"norm(bob.velocity)\""),
+    (
+        "load",
+        "load.push = { on = \"rod\", at = \"tip\", value = \"[0, 0, 5] N\" }",
+    ),
+    (
+        "output",
+        "output.bend = { value = \"pin.angle\", in = \"deg\" }",
+    ),
+    (
+        "metric",
+        "metric.highest = { value = \"max bob.position.z\", from = \"1 s\" }",
+    ),
+    (
+        "event",
+        "event.low = { value = \"bob.position.z\", falls = \"-1 m\" }",
+    ),
+];
+
+/// The key that a word was meant for: another name of it, or one that is near.
+pub fn meant<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
+    let ours = foreign::translated(foreign::FOREIGN_KEYS, word)
+        .and_then(|ours| known.iter().copied().find(|known| *known == ours));
+    ours.or_else(|| similar::nearest(word, known.iter().copied()))
+}
+
+pub fn unknown_key(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    match foreign::translated(foreign::FOREIGN_KEYS, word).filter(|ours| known.contains(ours)) {
+        Some(ours) => LexemeMessage::new(
+            at,
+            format!(
+                "unknown field `{word}`; here it is called `{ours}`. fields here: {}",
+                known.join(", ")
+            ),
+        ),
+        None => resolve::unknown_field(at, word, known),
+    }
+}
+
+/// The keys of an item.
+pub fn keys_of(item: &ItemWord) -> impl Iterator<Item = &'static str> {
+    let clauses = item.clauses.iter().map(|clause| clause.key);
+    clauses.chain(item.fields.unwrap_or(&[]).iter().copied())
+}
+
 fn keys(item: &ItemWord) -> String {
-    let keys: Vec<&str> = item
-        .clauses
-        .iter()
-        .map(|clause| clause.key)
-        .chain(item.fields.unwrap_or(&[]).iter().copied())
-        .collect();
-    keys.join(", ")
+    keys_of(item).collect::<Vec<_>>().join(", ")
 }
 
 pub fn no_model(at: Region) -> LexemeMessage {

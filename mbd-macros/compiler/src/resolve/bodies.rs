@@ -194,7 +194,10 @@ impl Resolver<'_> {
                 let mut angles = Vec::new();
                 for argument in arguments {
                     let typed = self.typed(argument, scope);
-                    angles.push(typed.and_then(|t| self.fits(t, &name.text, false, units::NONE)));
+                    angles.push(typed.and_then(|typed| {
+                        self.in_radians(&typed, &format!("`{}`", name.text))?;
+                        self.fits(typed, &name.text, false, units::NONE)
+                    }));
                 }
                 let mut angles: Vec<Formula> = angles.into_iter().collect::<Option<_>>()?;
                 if name.text == "euler_zyx" {
@@ -458,7 +461,7 @@ impl Resolver<'_> {
 
     fn trailing_unit(&mut self, cursor: &mut Cursor<'_>) -> Option<Option<Unit>> {
         let here = cursor.here();
-        match unit::suffix(cursor) {
+        match unit::suffix_alone(cursor) {
             Ok(Some(unit)) if unit.dimension != units::INERTIA => {
                 let report = say::wrong_dimension(here, "inertia", units::INERTIA, unit.dimension);
                 self.fail(report)

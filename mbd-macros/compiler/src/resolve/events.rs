@@ -2,21 +2,21 @@
 
 use mbd_scene::joints::{JointForces, JointLaw};
 use mbd_scene::{
-    Actions, Detachable, Dimension, Direction, Formula, Function, Joint, Settable, Setting,
+    Actions, Detachable, Direction, Formula, Function, Joint, Settable, Setting, Unit,
 };
 
 use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
 use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
 use crate::messages::{LexemeMessage, resolve as say, syntax as say_syntax};
 use crate::syntax::expression::{self, Expression, PathStep};
-use crate::syntax::{Cursor, Item, ValueSyntax, words};
+use crate::syntax::{Cursor, Item, ValueSyntax, foreign, words};
 use crate::units;
 
 /// A number that an event sets.
 struct EventTarget {
     what: Settable,
     name: String,
-    dimension: Dimension,
+    unit: Unit,
     range: Option<[f64; 2]>,
     at: Region,
 }
@@ -58,6 +58,9 @@ impl Resolver<'_> {
                 .map(Lexeme::shown)
                 .collect();
             return self.fail(say_syntax::event_at_time(guard.at, &time.join(" ")));
+        }
+        if let Some(report) = passage_in_value(&guard) {
+            return self.fail(report);
         }
         let left = self.value(guard, scope);
         let mut passages = [
@@ -305,7 +308,8 @@ impl Resolver<'_> {
         let typed = self.value(right, scope);
         let (target, typed) = (target?, typed?);
         let at = typed.at;
-        let value = self.fits(typed, &target.name, false, target.dimension)?;
+        self.turns_as_in(&typed, &target.unit, &format!("`{}`", target.name))?;
+        let value = self.fits(typed, &target.name, false, target.unit.dimension)?;
         let constant = fold::known(&value, &self.scene, false).and_then(|it| it.scalar());
         match (constant, target.range) {
             (Some(found), _) if !found.is_finite() => {
@@ -351,16 +355,41 @@ impl Resolver<'_> {
                 return self.fail(report);
             }
         };
-        let dimension = unit.dimension;
+        let unit = unit.clone();
         self.mention(named, step.word.at);
         Some(EventTarget {
             what,
             name,
-            dimension,
+            unit,
             range,
             at,
         })
     }
+}
+
+/// The report of a passage inside a value: `pin.angle reaches 10 deg`, and `pin.angle rises 10 deg` in one string of TOML.
+fn passage_in_value(guard: &ValueSyntax<'_>) -> Option<LexemeMessage> {
+    // What stands first is a name of the user's own.
+    guard.lexemes.windows(2).find_map(|pair| {
+        let [before, lexeme] = pair else {
+            return None;
+        };
+        let LexemeKind::Word(word) = &lexeme.kind else {
+            return None;
+        };
+        let operand = matches!(
+            before.kind,
+            LexemeKind::Word(_) | LexemeKind::Number(_) | LexemeKind::Close(_)
+        );
+        let at = Region::from(lexeme.at);
+        let own = ["crosses", "rises", "falls"].contains(&word.as_str());
+        match foreign::translated(foreign::PASSAGES, word) {
+            _ if !operand => None,
+            _ if own => Some(say_syntax::event_in_one_text(at, word)),
+            Some(ours) => Some(say_syntax::event_passage(at, word, ours)),
+            None => None,
+        }
+    })
 }
 
 /// The parts of `[a, b]`, or the one value.

@@ -2,12 +2,11 @@
 
 use mbd_scene::{Formula, Function, LoadKind, Place, PointKind, Unit};
 
-use super::turns::counts_turns;
 use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed};
 use crate::lexeme::{LexemeKind, Region};
 use crate::messages::resolve as say;
 use crate::syntax::expression;
-use crate::syntax::{Cursor, Item, ValueSyntax, unit};
+use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
 
 impl Resolver<'_> {
@@ -186,7 +185,8 @@ impl Resolver<'_> {
     fn output(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
         let typed = self.value(item.clause("=")?, instance.scope(MayDependOn::Result))?;
-        let (value, components, unit) = self.column(item, typed)?;
+        let asked = self.in_unit(item.clause("in"))?;
+        let (value, components, unit) = self.column(typed, asked)?;
         let entry = self.scene.outputs.get_mut(instance.slot)?;
         entry.value = value;
         entry.components = components;
@@ -194,24 +194,22 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// A value in the unit that an item asks for, how many components it has, and that unit.
+    /// A value in the unit that is asked for, how many components it has, and that unit.
     pub(super) fn column(
         &mut self,
-        item: &Item<'_>,
         typed: Typed,
+        asked: Option<(Unit, Region)>,
     ) -> Option<(Formula, usize, Unit)> {
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
-        let mut value = typed.formula;
-        if let Some((wanted, at)) = self.in_unit(item.clause("in"))? {
+        let mut value = typed.formula.clone();
+        if let Some((wanted, at)) = asked {
             if let Some(found) = typed.dimension
                 && found != wanted.dimension
             {
-                let report = say::wrong_dimension(at, "in", found, wanted.dimension);
+                let report = say::cannot_be_told_in(at, &wanted.text, found);
                 return self.fail(report);
             }
-            if typed.angle == 1 && counts_turns(&wanted) {
-                return self.fail(say::radians_in_turns(at));
-            }
+            self.turns_told_in(&typed, &wanted, at)?;
             unit = wanted;
         }
         if unit.factor != 1.0 {

@@ -35,8 +35,9 @@ impl Resolver<'_> {
         match name.text.as_str() {
             "norm" => {
                 let [a] = self.vectors(typed, name, at)?;
-                let dimension = a.dimension;
-                self.result(Function::Norm, [a], false, dimension, 0, at)
+                let (dimension, turns) = (a.dimension, a.turns.clone());
+                let norm = self.result(Function::Norm, [a], false, dimension, 0, at)?;
+                Some(Typed { turns, ..norm })
             }
             "dot" | "cross" => {
                 let [a, b] = self.vectors(typed, name, at)?;
@@ -63,8 +64,9 @@ impl Resolver<'_> {
             }
             "abs" => {
                 let [a] = self.scalars(typed, name, at)?;
-                let (dimension, angle) = (a.dimension, a.angle);
-                self.result(Function::Abs, [a], false, dimension, angle, at)
+                let (dimension, angle, turns) = (a.dimension, a.angle, a.turns.clone());
+                let size = self.result(Function::Abs, [a], false, dimension, angle, at)?;
+                Some(Typed { turns, ..size })
             }
             "exp" | "sin" | "cos" | "tan" | "asin" | "acos" | "atan" | "sinh" | "cosh" | "tanh"
             | "ln" | "log10" | "floor" => {
@@ -82,7 +84,7 @@ impl Resolver<'_> {
                     vector: false,
                     dimension: Some(units::NONE),
                     angle,
-                    turns: false,
+                    turns: None,
                     bare: None,
                     at,
                 })
@@ -93,6 +95,7 @@ impl Resolver<'_> {
                 Some(Typed {
                     dimension: Some(units::NONE),
                     angle: 1,
+                    turns: None,
                     bare: None,
                     ..ratio
                 })
@@ -126,7 +129,9 @@ impl Resolver<'_> {
                     Some(Some(dimension)) => Some(dimension),
                     None => None,
                 };
-                self.result(Function::Sqrt, [a], false, dimension, 0, at)
+                let turns = a.turns.clone();
+                let root = self.result(Function::Sqrt, [a], false, dimension, 0, at)?;
+                Some(Typed { turns, ..root })
             }
             "angle" => {
                 let [a, b] = self.vectors(typed, name, at)?;
@@ -256,6 +261,7 @@ impl Resolver<'_> {
             let found = phi.dimension.unwrap_or(units::NONE);
             return self.fail(say::angle_wanted(phi.at, found));
         }
+        self.in_radians(&phi, "the angle of `polar`")?;
         if let (Some(first), Some(second)) = (r.dimension, h.dimension)
             && first != second
         {
@@ -270,7 +276,7 @@ impl Resolver<'_> {
             vector: true,
             dimension: r.dimension.or(h.dimension),
             angle: 0,
-            turns: false,
+            turns: None,
             bare: None,
             at,
         })
@@ -291,7 +297,7 @@ impl Resolver<'_> {
             vector,
             dimension,
             angle,
-            turns: false,
+            turns: None,
             bare: None,
             at,
         })

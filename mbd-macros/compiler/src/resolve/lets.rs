@@ -3,7 +3,6 @@
 
 use mbd_scene::Formula;
 
-use super::turns::counts_turns;
 use super::{Instance, MayDependOn, Named, ResolvedSoFar, Resolver, Scope};
 use crate::describe;
 use crate::lexeme::Region;
@@ -158,7 +157,7 @@ impl Resolver<'_> {
             if let Some(found) = typed.dimension
                 && found != wanted.dimension
             {
-                return self.fail(say::wrong_dimension(at, "in", found, wanted.dimension));
+                return self.fail(say::cannot_be_told_in(at, &wanted.text, found));
             }
             if wanted.factor != 1.0 {
                 let si = match wanted.dimension {
@@ -167,11 +166,10 @@ impl Resolver<'_> {
                 };
                 return self.fail(say::let_in_si(at, &si));
             }
-            if typed.angle == 1 && counts_turns(&wanted) {
-                return self.fail(say::radians_in_turns(at));
-            }
+            self.turns_told_in(&typed, &wanted, at)?;
             unit = wanted;
         }
+        self.remember_turns(Named::Let(instance.slot), &typed);
         let (depth, length) = self.extent(&typed.formula);
         let entry = self.scene.lets.get_mut(instance.slot)?;
         entry.value = typed.formula;

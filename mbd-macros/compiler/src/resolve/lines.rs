@@ -126,8 +126,14 @@ impl Resolver<'_> {
         let to = item.clause("to").and_then(|v| self.place(v, scope));
         let known = words::find(&item.word.text, false)?.fields?;
         let fields = self.fields(&item.block, known);
+        let kind = self.scene.lines.get(instance.slot)?.kind;
+        // A damper between two things is a spring that has no stiffness: where it would be at rest means nothing then.
+        let is_damper = kind == LineKind::Spring
+            && fields.get("stiffness").is_none()
+            && fields.get("damping").is_some();
         let length = match fields.value("free_length") {
             Some(value) => self.free_length(value, (&name, scope), [&from, &to]),
+            None if is_damper => Some(Formula::Number(0.0)),
             None => {
                 let field = ("free_length", units::LENGTH, Accept::NotNegative);
                 self.line_number(&fields, item, &name, field, scope)
@@ -140,14 +146,19 @@ impl Resolver<'_> {
                     .force_table(&name, force.clause(":")?)
                     .map(|table| (LineKind::Table(table), Formula::Number(0.0))),
             },
+            None if is_damper => Some((kind, Formula::Number(0.0))),
             None => {
                 if let Some((at, table)) = fields.value("stiffness").and_then(|v| self.as_table(v))
                 {
                     return self.fail(say::table_as_stiffness(at, &table));
                 }
-                let field = ("stiffness", units::STIFFNESS, Accept::Positive);
+                // What pulls only is slack or taut by its stretch, which a force of none has not.
+                let accept = match kind.is_unilateral() {
+                    true => Accept::Positive,
+                    false => Accept::NotNegative,
+                };
+                let field = ("stiffness", units::STIFFNESS, accept);
                 let stiffness = self.line_number(&fields, item, &name, field, scope);
-                let kind = self.scene.lines.get(instance.slot)?.kind;
                 stiffness.map(|stiffness| (kind, stiffness))
             }
         };

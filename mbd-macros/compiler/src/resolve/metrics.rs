@@ -3,7 +3,7 @@
 use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
 use mbd_scene::{Formula, Output};
 
-use super::{Instance, MayDependOn, Named, Resolver, fold};
+use super::{Instance, MayDependOn, Named, Resolver, Typed, fold};
 use crate::lexeme::{LexemeKind, Region};
 use crate::messages::resolve as say;
 use crate::syntax::{ValueSyntax, words};
@@ -38,7 +38,7 @@ impl Resolver<'_> {
         let second = |this: &mut Self, word: &str| match fields.value(word) {
             Some(value) => this
                 .fixed_number(word, value, units::TIME, instance)
-                .map(Some),
+                .map(|(number, _)| Some(number)),
             None => Some(None),
         };
         let (from, to) = (second(self, "from")?, second(self, "to")?);
@@ -62,16 +62,21 @@ impl Resolver<'_> {
             if typed.vector {
                 return self.fail(say::scalar_wanted(typed.at, "a metric"));
             }
-            let dimension = typed.dimension.unwrap_or(units::NONE);
+            let (dimension, of) = (typed.dimension.unwrap_or(units::NONE), typed.clone());
+            let mut asked = self.in_unit(item.clause("in"))?;
             if take == Take::Integral
-                && let Some((unit, at)) = self.in_unit(item.clause("in"))?
+                && let Some((unit, _)) = &mut asked
                 && units::times(dimension, units::TIME) == Some(unit.dimension)
             {
-                return self.fail(say::unit_of_integral(at, &unit.text));
+                // `in kJ` of a power: its column is in kJ/s.
+                unit.text = format!("{}/s", unit.text);
+                unit.dimension = dimension;
             }
-            let (value, components, unit) = self.column(item, typed)?;
+            let (value, components, unit) = self.column(typed, asked)?;
             if let Some(value) = fields.value("level") {
-                level = Some(self.fixed_number("level", value, dimension, instance)?);
+                let (number, typed) = self.fixed_number("level", value, dimension, instance)?;
+                self.alike_in_turns(&of, &typed)?;
+                level = Some(number);
             }
             let metric = self.scene.runs.metrics.get(instance.slot)?;
             output = Some(self.scene.outputs.len());
@@ -111,19 +116,19 @@ impl Resolver<'_> {
         Some((take, ValueSyntax { lexemes: rest, at }))
     }
 
-    /// A number of numbers and consts.
+    /// A number of numbers and consts, and what it is.
     fn fixed_number(
         &mut self,
         word: &str,
         value: ValueSyntax<'_>,
         wanted: mbd_scene::Dimension,
         instance: &Instance<'_>,
-    ) -> Option<f64> {
+    ) -> Option<(f64, Typed)> {
         let typed = self.value(value, instance.scope(MayDependOn::Constant))?;
         let at = typed.at;
-        let formula: Formula = self.fits(typed, word, false, wanted)?;
+        let formula: Formula = self.fits(typed.clone(), word, false, wanted)?;
         match fold::at_defaults(&formula, &self.scene).filter(|number| number.is_finite()) {
-            Some(number) => Some(number),
+            Some(number) => Some((number, typed)),
             None => self.fail(say::metric_number(at, word)),
         }
     }

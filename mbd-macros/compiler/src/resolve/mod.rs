@@ -38,6 +38,7 @@ use mbd_scene::Scene;
 pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
 pub use next::NextSceneRegion;
+pub use turns::mixes_turns;
 pub use value::{MayDependOn, Scope, Typed};
 
 use crate::lexeme::{LexemeIndex, Region};
@@ -121,6 +122,9 @@ pub struct Resolver<'a> {
     pub later: BTreeSet<String>,
     /// Items whose repetition is empty: they declare nothing.
     pub idle: Vec<&'a Item<'a>>,
+    /// Names that count turns, and where those of no unit stand for radians.
+    turning: BTreeMap<Named, turns::Turns>,
+    radians_of_states: Vec<turns::RadiansOfState>,
     /// What is known of each `let`.
     lets: Vec<lets::LetProgress>,
     /// How many lets are being resolved because another one names them.
@@ -187,6 +191,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.outputs();
     resolver.events();
     resolver.metrics();
+    resolver.states_in_radians();
     resolver.detached_starts();
     resolver.origin(model);
     resolver.emitted(model);
@@ -217,6 +222,8 @@ impl<'a> Resolver<'a> {
             broken: BTreeSet::new(),
             later: BTreeSet::new(),
             idle: Vec::new(),
+            turning: BTreeMap::new(),
+            radians_of_states: Vec::new(),
             lets: Vec::new(),
             nested: 0,
             too_early: None,

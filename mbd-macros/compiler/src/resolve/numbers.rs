@@ -202,6 +202,7 @@ impl Resolver<'_> {
         let typed = typed?;
         let unit = written_unit(parsed).unwrap_or_else(|| typed.unit());
         let at = typed.at;
+        self.remember_turns(Named::Const(instance.slot), &typed);
         let value = match fold::known(&typed.formula, &self.scene, false) {
             Some(value) => value,
             None => return self.fail(say::not_constant(at, "this")),
@@ -232,6 +233,7 @@ impl Resolver<'_> {
         let unit = written_unit(&parsed).unwrap_or_else(|| typed.unit());
         let (at, dimension) = (typed.at, typed.dimension);
         let bare = typed.bare.clone();
+        self.remember_turns(Named::Param(instance.slot), &typed);
         let default = self.constant_value(typed)?;
         if let Some(entry) = self.scene.params.get_mut(instance.slot) {
             entry.default = default;
@@ -245,7 +247,7 @@ impl Resolver<'_> {
             {
                 return self.fail(match bare {
                     Some(text) if wanted == units::NONE => say::needs_unit(at, &name, this, &text),
-                    _ => say::wrong_dimension(range.at, "in", wanted, this),
+                    _ => say::wrong_range(range.at, &name, wanted, this),
                 });
             }
             let [low, high] = ends;
@@ -301,6 +303,7 @@ impl Resolver<'_> {
                 }
                 (_, found) => dimension = dimension.or(found),
             }
+            self.turns_as_in(&typed, unit, "the range of a param")?;
             *end = self.constant_value(typed)?;
         }
         Some((ends, dimension))
@@ -312,8 +315,8 @@ impl Resolver<'_> {
         let mut cursor = Cursor::new(value);
         let (inner, components) = match cursor.group(Bracket::Square) {
             Some(group) => {
-                if let Err(report) = cursor.finish("`;`") {
-                    return self.fail(report);
+                if !cursor.at_end() {
+                    return self.fail(say::input_type(value.at));
                 }
                 let [lexemes @ .., semicolon, count] = group.lexemes else {
                     return self.fail(say::input_type(value.at));
@@ -327,6 +330,10 @@ impl Resolver<'_> {
             }
             None => (value.lexemes, 1),
         };
+        let equals = |lexeme: &Lexeme| lexeme.kind == LexemeKind::Sign('=');
+        if let Some(sign) = inner.iter().find(|lexeme| equals(lexeme)) {
+            return self.fail(say::input_in_one_text(sign.at.into()));
+        }
         let unit = self.input_unit(inner, value.at)?;
         let dimension = unit.dimension;
         let entry = self.scene.inputs.get_mut(instance.slot)?;
@@ -356,6 +363,8 @@ impl Resolver<'_> {
             }
             _ => {}
         }
+        let unit = self.scene.inputs.get(instance.slot)?.unit.clone();
+        self.turns_as_in(&typed, &unit, &format!("the default of `{name}`"))?;
         let (components, default) = match fold::known(&typed.formula, &self.scene, false) {
             Some(fold::Fixed::Vector(value)) => (3, value),
             Some(fold::Fixed::Scalar(_)) if components == 3 => {

@@ -1,8 +1,9 @@
 //! Paths: `capsule.bridle[i].position`, `riser.tension`, `wind.x`, and the ends of lines and joints.
 
-use mbd_scene::{Dimension, EnergyKind, Formula, Gravity, Place, PointKind};
+use mbd_scene::{Dimension, EnergyKind, Formula, Gravity, Place, PointKind, Unit};
 
 use super::names::{Members, NameEntry};
+use super::value::angle_of;
 use super::{MayDependOn, Named, Resolver, Scope, Typed, fold};
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, resolve as say};
@@ -76,7 +77,13 @@ impl Resolver<'_> {
                 let (vector, dimension) =
                     (declared.value.vector().is_some(), declared.unit.dimension);
                 self.tail(
-                    self.declared(Formula::Const(index), vector, dimension, here, named),
+                    self.declared(
+                        Formula::Const(index),
+                        vector,
+                        dimension,
+                        here,
+                        (named, word),
+                    ),
                     rest,
                 )
             }
@@ -86,7 +93,7 @@ impl Resolver<'_> {
                 }
                 let dimension = self.scene.params.get(index)?.unit.dimension;
                 self.tail(
-                    self.declared(Formula::Param(index), false, dimension, here, named),
+                    self.declared(Formula::Param(index), false, dimension, here, (named, word)),
                     rest,
                 )
             }
@@ -95,7 +102,13 @@ impl Resolver<'_> {
                 let input = self.scene.inputs.get(index)?;
                 let (vector, dimension) = (input.components == 3, input.unit.dimension);
                 self.tail(
-                    self.declared(Formula::Input(index), vector, dimension, here, named),
+                    self.declared(
+                        Formula::Input(index),
+                        vector,
+                        dimension,
+                        here,
+                        (named, word),
+                    ),
                     rest,
                 )
             }
@@ -104,7 +117,7 @@ impl Resolver<'_> {
                 let named_here = self.scene.lets.get(index)?;
                 let (vector, dimension) = (named_here.components == 3, named_here.unit.dimension);
                 self.tail(
-                    self.declared(Formula::Let(index), vector, dimension, here, named),
+                    self.declared(Formula::Let(index), vector, dimension, here, (named, word)),
                     rest,
                 )
             }
@@ -112,7 +125,7 @@ impl Resolver<'_> {
                 self.driven(scope, at, &format!("the state `{word}`"))?;
                 let dimension = self.scene.states.get(index)?.unit.dimension;
                 let state = Formula::State(index);
-                let state = self.declared(state, false, dimension, here, named);
+                let state = self.declared(state, false, dimension, here, (named, word));
                 self.tail(state, rest)
             }
             Named::Body(body) => self.body_quantity(body, rest, at, scope),
@@ -186,6 +199,19 @@ impl Resolver<'_> {
         )
     }
 
+    /// The unit of a named number.
+    pub fn unit_of(&self, named: Named) -> Option<&Unit> {
+        let scene = &self.scene;
+        match named {
+            Named::Const(i) => scene.consts.get(i).map(|c| &c.unit),
+            Named::Param(i) => scene.params.get(i).map(|p| &p.unit),
+            Named::Input(i) => scene.inputs.get(i).map(|i| &i.unit),
+            Named::Let(i) => scene.lets.get(i).map(|l| &l.unit),
+            Named::State(i) => scene.states.get(i).map(|s| &s.unit),
+            _ => None,
+        }
+    }
+
     /// The typed value of something with a declared unit.
     fn declared(
         &self,
@@ -193,23 +219,15 @@ impl Resolver<'_> {
         vector: bool,
         dimension: Dimension,
         at: Region,
-        named: Named,
+        (named, word): (Named, &str),
     ) -> Typed {
-        let text = match named {
-            Named::Const(i) => self.scene.consts.get(i).map(|c| c.unit.text.clone()),
-            Named::Param(i) => self.scene.params.get(i).map(|p| p.unit.text.clone()),
-            Named::Input(i) => self.scene.inputs.get(i).map(|i| i.unit.text.clone()),
-            Named::Let(i) => self.scene.lets.get(i).map(|l| l.unit.text.clone()),
-            Named::State(i) => self.scene.states.get(i).map(|s| s.unit.text.clone()),
-            _ => None,
-        };
-        let text = text.unwrap_or_default();
-        let free = self.si && text.is_empty() && dimension == units::NONE;
-        let angle = text.starts_with("rad") || text.starts_with("deg");
+        let unit = self.unit_of(named);
+        let bare = unit.is_none_or(|unit| unit.text.is_empty());
+        let free = self.si && bare && dimension == units::NONE;
         Typed {
             dimension: (!free).then_some(dimension),
-            angle: i8::from(angle),
-            turns: text.contains("Hz"),
+            angle: unit.map_or(0, angle_of),
+            turns: self.turns_of(named, word),
             ..Typed::of(formula, vector, dimension, at)
         }
     }

@@ -38,6 +38,9 @@ impl Resolver<'_> {
             },
         };
         let at = typed.at;
+        if let Some(unit) = &kind {
+            self.turns_as_in(&typed, unit, "the start of a state")?;
+        }
         let start = self.fits(typed, "start", false, unit.dimension)?;
         if fold::at_defaults(&start, &self.scene).is_none_or(|start| !start.is_finite()) {
             return self.fail(say::not_finite(at));
@@ -68,6 +71,7 @@ impl Resolver<'_> {
             return self.fail(say::state_without_rate(item.name_at(), &name));
         };
         let typed = self.value(value, instance.scope(MayDependOn::Live))?;
+        self.rate_in_turns(instance.slot, &typed)?;
         let rate = self.state_rate_fits(instance, typed)?;
         self.scene.states.get_mut(instance.slot)?.rate = rate;
         Some(())

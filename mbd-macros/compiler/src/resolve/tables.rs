@@ -3,7 +3,7 @@
 use mbd_scene::{Dimension, Formula, SecondArgument, Unit};
 
 use super::numbers::written_unit;
-use super::turns::counts_turns;
+use super::turns::Turns;
 use super::value::angle_of;
 use super::{Instance, MayDependOn, Resolver, Scope, Typed};
 use crate::lexeme::{Bracket, Region};
@@ -250,6 +250,8 @@ impl Resolver<'_> {
                 let name = &declared.name;
                 return self.fail(say::argument_dimension(argument.at, name, wanted, found));
             }
+            let what = format!("the argument of `{}`", declared.name);
+            self.turns_as_in(argument, unit, &what)?;
         }
         let any_value = any(&declared.y_unit, self.si);
         let formulas = arguments.into_iter().map(|argument| argument.formula);
@@ -258,7 +260,7 @@ impl Resolver<'_> {
             vector: false,
             dimension: (!any_value).then_some(declared.y_unit.dimension),
             angle: angle_of(&declared.y_unit),
-            turns: counts_turns(&declared.y_unit),
+            turns: Turns::of_unit(&format!("{}(…)", declared.name), &declared.y_unit),
             bare: None,
             at,
         })

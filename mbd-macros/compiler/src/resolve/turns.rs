@@ -2,8 +2,47 @@
 
 use mbd_scene::{Scene, Unit};
 
-use super::{Resolver, Typed, fold};
+use super::value::angle_of;
+use super::{Named, Resolver, Typed, fold};
+use crate::lexeme::Region;
 use crate::messages::resolve as say;
+use crate::units;
+
+/// What counts turns in a value.
+#[derive(Clone, Debug)]
+pub struct Turns {
+    /// It as it is written: `2 Hz`, or the name of what has the unit.
+    text: String,
+    /// The state of no unit that it is. Whether that counts turns is known with its rate.
+    state: Option<usize>,
+}
+
+impl Turns {
+    /// Those of a number with its unit.
+    pub fn of_unit(number: &str, unit: &Unit) -> Option<Self> {
+        counts_turns(unit).then(|| Turns {
+            text: format!("{number} {}", unit.text),
+            state: None,
+        })
+    }
+
+    /// Those of a name.
+    pub fn of_name(name: &str) -> Self {
+        Turns {
+            text: name.to_string(),
+            state: None,
+        }
+    }
+}
+
+/// A state of no unit stands where radians are meant.
+#[derive(Clone, Debug)]
+pub struct RadiansOfState {
+    state: usize,
+    text: String,
+    what: String,
+    at: Region,
+}
 
 impl Typed {
     /// Whether a product with it makes radians of turns: an angle, or a whole multiple of π.
@@ -13,16 +52,130 @@ impl Typed {
         let whole = (half_turns - half_turns.round()).abs() < 1e-9 * half_turns.abs();
         self.angle != 0 || half_turns != 0.0 && whole
     }
+
+    /// Whether it is an angle, or the rate of one.
+    fn is_in_radians(&self) -> bool {
+        self.angle == 1
+    }
 }
 
 impl Resolver<'_> {
     /// Refuses turns where an angle in radians, or its rate, is meant: `2 Hz` would be 2 rad/s without a word.
     pub fn in_radians(&mut self, typed: &Typed, what: &str) -> Option<()> {
-        match typed.turns {
-            true => self.fail(say::turns_for_radians(typed.at, what)),
-            false => Some(()),
+        match &typed.turns {
+            Some(Turns { text, state: None }) => {
+                self.fail(say::turns_for_radians(typed.at, text, what))
+            }
+            Some(Turns {
+                text,
+                state: Some(state),
+            }) => {
+                self.radians_of_states.push(RadiansOfState {
+                    state: *state,
+                    text: text.clone(),
+                    what: what.to_string(),
+                    at: typed.at,
+                });
+                Some(())
+            }
+            None => Some(()),
         }
     }
+
+    /// Refuses a sum, a difference or a comparison of turns with radians.
+    pub fn alike_in_turns(&mut self, a: &Typed, b: &Typed) -> Option<()> {
+        let mixed = [(a, b), (b, a)]
+            .into_iter()
+            .find_map(|(turns, other)| match &turns.turns {
+                Some(Turns { text, state: None }) if other.is_in_radians() => {
+                    Some((turns.at, text))
+                }
+                _ => None,
+            });
+        match mixed {
+            Some((at, text)) => self.fail(say::radians_beside_turns(at, text)),
+            None => Some(()),
+        }
+    }
+
+    /// Refuses turns in a unit of radians, and the reverse: `what` has this unit.
+    pub fn turns_as_in(&mut self, typed: &Typed, unit: &Unit, what: &str) -> Option<()> {
+        if typed.is_in_radians() && counts_turns(unit) {
+            return self.fail(say::turns_wanted(typed.at, what));
+        }
+        match angle_of(unit) {
+            1 => self.in_radians(typed, what),
+            _ => Some(()),
+        }
+    }
+
+    /// The same for the unit behind `in`, which stands at `at`.
+    pub fn turns_told_in(&mut self, typed: &Typed, unit: &Unit, at: Region) -> Option<()> {
+        if typed.is_in_radians() && counts_turns(unit) {
+            return self.fail(say::radians_in_turns(at));
+        }
+        self.turns_as_in(typed, unit, &format!("`in {}`", unit.text))
+    }
+
+    /// Keeps that a name counts turns: a product of numbers loses its unit as it was written.
+    pub fn remember_turns(&mut self, named: Named, typed: &Typed) {
+        if let Some(turns) = &typed.turns {
+            self.turning.insert(named, turns.clone());
+        }
+    }
+
+    /// What counts turns behind a name.
+    pub fn turns_of(&self, named: Named, word: &str) -> Option<Turns> {
+        let unit = self.unit_of(named);
+        let state = match (named, unit) {
+            (Named::State(state), Some(unit))
+                if unit.text.is_empty() && unit.dimension == units::NONE =>
+            {
+                Some(state)
+            }
+            _ => self.turning.get(&named).and_then(|turns| turns.state),
+        };
+        let counts =
+            state.is_some() || self.turning.contains_key(&named) || unit.is_some_and(counts_turns);
+        counts.then(|| Turns {
+            state,
+            ..Turns::of_name(word)
+        })
+    }
+
+    /// Refuses turns as the rate of a state in radians, and of a state of no unit whose value is taken for radians.
+    pub fn rate_in_turns(&mut self, state: usize, typed: &Typed) -> Option<()> {
+        let Some(Turns { text, state: None }) = &typed.turns else {
+            return Some(());
+        };
+        let declared = self.scene.states.get(state)?;
+        if angle_of(&declared.unit) == 1 {
+            let report = say::state_in_turns(typed.at, text, &declared.name);
+            return self.fail(report);
+        }
+        if declared.unit.dimension == units::NONE {
+            self.turning
+                .insert(Named::State(state), Turns::of_name(&declared.name));
+        }
+        Some(())
+    }
+
+    /// Tells of the states that count turns and stand where radians are meant, when all rates are known.
+    pub fn states_in_radians(&mut self) {
+        for found in std::mem::take(&mut self.radians_of_states) {
+            if self.turning.contains_key(&Named::State(found.state)) {
+                let report = say::turns_for_radians(found.at, &found.text, &found.what);
+                self.messages.push(report);
+            }
+        }
+    }
+}
+
+/// Whether one of two units counts turns and the other one is of radians: 1 Hz is 2π rad/s.
+#[must_use]
+pub fn mixes_turns(a: &Unit, b: &Unit) -> bool {
+    let mixed = |turns: &Unit, other: &Unit| counts_turns(turns) && angle_of(other) == 1;
+    mixed(a, b) || mixed(b, a)
 }
 
 /// Whether a unit counts turns: `Hz`, `m*Hz`.

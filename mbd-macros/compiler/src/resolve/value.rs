@@ -2,7 +2,7 @@
 
 use mbd_scene::{Dimension, Formula, Function, Unit};
 
-use super::turns::counts_turns;
+use super::turns::Turns;
 use super::{Named, Resolver, fold};
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, resolve as say};
@@ -47,8 +47,8 @@ pub struct Typed {
     pub dimension: Option<Dimension>,
     /// The exponent of radians in its unit, for the header of a column.
     pub angle: i8,
-    /// Whether it counts turns: it has `Hz` in it, and nothing that makes radians of these.
-    pub turns: bool,
+    /// What in it counts turns: it has `Hz` in it, and nothing that makes radians of these.
+    pub turns: Option<Turns>,
     /// Its text, if it is numbers without a unit.
     pub bare: Option<String>,
     /// Its place.
@@ -63,7 +63,7 @@ impl Typed {
             vector,
             dimension: Some(dimension),
             angle: 0,
-            turns: false,
+            turns: None,
             bare: None,
             at,
         }
@@ -195,7 +195,7 @@ impl Resolver<'_> {
             vector: false,
             dimension: (!free).then_some(dimension),
             angle: unit.map_or(0, angle_of),
-            turns: unit.is_some_and(counts_turns),
+            turns: unit.and_then(|unit| Turns::of_unit(text, unit)),
             bare: unit.is_none().then(|| text.to_string()),
             at,
         }
@@ -217,7 +217,7 @@ impl Resolver<'_> {
         let mut dimension: Option<Dimension> = unit.map(|unit| unit.dimension);
         let mut bare: Option<Vec<String>> = unit.is_none().then(Vec::new);
         let angle = unit.map_or(typed[0].angle, angle_of);
-        let turns = unit.is_some_and(counts_turns) || typed.iter().any(|part| part.turns);
+        let mut turns = unit.and_then(|unit| Turns::of_unit("[…]", unit));
         for part in typed {
             if part.vector {
                 return self.fail(say::scalar_wanted(part.at, "a component"));
@@ -229,6 +229,7 @@ impl Resolver<'_> {
                 }
             }
             let part = self.in_brackets(part, unit)?;
+            turns = turns.or(part.turns);
             if let (Some(first), Some(this)) = (dimension, part.dimension)
                 && first != this
             {
@@ -275,7 +276,7 @@ impl Resolver<'_> {
             formula,
             dimension: Some(unit.dimension),
             angle: angle_of(unit),
-            turns: counts_turns(unit),
+            turns: Turns::of_unit("[…]", unit),
             bare: None,
             ..typed
         })
@@ -336,13 +337,14 @@ impl Resolver<'_> {
             let needs_unit = a.bare.is_some() || b.bare.is_some();
             return self.fail(say::unlike(at, first, second, needs_unit));
         }
+        self.alike_in_turns(&a, &b)?;
         let bare = a.bare.is_some() && b.bare.is_some();
         let angle = if a.angle == b.angle || b.dimension.is_none() {
             a.angle
         } else {
             0
         };
-        let turns = a.turns || b.turns;
+        let turns = a.turns.or(b.turns);
         let nothing = function == Function::Sub && !a.vector && a.formula == b.formula;
         let formula = if nothing {
             // A difference of the same thing: whoever divides by it divides by zero.
@@ -383,12 +385,13 @@ impl Resolver<'_> {
         let makes_radians = |typed: &Typed| {
             self.si && typed.dimension.is_none() || typed.makes_radians(&self.scene)
         };
-        let turns = match (a.turns, b.turns) {
-            (true, true) => !divide,
-            (true, false) => !makes_radians(&b),
-            (false, true) => !makes_radians(&a),
-            (false, false) => false,
+        let turns = match (&a.turns, &b.turns) {
+            (Some(turns), Some(_)) => (!divide).then_some(turns),
+            (Some(turns), None) => (!makes_radians(&b)).then_some(turns),
+            (None, Some(turns)) => (!makes_radians(&a)).then_some(turns),
+            (None, None) => None,
         };
+        let turns = turns.cloned();
         if divide
             && matches!(
                 fold::known(&b.formula, &self.scene, false),

@@ -1,5 +1,7 @@
 //! A position in a list of balanced lexemes.
 
+use mbd_scene::metrics::Take;
+
 use super::{ValueSyntax, Word, foreign};
 use crate::lexeme::{Bracket, Lexeme, LexemeIndex, LexemeKind, Region};
 use crate::messages::{LexemeMessage, syntax as say};
@@ -207,9 +209,12 @@ impl<'a> Cursor<'a> {
 
     /// The same inside an expression, where an operator of another language may stand.
     pub fn operand_expected(&self, what: &str) -> LexemeMessage {
-        match self.foreign_operator() {
-            Some(answer) => LexemeMessage::new(self.here(), answer),
-            None => self.expected(what),
+        match (self.foreign_operator(), self.behind(1), self.behind(2)) {
+            (Some(answer), ..) => LexemeMessage::new(self.here(), answer),
+            (None, Some(first), None) if Take::of(&first.shown()).is_some() => {
+                say::taken_of_a_run(first.at.into(), &first.shown())
+            }
+            (None, ..) => self.expected(what),
         }
     }
 

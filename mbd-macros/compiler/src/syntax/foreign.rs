@@ -84,7 +84,7 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ),
     (
         "damper",
-        "damping is a field of its line or spring, `{ free_length: 1 m, stiffness: 0 N/m, damping: 3 N*s/m }`, or of its joint, `{ axis: y, damping: 0.1 N*m*s }`",
+        "damping is a field of its line or spring, `spring strut from a to b { damping: 3 N*s/m }`, or of its joint, `{ axis: y, damping: 0.1 N*m*s }`",
     ),
     (
         "frame",
@@ -110,7 +110,7 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ),
 ];
 
-const THE_RUN: &str = "how long and by which method a model runs is no part of its declaration: it stands behind the last `}` of a scene file, `[run]` and `until = \"3 s\"` on a line each, or behind `mbd run`, `--until \"3 s\"`";
+const THE_RUN: &str = "how long and by which method a model runs is no part of its declaration: it stands in `[run]` of a scene file, behind the last `}` of a `.mbd`, with `until = \"3 s\"` on a line of its own, or behind `mbd run`, `--until \"3 s\"`";
 const CONTACT: &str = "contact cannot be declared yet; a soft one is a load, such as `load push on body at foot = max(0, -body.foot.position.z) * [0, 0, 100] kN/m`";
 /// A line over a pulley.
 pub const LED_OVER: &str =
@@ -126,6 +126,51 @@ const NO_FUNCTIONS: &str = "no functions can be declared; a quantity is named by
 const INTEGRAL: &str =
     "an integral is a `state` with its rate: `state missed = 0 rad*s { rate: pin.angle }`";
 const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ axis: y, force: -2 N*m * hip.angle }`";
+
+/// Words by which people say that a value passes another, and ours.
+pub const PASSAGES: Dictionary = &[
+    ("reaches", ANY_PASSAGE),
+    ("passes", ANY_PASSAGE),
+    ("hits", ANY_PASSAGE),
+    ("equals", ANY_PASSAGE),
+    ("becomes", ANY_PASSAGE),
+    ("cross", ANY_PASSAGE),
+    ("crossing", ANY_PASSAGE),
+    ("exceeds", "`rises`"),
+    ("above", "`rises`"),
+    ("over", "`rises`"),
+    ("rise", "`rises`"),
+    ("rising", "`rises`"),
+    ("below", "`falls`"),
+    ("under", "`falls`"),
+    ("drops", "`falls`"),
+    ("fall", "`falls`"),
+    ("falling", "`falls`"),
+];
+const ANY_PASSAGE: &str = "`rises`, `falls` or `crosses`";
+
+/// Keys that people write in TOML for those of an item.
+#[cfg(feature = "toml")]
+pub const FOREIGN_KEYS: Dictionary = &[
+    ("default", "value"),
+    ("initial", "start"),
+    ("expression", "value"),
+    ("expr", "value"),
+    ("formula", "value"),
+    ("equals", "value"),
+    ("force", "value"),
+    ("torque", "value"),
+    ("couple", "value"),
+    ("when", "value"),
+    ("condition", "value"),
+    ("quantity", "kind"),
+    ("type", "kind"),
+    ("unit", "in"),
+    ("units", "in"),
+    ("range", "in"),
+    ("body", "on"),
+    ("frame", "at"),
+];
 
 /// Fields of other tools.
 pub const FOREIGN_FIELDS: Dictionary = &[

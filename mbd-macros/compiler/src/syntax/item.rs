@@ -4,7 +4,7 @@ use super::model::docs;
 use super::words::{self, ItemWord};
 use super::{ClauseValue, Cursor, Item, NameSyntax, ValueSyntax, Word};
 use crate::lexeme::{Bracket, LexemeIndex, LexemeKind, Region};
-use crate::messages::{LexemeMessage, Messages, syntax as say};
+use crate::messages::{LexemeMessage, Messages, similar, syntax as say};
 
 /// Reads all items of a model, or all fields of an item (`inside`).
 pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) -> Vec<Item<'a>> {
@@ -53,7 +53,13 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
             recover(&mut cursor, inside);
             continue;
         };
-        let spec = words::find(&word.text, inside);
+        let (word, spec) = match inside {
+            true => inner(&cursor, word, messages),
+            false => {
+                let spec = words::find(&word.text, false);
+                (word, spec)
+            }
+        };
         if spec.is_none() && !inside {
             messages.push(match words::marked_by(&word.text) {
                 Some(marked) => say::marks_another(word.at.into(), &word.text, marked),
@@ -85,6 +91,27 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
         }
         items.push(item);
     }
+}
+
+/// The item that begins between braces with this word, if it is one: `fram tip at …` has a name as no field does.
+fn inner(
+    cursor: &Cursor<'_>,
+    word: Word,
+    messages: &mut Messages,
+) -> (Word, Option<&'static ItemWord>) {
+    let spec = words::find(&word.text, true);
+    let frame = &words::FRAME;
+    let named = cursor.peek_word().is_some_and(|name| name != "at");
+    let near = similar::nearest(&word.text, [frame.word]).is_some();
+    if spec.is_some() || !named || !near {
+        return (word, spec);
+    }
+    messages.push(say::misspelt_inner(word.at.into(), &word.text, frame.word));
+    let meant = Word {
+        text: frame.word.to_owned(),
+        ..word
+    };
+    (meant, Some(frame))
 }
 
 /// Takes the word that marks an item: `loop` before a joint.
@@ -124,6 +151,11 @@ fn field<'a>(cursor: &mut Cursor<'a>, item: &mut Item<'a>) -> Result<(), LexemeM
     };
     if let Some(report) = kind_and_name(cursor, &item.word.text) {
         return Err(report);
+    }
+    if let (Some(next), Some(LexemeKind::Sign(':'))) =
+        (cursor.peek_word(), cursor.ahead(1).map(|next| &next.kind))
+    {
+        return Err(say::two_colons(cursor.here(), &item.word.text, next));
     }
     let start = *cursor;
     while !ends(cursor, true) {

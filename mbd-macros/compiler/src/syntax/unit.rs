@@ -25,14 +25,36 @@ pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, LexemeMessage> {
 
 /// Takes a unit if one comes next. A word right after a number must be a unit; after `*` or `/` it may be something else.
 pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
+    trailing(cursor, false)
+}
+
+/// The same where no operator can follow: what stands behind `*` or `/` is a unit, too.
+pub fn suffix_alone(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
+    trailing(cursor, true)
+}
+
+fn trailing(cursor: &mut Cursor<'_>, strict: bool) -> Result<Option<Unit>, LexemeMessage> {
     let first = match reciprocal(cursor) {
         Some(one) => one,
         None if cursor.peek_word().is_some() => factor(cursor)?,
-        None => return Ok(None),
+        None => return Ok(in_brackets(cursor)),
     };
-    let unit = product(cursor, first, false)?;
+    let unit = product(cursor, first, strict)?;
     no_unit_behind(cursor, &unit)?;
     Ok(Some(unit))
+}
+
+/// Takes a unit in brackets alone, `(kg*m)`: how it is told from a name that is a unit, too. What is no unit stays.
+fn in_brackets(cursor: &mut Cursor<'_>) -> Option<Unit> {
+    let mut ahead = *cursor;
+    let group = ahead.group(Bracket::Round)?;
+    Cursor::new(group).peek_word()?;
+    let inner = whole(Cursor::new(group)).ok()?;
+    *cursor = ahead;
+    Some(Unit {
+        text: format!("({})", inner.text),
+        ..inner
+    })
 }
 
 /// Refuses `kg m^2`: a unit behind a unit without a sign between them.
@@ -128,6 +150,9 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, LexemeMessage> {
                     if [&word.text, next].iter().all(|w| units::find(w).is_some()) =>
                 {
                     say::unit_product(here, &word.text, next)
+                }
+                _ if path && units::find(&word.text).is_some() => {
+                    say::point_behind_unit(cursor.here(), &word.text)
                 }
                 _ => say::unknown_unit(here, &word.text),
             });

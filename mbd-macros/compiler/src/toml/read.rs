@@ -10,7 +10,7 @@ use super::declaration::entries;
 use crate::lexeme::{
     Lexeme, LexemeIndex, LexemeKind, Lexer, LineStarts, Region, piece, without_mark,
 };
-use crate::messages::{Messages, resolve as say_resolve, syntax as say, toml as say_toml};
+use crate::messages::{Messages, syntax as say, toml as say_toml};
 use crate::reading::{Reading, complete};
 use crate::syntax::item::push_clause;
 use crate::syntax::words::{self, ItemWord};
@@ -205,6 +205,7 @@ impl<'t> TomlReader<'t> {
 
     /// Clauses, fields and inner items of an item.
     fn fields(&mut self, item: &mut ItemDraft, spec: &'static ItemWord, table: &DeTable<'_>) {
+        let mut unknown = Vec::new();
         for (key, value) in entries(table) {
             let word: &str = key.get_ref();
             let at = self.mark(key.span().start);
@@ -250,15 +251,41 @@ impl<'t> TomlReader<'t> {
                     }
                     item.block.push(block);
                 }
-                (None, None, _) if spec.fields.is_none() => {
-                    let known: Vec<&str> = spec.clauses.iter().map(|clause| clause.key).collect();
-                    let report = say_resolve::unknown_field(at.into(), word, &known);
-                    self.messages.push(report);
+                (None, None, _) if spec.fields.is_none() => unknown.push((at, word)),
+                (None, None, DeValue::Table(_))
+                    if say_toml::keys_of(spec).all(|key| key != word) =>
+                {
+                    unknown.push((at, word));
                 }
                 (None, None, _) => {
                     let field = self.field(word, at, value);
                     item.block.push(field);
                 }
+            }
+        }
+        self.unknown_keys(item, spec, &unknown);
+    }
+
+    /// Tells of keys that an item does not have. Where one that it needs is missing, that is what is told, unless a key was meant for it.
+    fn unknown_keys(
+        &mut self,
+        item: &mut ItemDraft,
+        spec: &'static ItemWord,
+        unknown: &[(LexemeIndex, &str)],
+    ) {
+        let given = |sign: &str| item.clauses.iter().any(|(own, _)| *own == sign);
+        let mut missing = spec
+            .clauses
+            .iter()
+            .filter(|clause| clause.needed && !given(clause.sign));
+        let missing = missing.next().is_some();
+        let known: Vec<&str> = say_toml::keys_of(spec).collect();
+        for (at, word) in unknown {
+            let meant = say_toml::meant(word, &known).is_some();
+            if meant || !missing {
+                let report = say_toml::unknown_key((*at).into(), word, &known);
+                self.messages.push(report);
+                item.broken = true;
             }
         }
     }

@@ -33,7 +33,7 @@ pub fn write_toml(scene: &Scene) -> String {
 }
 
 /// A string in quotes; one without escapes keeps its places when it is read.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {
         match c {
@@ -52,7 +52,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// A key, in quotes where it has an index.
-fn key(name: &str) -> String {
+pub(super) fn key(name: &str) -> String {
     let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if plain {
         name.to_string()

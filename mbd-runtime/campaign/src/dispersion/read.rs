@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use mbd_compiler::read_number;
+use mbd_compiler::{mixes_turns, read_number};
+use mbd_runtime::scene::Unit;
 use toml::{Table, Value};
 
 use super::name::Dispersible;
@@ -254,9 +255,13 @@ impl DispersionReader<'_> {
             "" => 1.0,
             given => {
                 let measured = |unit: &str| read_number(&format!("1 {unit}")).ok();
-                let expected = measured(&self.known.unit).map(|(_, unit)| unit.dimension);
+                let fits = |unit: &Unit| {
+                    measured(&self.known.unit).is_some_and(|(_, own)| {
+                        own.dimension == unit.dimension && !mixes_turns(&own, unit)
+                    })
+                };
                 match measured(given) {
-                    Some((factor, unit)) if Some(unit.dimension) == expected => factor,
+                    Some((factor, unit)) if fits(&unit) => factor,
                     _ => {
                         return Err(self.wrong(format!(
                             "column `{column}` of {file} is in `{given}`: expected {}",

@@ -9,4 +9,4 @@ mod settings;
 pub use names::PlanError;
 pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};
 pub use plan::RunPlan;
-pub use settings::{Settings, line_of, split};
+pub use settings::{Settings, line_of, misnamed_table, split};

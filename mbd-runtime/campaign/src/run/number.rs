@@ -1,6 +1,7 @@
 //! Numbers with units, as a person writes them in a setting.
 
-use mbd_compiler::read_number;
+use mbd_compiler::{mixes_turns, read_number, read_vector};
+use mbd_runtime::scene::Unit;
 use toml::Value;
 
 use super::names::{PlanError, wrong};
@@ -27,11 +28,72 @@ pub(crate) fn number(setting: &str, value: &Value, unit: &str) -> Result<f64, Pl
 
 fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {
     let (value, given) = read_number(text).map_err(|text| wrong(setting, text))?;
+    measured(setting, text, (value, &given), unit)
+}
+
+/// As many numbers in SI as there are units: in brackets, each with its unit or bare, or in one text, `"[8, 0, 0] m/s"`, where the units are all the same.
+pub(crate) fn numbers(setting: &str, value: &Value, units: &[&str]) -> Result<Vec<f64>, PlanError> {
+    let count = |found: usize| match found == units.len() {
+        true => Ok(()),
+        false => Err(wrong(
+            setting,
+            format!("expected {} numbers, found {found}", units.len()),
+        )),
+    };
+    match value {
+        Value::Array(list) => {
+            count(list.len())?;
+            let each = list.iter().zip(units);
+            each.map(|(value, unit)| number(setting, value, unit))
+                .collect()
+        }
+        Value::String(text) if text.trim_start().starts_with('[') => {
+            let given = read_vector(text).map_err(|text| wrong(setting, text))?;
+            count(given.len())?;
+            let each = given.iter().zip(units);
+            each.map(|((value, given), unit)| measured(setting, text, (*value, given), unit))
+                .collect()
+        }
+        single => {
+            if let [unit] = units {
+                return Ok(vec![number(setting, single, unit)?]);
+            }
+            let example = match units {
+                [unit, ..] if units.iter().all(|other| other == unit) => {
+                    format!("\"{}\"", format!("[1, 0, 0] {unit}").trim_end())
+                }
+                units => zeros(units),
+            };
+            Err(wrong(
+                setting,
+                format!(
+                    "expected {} numbers, found one: write them in brackets, such as `{example}`",
+                    units.len()
+                ),
+            ))
+        }
+    }
+}
+
+/// How nothing of as many numbers as there are units is written in TOML.
+pub(crate) fn zeros(units: &[&str]) -> String {
+    let each: Vec<String> = units
+        .iter()
+        .map(|unit| format!("\"{}\"", format!("0 {unit}").trim_end()))
+        .collect();
+    format!("[{}]", each.join(", "))
+}
+
+/// A number that was read with its unit, checked against what it must measure.
+fn measured(
+    setting: &str,
+    text: &str,
+    (value, given): (f64, &Unit),
+    unit: &str,
+) -> Result<f64, PlanError> {
     let expected = match unit {
         "" => None,
-        unit => read_number(&format!("1 {unit}"))
-            .ok()
-            .map(|(_, unit)| unit.dimension),
+        unit => read_number(&format!("1 {unit}")).ok().map(|(_, unit)| unit),
     };
     if given.text.is_empty() && !unit.is_empty() && value != 0.0 {
         return Err(wrong(
@@ -40,7 +102,14 @@ fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {
         ));
     }
     let bare = given.text.is_empty();
-    if !bare && expected.unwrap_or_default() != given.dimension {
+    let dimension = expected.as_ref().map(|unit| unit.dimension);
+    if expected.is_some_and(|expected| mixes_turns(&expected, given)) {
+        let text = format!(
+            "`{text}` is no number in {unit}: `Hz` counts turns, and a turn a second is 2 pi rad/s or 60 rpm; write it in {unit}"
+        );
+        return Err(wrong(setting, text));
+    }
+    if !bare && dimension.unwrap_or_default() != given.dimension {
         let unit = if unit.is_empty() { "no unit" } else { unit };
         return Err(wrong(
             setting,

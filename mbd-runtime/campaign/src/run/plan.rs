@@ -3,7 +3,8 @@
 use mbd_compiler::nearest;
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
-    InputSource, JointStart, NodeModel, Part, PlacementError, Scene, declared_parts, place_declared,
+    Input, InputSource, JointStart, NodeModel, Part, PlacementError, Scene, declared_parts,
+    place_declared,
 };
 use mbd_runtime::{
     Content, Generic, Layout, Method, Name, Options, RunError, Sampling, Scalar, Simulation,
@@ -12,7 +13,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use super::names::{PlanError, flat, no_column, unknown, wrong};
-use super::number::{number, positive};
+use super::number::{number, numbers as numbers_of, positive, zeros};
 use super::settings::Settings;
 
 /// Everything a run needs, in SI numbers.
@@ -260,11 +261,28 @@ fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
             .zip(&mut params)
             .find(|(param, _)| param.name == *name)
         else {
-            return Err(unknown(&setting, name, names()));
+            let mut inputs = scene.inputs.iter();
+            return Err(match inputs.find(|input| input.name == *name) {
+                Some(input) => wrong(setting, held(input)),
+                None => unknown(&setting, name, names()),
+            });
         };
         *slot = number(&setting, value, &param.unit.text)?;
     }
     Ok(params)
+}
+
+/// What is said where an input is given as a param.
+fn held(input: &Input) -> String {
+    let (name, unit) = (&input.name, &input.unit.text);
+    let value = match input.components {
+        3 => format!("[1, 0, 0] {unit}"),
+        _ => format!("1 {unit}"),
+    };
+    format!(
+        "`{name}` is an input and no param: what it is held at stands under [run.inputs], `{name} = \"{}\"`",
+        value.trim_end()
+    )
 }
 
 /// A state, the places of the equilibrium points where any is given, and the joint coordinates that are given.
@@ -355,7 +373,7 @@ fn part(scene: &Scene, name: &str) -> Option<Part> {
 
 fn misplaced(scene: &Scene, error: PlacementError) -> PlanError {
     let (name, why) = error.describe(scene);
-    wrong(format!("start.{name}"), why)
+    wrong("start", format!("joint `{name}` {why}"))
 }
 
 /// The bodies and points whose coordinates are given.
@@ -442,25 +460,19 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
             if matches!(slots.source, InputSource::Input(_)) {
                 continue;
             }
+            let units = units.get(..slots.len).unwrap_or(&units);
             let text = format!(
-                "this scene takes `{name}` from its caller: give {} number(s) under [run.inputs]",
-                slots.len
+                "this scene takes `{name}` from its caller: give {} number(s) under [run.inputs], such as `{name} = {}`",
+                slots.len,
+                zeros(units)
             );
             return Err(wrong(setting, text));
         };
-        let list = match value {
-            Value::Array(list) => list.as_slice(),
-            single => std::slice::from_ref(single),
-        };
-        if list.len() != slots.len {
-            return Err(wrong(
-                setting,
-                format!("expected {} numbers, found {}", slots.len, list.len()),
-            ));
-        }
-        for ((to, value), unit) in numbers.iter_mut().skip(slots.at).zip(list).zip(units) {
-            *to = number(&setting, value, unit)?;
-        }
+        // A load on a point with mass has a force alone.
+        let units = units.get(..slots.len).unwrap_or(&units);
+        let given = numbers_of(&setting, value, units)?;
+        let own = numbers.iter_mut().skip(slots.at);
+        own.zip(given).for_each(|(to, value)| *to = value);
     }
     match given.keys().find(|name| !known.contains(&name.as_str())) {
         Some(name) => Err(unknown(&format!("inputs.{name}"), name, known.into_iter())),

@@ -22,7 +22,7 @@
 //! wind = ["3 m/s", 0.0, 0.0]
 //! ```
 
-use mbd_compiler::read_number;
+use mbd_compiler::{nearest, read_number};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -84,6 +84,38 @@ pub fn split(text: &str) -> (String, String) {
         there.push('\n');
     }
     (scene, run)
+}
+
+/// The first table behind the `}` of a declaration, the first part of [`split`], with its line, counted from 1, and what is said of it: none but `[run]`
+/// and its tables stand there.
+#[must_use]
+pub fn misnamed_table(scene: &str) -> Option<(usize, String)> {
+    let (mut depth, mut closed) = (0_i64, false);
+    for (index, line) in scene.lines().enumerate() {
+        let header = line.trim_start().strip_prefix('[');
+        let name = header.map(|header| header.trim_start_matches('[').trim_start());
+        let word = name.map(|name| {
+            let end = name.find(|c: char| !(c.is_alphanumeric() || c == '_'));
+            name.split_at(end.unwrap_or(name.len()))
+        });
+        if let Some((word, rest)) = word
+            && closed
+            && depth == 0
+            && !word.is_empty()
+            && rest.trim_start().starts_with([']', '.'])
+        {
+            let near = nearest(word, ["run"]).map_or(".", |_| "; did you mean `[run]`?");
+            let told = format!(
+                "there is no table `[{word}]` behind a declaration{near} there stand `[run]` and its tables `[run.start]`, `[run.inputs]`, `[run.params]`, `[run.figures]`"
+            );
+            return Some((index + 1, told));
+        }
+        for sign in line.chars() {
+            depth += i64::from(sign == '{') - i64::from(sign == '}');
+            closed |= sign == '}';
+        }
+    }
+    None
 }
 
 /// The line, counted from 1, where a setting of a table `[run]` stands, `start.capsule.z`, or what it is a part of.
@@ -206,6 +238,23 @@ mod tests {
         }
         assert!(!told("until = ten").contains("in quotes"));
         assert!(!told("untl = 3").contains("in quotes"));
+    }
+
+    #[test]
+    fn a_table_behind_a_declaration_is_one_of_the_run() {
+        let told =
+            |header: &str| misnamed_table(&format!("model A {{\n  a: {{}}\n}}\n\n{header}\n"));
+        let (line, said) = told("[rnu]").unwrap();
+        assert_eq!(line, 5);
+        assert!(said.contains("did you mean `[run]`?"), "{said}");
+        let (_, said) = told("[ settings.start ]").unwrap();
+        assert!(
+            said.contains("no table `[settings]`") && !said.contains("mean"),
+            "{said}"
+        );
+        assert_eq!(told("[0, 1]"), None);
+        assert_eq!(misnamed_table("model A { a: {}\n[rnu]\n"), None);
+        assert_eq!(misnamed_table("a = 1\n[rnu]\n"), None);
     }
 
     #[test]

@@ -86,7 +86,7 @@ impl PlacementError {
             ),
             PlacementError::Open { joint, gap } => (
                 joint,
-                format!("stays open by {gap:.1e}: no coordinates of the other joints close its loop; give fewer of them, or others"),
+                format!("stays open by {gap:.1e} [m or rad]: the starts that are given, and the lengths of its loop, let nothing close it; leave out a start there, give another, or change a length"),
             ),
         };
         let name = scene.joints.get(joint).map(|joint| joint.name.clone());

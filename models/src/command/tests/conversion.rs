@@ -59,3 +59,49 @@ fn every_ready_scene_is_the_same_in_both_forms() {
         .to_string();
     assert!(error.contains("toml, mbd"), "{error}");
 }
+
+#[test]
+fn what_a_person_wrote_keeps_its_units_repetitions_and_expressions_in_both_forms() {
+    const CHAIN: &str = "pub model Chain {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    const N = 3;
+    // Light ones.
+    body link[i in 0..N] {
+        mass: 500 g,
+        inertia: diag(55, 55, 1) g*m^2,
+        frame top at [0.0, 0.0, 40 cm] rotated rpy(0, 0, 45 deg),
+        frame tip at [0.0, 0.0, -40 cm],
+    }
+    joint first: hinge from world to link[0].top { axis: y, start: 30 deg }
+    joint pin[i in 1..N]: hinge from link[i - 1].tip to link[i].top { axis: y, stops: [-80, 80] deg, stop_stiffness: 1 kN*m }
+    output bend = first.angle in deg;
+}
+
+[run]
+until = \"1 s\"
+";
+    let folder = Folder::new("kept");
+    let text = folder.file("chain.mbd", CHAIN);
+    let written = run(&["convert", &text]).unwrap();
+    for kept in [
+        "mass = \"500 g\"",
+        "inertia = \"diag(55, 55, 1) g*m^2\"",
+        "\"link[i in 0..N]\"",
+        "rotated = \"rpy(0, 0, 45 deg)\"",
+        "start = \"30 deg\"",
+        "stops = \"[-80, 80] deg\"",
+        "[run]\nuntil = \"1 s\"",
+    ] {
+        assert!(written.contains(kept), "{kept}\n{written}");
+    }
+    let toml = folder.file("chain.toml", &written);
+    let back = folder.file(
+        "back.mbd",
+        &run(&["convert", &toml, "--to", "mbd"]).unwrap(),
+    );
+    let same = run(&["convert", &text, "--to", "mbd"]).unwrap();
+    assert!(same.contains("// Light ones."), "{same}");
+    let scene = |file: &str| SceneFile::find(file.as_ref()).unwrap().scene;
+    assert_eq!(scene(&toml), scene(&text));
+    assert_eq!(scene(&back), scene(&text));
+}

@@ -149,6 +149,13 @@ pub fn input_type(at: Region) -> LexemeMessage {
     )
 }
 
+pub fn input_in_one_text(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        "in TOML the default of an input is a key of its own: `{ kind = \"speed\", value = \"[8, 0, 0] m/s\" }`",
+    )
+}
+
 pub fn unknown_input_type(at: Region, word: &str) -> LexemeMessage {
     let known = units::quantities();
     if word == "table" {

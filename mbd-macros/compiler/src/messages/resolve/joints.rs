@@ -247,7 +247,7 @@ pub fn no_common_measure(at: Region, keyword: &str, name: &str) -> LexemeMessage
     LexemeMessage::new(
         at,
         format!(
-            "{keyword} `{name}` couples two angles, each known up to a full turn: its ratio must be a fraction of whole numbers up to 1000 that is no `param`, such as `43.0 / 20.0`; or measure one of them by a `screw`, whose angle counts turns"
+            "{keyword} `{name}` couples two angles, each known up to a full turn: its ratio must be a fraction of whole numbers up to 1000, such as `43.0 / 20.0`, that is no `param` but may be a `const`; or measure one of them by a `screw`, whose angle counts turns"
         ),
     )
 }

@@ -73,15 +73,6 @@ pub fn metric_needs_no(at: Region, take: Take, field: &str) -> LexemeMessage {
     )
 }
 
-pub fn unit_of_integral(at: Region, unit: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "the unit behind an `integral` is that of its quantity, before it is summed over time: `in {unit}/s` gives the number in {unit}"
-        ),
-    )
-}
-
 pub fn metric_window(at: Region) -> LexemeMessage {
     LexemeMessage::new(at, "`from` must be before `to`")
 }

@@ -74,10 +74,14 @@ pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> LexemeMessage {
 }
 
 pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    // `m/s2`: what stands behind the line was no unit and is taken for a name.
+    let unit = crate::units::run_together(word).map_or_else(String::new, |unit| {
+        format!(", or write `{unit}` for the unit")
+    });
     LexemeMessage::new(
         at,
         format!(
-            "no parameter named `{word}`{} declare it",
+            "no parameter named `{word}`{} declare it{unit}",
             ended(did_you_mean(word, known.iter().copied()))
         ),
     )

@@ -118,7 +118,7 @@ pub fn power_of_vector(at: Region) -> LexemeMessage {
 pub fn whole_exponent(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
-        "an exponent is a whole number between -20 and 20; a root is `sqrt(a)`",
+        "an exponent is a whole number between -20 and 20; `a^0.5` is `sqrt(a)`, `a^1.5` is `a * sqrt(a)`, and another power of a pure number `exp(n * ln(a))`",
     )
 }
 
@@ -192,11 +192,39 @@ pub fn condition_wanted(at: Region) -> LexemeMessage {
     LexemeMessage::new(at, text.to_owned())
 }
 
-pub fn turns_for_radians(at: Region, what: &str) -> LexemeMessage {
+/// `turns`: what counts them, as it is written.
+pub fn turns_for_radians(at: Region, turns: &str, what: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "`Hz` counts turns, and {what} takes radians: multiply by a turn, such as `2 Hz * 360 deg`, or `2 * pi * 2 Hz * time`"
+            "`{turns}` counts turns (`Hz`), and {what} takes radians: write `2 * pi * {turns}`, or give it in `rad/s` or `rpm`"
+        ),
+    )
+}
+
+pub fn state_in_turns(at: Region, turns: &str, state: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{turns}` counts turns (`Hz`), and the state `{state}` is in radians: write `2 * pi * {turns}`, or give it in `rad/s` or `rpm`"
+        ),
+    )
+}
+
+pub fn radians_beside_turns(at: Region, turns: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{turns}` counts turns (`Hz`), and what it is added to or compared with is in radians: write `2 * pi * {turns}`, or give it in `rad/s` or `rpm`"
+        ),
+    )
+}
+
+pub fn turns_wanted(at: Region, what: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "{what} counts turns (`Hz`), and this is in radians: divide it by a turn, `/ (360 deg)`"
         ),
     )
 }
@@ -224,6 +252,39 @@ pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> Lex
         format!(
             "`{field}` needs a unit: {kind}. write it as `{text} {unit}`, or put `units: si;` at the top of the model"
         ),
+    )
+}
+
+pub fn wrong_range(at: Region, param: &str, wanted: Dimension, found: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "the range of `{param}` must be {}, as its value is; this is {}",
+            described(wanted),
+            described(found)
+        ),
+    )
+}
+
+/// `unit`: what stands behind `in`.
+pub fn cannot_be_told_in(at: Region, unit: &str, found: Dimension) -> LexemeMessage {
+    let (what, remedy) = match found {
+        units::NONE => (
+            "a pure number or an angle".to_owned(),
+            "write `in deg` or `in rad` for an angle, nothing for a number".to_owned(),
+        ),
+        units::RATE => (
+            "a rate (1/s)".to_owned(),
+            "write `in rad/s` or `in rpm` for an angular rate, else `in 1/s`".to_owned(),
+        ),
+        found => (
+            described(found),
+            format!("write `in {}` or another unit of it", si_text(found)),
+        ),
+    };
+    LexemeMessage::new(
+        at,
+        format!("what stands before `in` is {what}, which cannot be told in `{unit}`: {remedy}"),
     )
 }
 

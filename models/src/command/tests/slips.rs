@@ -1,0 +1,147 @@
+//! What stands beside the model, mistyped: settings of the run, params and inputs of the command line, windows of metrics, starts that close no loop.
+
+use super::*;
+
+const PENDULUM: &str = "pub model Pendulum {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    param k = 2 N*m in 1 N*m ..= 3 N*m;
+    param spin = 18 rad/s;
+    input push: force = 0 N;
+    input wind: [speed; 3];
+    body rod { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+    joint pin: hinge from world to rod.top { axis: y, start: 30 deg, stiffness: k }
+    load blow on rod = [push, 0 N, 0 N] + 1 kg/s * wind + [k * 0 * spin * (1 s/m), 0 N, 0 N];
+    metric late = max pin.angle { from: 5 s }
+    metric long = max pin.angle { from: 0.5 s, to: 20 s }
+    metric whole = max pin.angle { to: 1 s }
+}
+";
+
+#[test]
+fn params_and_inputs_of_the_command_line_are_answered_with_where_they_belong() {
+    let folder = Folder::new("slips");
+    let out = folder.0.join("out").display().to_string();
+    let file = folder.file(
+        "pendulum.mbd",
+        &format!("{PENDULUM}\n[run]\nuntil = \"1 s\"\n"),
+    );
+    for (set, said) in [
+        ("push=", "write it as NAME=VALUE"),
+        ("=3", "write it as NAME=VALUE"),
+        ("push=3 N", "stands under [run.inputs], `push = \"1 N\"`"),
+        (
+            "wind=[1, 0, 0] m/s",
+            "stands under [run.inputs], `wind = \"[1, 0, 0] m/s\"`",
+        ),
+        ("spin=3 Hz", "`Hz` counts turns"),
+        ("k=", "write it as NAME=VALUE"),
+    ] {
+        let told = run(&["run", &file, "--out", &out, "--set", set]).unwrap_err();
+        assert!(told.to_string().contains(said), "{set}: {told}");
+    }
+}
+
+#[test]
+fn three_numbers_of_an_input_are_one_vector_or_three_texts() {
+    let folder = Folder::new("vectors");
+    let out = folder.0.join("out").display().to_string();
+    let flown = |wind: &str| {
+        let text = format!("{PENDULUM}\n[run]\nuntil = \"0.1 s\"\n[run.inputs]\nwind = {wind}\n");
+        let file = folder.file("pendulum.mbd", &text);
+        run(&["run", &file, "--out", &out, "--json", "--no-estimate"])
+    };
+    let state = |wind: &str| {
+        flown(wind).unwrap();
+        std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap()
+    };
+    let vector = state("\"[36, 0, 0] km/h\"");
+    assert_eq!(vector, state("[\"10 m/s\", 0, 0]"));
+    assert_eq!(vector, state("\"[10 m/s, 0, 0]\""));
+    assert_ne!(vector, state("\"[9, 0, 0] m/s\""));
+    for (wind, said) in [
+        (
+            "\"10 m/s\"",
+            "write them in brackets, such as `\"[1, 0, 0] m/s\"`",
+        ),
+        ("\"[10, 0] m/s\"", "expected 3 numbers, found 2"),
+        ("\"[10, 0, 0] N\"", "wrong unit"),
+    ] {
+        let told = flown(wind).unwrap_err().to_string();
+        assert!(told.contains(said), "{wind}: {told}");
+    }
+}
+
+#[test]
+fn metrics_that_count_beyond_the_end_of_the_run_are_told() {
+    let folder = Folder::new("windows");
+    let out = folder.0.join("out").display().to_string();
+    let file = folder.file(
+        "pendulum.mbd",
+        &format!("{PENDULUM}\n[run]\nuntil = \"1 s\"\n"),
+    );
+    for told in [
+        run(&["check", &file]).unwrap(),
+        run(&["run", &file, "--out", &out]).unwrap(),
+    ] {
+        assert!(
+            told.contains("warning: metric `late` counts from 5 s on, and the run ends at 1 s"),
+            "{told}"
+        );
+        assert!(
+            told.contains("warning: metric `long` counts up to 20 s, and the run ends at 1 s"),
+            "{told}"
+        );
+        assert!(!told.contains("metric `whole`"), "{told}");
+    }
+    let told = run(&["run", &file, "--out", &out, "--until", "30"]).unwrap();
+    assert!(!told.contains("warning"), "{told}");
+}
+
+#[test]
+fn a_misspelt_table_of_the_run_is_told_with_its_line() {
+    let folder = Folder::new("tables");
+    let file = folder.file(
+        "pendulum.mbd",
+        &format!("{PENDULUM}\n[rnu]\nuntil = \"1 s\"\n"),
+    );
+    let told = run(&["check", &file]).unwrap_err().to_string();
+    assert!(
+        told.contains(
+            "line 15: there is no table `[rnu]` behind a declaration; did you mean `[run]`?"
+        ) && told.ends_with("1 error"),
+        "{told}"
+    );
+}
+
+/// A crank of 1 m, a rod of 3 m and a slider that is to start 9 m away.
+#[test]
+fn a_loop_that_nothing_closes_is_told_with_its_joint_when_it_is_checked_and_flown() {
+    let folder = Folder::new("open_loop");
+    let body = "mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2";
+    let file = folder.file(
+        "crank.mbd",
+        &format!(
+            "model Crank {{
+    gravity: none;
+    body crank {{ {body}, frame l at [-0.5, 0, 0] m, frame r at [0.5, 0, 0] m }}
+    body rod {{ {body}, frame l at [-1.5, 0, 0] m, frame r at [1.5, 0, 0] m }}
+    body slider {{ {body} }}
+    joint bearing: hinge from world to crank.l {{ axis: y, start: 60 deg }}
+    joint pin: hinge from crank.r to rod.l {{ axis: y }}
+    joint end: hinge from rod.r to slider.com {{ axis: y }}
+    joint guide: prismatic from world to slider.com {{ axis: x, start: 9 m }}
+}}
+[run]
+until = \"1 s\"
+"
+        ),
+    );
+    for command in ["check", "run"] {
+        let told = run(&[command, &file]).unwrap_err().to_string();
+        assert!(
+            told.contains("joint `end` stays open by 5.5e0 [m or rad]")
+                && told.contains("leave out a start there, give another, or change a length"),
+            "{told}"
+        );
+    }
+}
