@@ -80,6 +80,7 @@ doors! {
     fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = Generic::run;
     fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run;
     fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), along: (Option<&[f64]>, &[&str])) -> Result<StateSpace, LinearisationError> = StateSpace::make;
+    fn space_here(run: &mut Simulation<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = Simulation::space_here;
     fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
     fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
     fn prepare(scene: &Scene, params: &[Self]) -> Result<Lines<Self>, ParamError> = crate::__private::prepare;
@@ -295,6 +296,15 @@ impl<T: Scalar> Simulation<T> {
     /// A name that is no joint coordinate.
     pub fn set_turns(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
         T::give_turns(self, given)
+    }
+
+    /// The linear system about where the run stands, with its inputs and the turns that its angles have; `along` names coordinates that are to stand before all
+    /// others. It does not change the run.
+    ///
+    /// # Errors
+    /// As [`linearise`].
+    pub fn linearise(&mut self, along: &[&str]) -> Result<StateSpace, LinearisationError> {
+        T::space_here(self, along)
     }
 
     /// Gives positions of the nodes (3 each) to start their search from; those of `rate` nodes are taken as they are, whatever z is.
@@ -583,7 +593,8 @@ pub fn linearise<T: Scalar>(
     linearise_along(model, time, state, inputs, &[])
 }
 
-/// [`linearise`] with these coordinates before all others: `&["crank.angle"]`.
+/// [`linearise`] with these coordinates before all others: `&["crank.angle"]`. Angles in absolute coordinates count turns from their declared starts and the
+/// courses of their motors; [`Simulation::linearise`] knows those that a run made.
 ///
 /// # Errors
 /// As [`linearise`]; a name that is no coordinate, or that those before it decide.

@@ -30,6 +30,7 @@ mod handover;
 mod measure;
 mod moved;
 mod snapshot;
+mod space;
 mod stability;
 pub(crate) mod start;
 mod stiffness;

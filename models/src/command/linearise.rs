@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use mbd_compiler::read_number;
-use mbd_runtime::{Generic, Simulation, StateSpace, Trimmed, linearise_along, trim};
+use mbd_runtime::{Generic, Simulation, StateSpace, Trimmed, trim};
 use models::report::ReportTable;
 use models::run::RunPlan;
+use toml::Value;
 
 use super::failure::CommandFailure;
+use super::run::{Flag, SET, assign, assigned};
 use super::scene_file::SceneFile;
 
 /// Where and in which coordinates.
@@ -33,8 +35,13 @@ pub struct LineariseArgs {
 /// Linearises a scene and tells its coordinates and eigenvalues.
 pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     let SceneFile {
-        scene, settings, ..
+        scene,
+        mut settings,
+        ..
     } = SceneFile::find(&args.scene)?;
+    assign(&mut settings.params, SET, &args.set)?;
+    // Nothing runs: a scene need not say until when.
+    settings.until.get_or_insert(Value::Float(1.0));
     let invalid = |error: &dyn std::fmt::Display| {
         CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
     };
@@ -46,35 +53,30 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     let along: Vec<&str> = args.along.iter().map(String::as_str).collect();
     let guesses = args.guess.iter().map(|guess| number(guess));
     let guesses = guesses.collect::<Result<Vec<_>, _>>()?;
-    let rest = args.trim.then(|| {
-        let begun = trim(&model)
-            .state(run.state())
-            .all_inputs(&plan.inputs)
-            .nodes(run.nodes());
-        let guessed = guesses.iter().fold(begun, |it, (name, value)| it.guess(name, *value));
-        guessed.solve()
-    });
-    let rest = rest.transpose().map_err(|e| invalid(&e))?;
-    let state = rest.as_ref().map_or(run.state(), |rest| &rest.state);
-    let space = linearise_along(&model, 0.0, state, &plan.inputs, &along);
-    let space = space.map_err(|error| invalid(&error))?;
-    Ok(match &rest {
-        Some(rest) => format!("{}\n{}", told_rest(rest), told(&space, "rest")),
-        None => told(&space, "start"),
-    })
+    if !args.trim {
+        let space = run.linearise(&along).map_err(|e| invalid(&e))?;
+        return Ok(told(&space, "start"));
+    }
+    let begun = trim(&model).begin_at(&run);
+    let begun = along.iter().fold(begun, |it, name| it.along(name));
+    let guessed = guesses
+        .iter()
+        .fold(begun, |it, (name, value)| it.guess(name, *value));
+    let rest = guessed.solve().map_err(|e| invalid(&e))?;
+    Ok(format!(
+        "{}\n{}",
+        told_rest(&rest),
+        told(&rest.space, "rest")
+    ))
 }
 
 /// A coordinate and its number, as they are written.
 fn number(written: &str) -> Result<(String, f64), CommandFailure> {
-    let wrong = |why: &str| {
-        let form = "write it as NAME=VALUE, such as pin.angle=30deg";
-        CommandFailure::Invalid(format!("--guess `{written}`{why}: {form}"))
-    };
-    let Some((name, value)) = written.split_once('=') else {
-        return Err(wrong(""));
-    };
-    let (value, _) = read_number(value.trim()).map_err(|error| wrong(&format!(" ({error})")))?;
-    Ok((name.trim().to_owned(), value))
+    const GUESS: Flag = ("--guess", "pin.angle=30deg");
+    let (name, value) = assigned(GUESS, written)?;
+    let number = read_number(value)
+        .map_err(|error| CommandFailure::Usage(format!("--guess `{written}`: {error}")));
+    Ok((name.to_owned(), number?.0))
 }
 
 /// Where the rest is.
@@ -82,18 +84,19 @@ fn told_rest(rest: &Trimmed) -> String {
     let mut table = ReportTable::new("Rest")
         .column("coordinate", "")
         .column("unit", "")
-        .column("value", "")
-        .column("", "");
+        .column("value", "");
     for (name, value) in rest.values() {
-        let undecided = rest.undecided.contains(&name.name);
-        table.push([
-            name.name.as_str().into(),
-            name.unit.as_str().into(),
-            value.into(),
-            undecided.then_some("undecided: it stayed where it began").into(),
-        ]);
+        let (name, unit) = (name.name.as_str(), name.unit.as_str());
+        table.push([name.into(), unit.into(), value.into()]);
     }
-    table.text()
+    let undecided = rest.undecided.join("`, `");
+    match undecided.is_empty() {
+        true => table.text(),
+        false => format!(
+            "{}\nNothing decides `{undecided}`: what stayed where it began.\n",
+            table.text()
+        ),
+    }
 }
 
 /// The tables.

@@ -12,7 +12,7 @@ use models::run::{
     Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, phases_json,
     publish, publish_gltf, publish_phases, summary_json, warning, windows,
 };
-use toml::Value;
+use toml::{Table, Value};
 
 use super::failure::CommandFailure;
 use super::list;
@@ -48,11 +48,14 @@ pub struct RunArgs {
     /// Value of a param with its unit, `riser_k=50kN/m`; may be repeated. `mbd check` shows the params with their ranges.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// An input with another value for the whole run, `push=5N`, `wind="[8, 0, 0] m/s"`; may be repeated.
+    #[arg(long = "input", value_name = "NAME=VALUE")]
+    input: Vec<String>,
     /// Leave out the second, finer run that tells the error of the first.
     #[arg(long)]
     no_estimate: bool,
     /// Run a case of this campaign file as the campaign does, with its params, inputs and start.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "dt", "tol", "until", "every", "max_steps", "set"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "dt", "tol", "until", "every", "max_steps", "set", "input"])]
     campaign: Option<PathBuf>,
     /// Which case; 0 is the nominal.
     #[arg(
@@ -230,12 +233,16 @@ fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure
     }
     let first = phases.files.first().map(|file| file.settings.clone());
     let settings = with_flags(first.unwrap_or_default(), args)?;
-    let set = args.set.iter().filter_map(|set| set.split_once('='));
+    let names = |given: &[String]| -> Vec<String> {
+        let parts = given.iter().filter_map(|written| written.split_once('='));
+        parts.map(|(name, _)| name.trim().to_owned()).collect()
+    };
     let given = GivenSettings {
         method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
         every: args.every.is_some(),
         max_steps: args.max_steps.is_some(),
-        params: set.map(|(name, _)| name.trim().to_owned()).collect(),
+        params: names(&args.set),
+        inputs: names(&args.input),
     };
     phases.planned(&settings, &given)
 }
@@ -317,20 +324,49 @@ fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Comman
     if args.no_estimate {
         settings.estimate = Some(false);
     }
-    for set in &args.set {
-        let parts = set.split_once('=');
-        let parts =
-            parts.filter(|(name, given)| ![name, given].iter().any(|part| part.trim().is_empty()));
-        let Some((name, given)) = parts else {
-            return Err(CommandFailure::Usage(format!(
-                "--set `{set}`: write it as NAME=VALUE, such as riser_k=50kN/m"
-            )));
-        };
-        // A text even where it is a bare number: what a person types carries its unit.
-        let given = Value::String(given.trim().to_string());
-        settings.params.insert(name.trim().to_string(), given);
-    }
+    assign(&mut settings.params, SET, &args.set)?;
+    assign(&mut settings.inputs, INPUT, &args.input)?;
     Ok(settings)
+}
+
+/// A flag that gives a name a value, and how it is written.
+pub(super) type Flag = (&'static str, &'static str);
+pub(super) const SET: Flag = ("--set", "riser_k=50kN/m");
+const INPUT: Flag = ("--input", "push=5N");
+
+/// Puts what a flag gives in place of what a table of `[run]` has.
+pub(super) fn assign(
+    table: &mut Table,
+    flag: Flag,
+    given: &[String],
+) -> Result<(), CommandFailure> {
+    let mut names: Vec<&str> = Vec::new();
+    for written in given {
+        let (name, value) = assigned(flag, written)?;
+        if names.contains(&name) {
+            let text = format!("{} gives `{name}` twice: leave one of them out", flag.0);
+            return Err(CommandFailure::Usage(text));
+        }
+        names.push(name);
+        // A text even where it is a bare number: what a person types carries its unit.
+        table.insert(name.to_owned(), Value::String(value.to_owned()));
+    }
+    Ok(())
+}
+
+/// The name and the value that a flag gives.
+pub(super) fn assigned(
+    (flag, example): Flag,
+    written: &str,
+) -> Result<(&str, &str), CommandFailure> {
+    let parts = written
+        .split_once('=')
+        .map(|(name, value)| (name.trim(), value.trim()));
+    let whole = parts.filter(|(name, value)| !name.is_empty() && !value.is_empty());
+    whole.ok_or_else(|| {
+        let text = format!("{flag} `{written}`: write it as NAME=VALUE, such as {example}");
+        CommandFailure::Usage(text)
+    })
 }
 
 fn value(flag: &Option<String>) -> Option<Value> {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mbd_runtime::{Generic, Instability, Options, Scalar, Simulation, StepError};
+use mbd_runtime::{Generic, Instability, Options, Scalar, Simulation, StepError, linearise, trim};
 use mbd_scene::{Coordinates, Quantity, Scene};
 use tests::assert_close;
 use tests::declared::read;
@@ -219,5 +219,55 @@ fn a_fixed_step_in_which_an_angle_turns_more_than_half_a_turn_is_refused() {
             panic!("{error}");
         };
         assert_close(&[swept, run.time()], &[4.0, 0.0], 0.0, 1e-9, "swept");
+    }
+}
+
+#[test]
+fn a_wound_spring_pushes_in_linear_systems_and_rests_where_it_holds_the_weight() {
+    // A rod of 1 kg, half a metre below its pin: (0.1 + 0.25) θ̈ = −k θ − m g l sin θ, at rest at 4.1499 rad for 1 N m/rad.
+    let scene = read(
+        "model Wound { gravity: [0, 0, -9.81] m/s^2;
+           body rod { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+           joint pin: hinge from world to rod.top { axis: y, stiffness: 1 N*m/rad, start: 220 deg } }",
+    );
+    for coordinates in BOTH {
+        let model = Generic::<f64>::with_defaults(scene.clone().in_coordinates(coordinates));
+        let model = model.expect("a valid scene");
+        let angle = 220f64.to_radians();
+        let acceleration = |angle: f64| -(angle + 4.905 * angle.sin()) / 0.35;
+        let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+        run.start().expect("a start");
+        let about_start = linearise(&model, 0.0, run.state(), &[]).expect("a linear system");
+        let about_run = run.linearise(&[]).expect("a linear system");
+        for space in [about_start, about_run] {
+            assert_close(
+                space.accelerations.as_slice(),
+                &[acceleration(angle)],
+                1e-12,
+                1e-12,
+                "start",
+            );
+        }
+        // Where a run stands, a turn further than it was declared.
+        run.set_joints(&[("pin.angle", angle + TAU)])
+            .expect("a start");
+        run.start().expect("a start");
+        let space = run.linearise(&["pin.angle"]).expect("a linear system");
+        assert_close(
+            space.accelerations.as_slice(),
+            &[acceleration(angle + TAU)],
+            1e-12,
+            1e-12,
+            "run",
+        );
+        for rest in [trim(&model), trim(&model).guess("pin.angle", 4.0)] {
+            let rest = rest
+                .solve()
+                .expect("a rest")
+                .value("pin.angle")
+                .expect("a coordinate");
+            assert_close(&[acceleration(rest)], &[0.0], 0.0, 1e-9, "rest");
+            assert!(rest > 4.0, "{rest}");
+        }
     }
 }

@@ -18,6 +18,7 @@ pub fn given(written: &CampaignFile) -> Result<(Settings, GivenSettings), PlanEr
         every: own.every.is_some(),
         max_steps: own.max_steps.is_some(),
         params: own.params.keys().cloned().collect(),
+        inputs: own.inputs.keys().cloned().collect(),
     };
     Ok((own, given))
 }

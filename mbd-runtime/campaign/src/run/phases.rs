@@ -46,6 +46,8 @@ pub struct GivenSettings {
     pub max_steps: bool,
     /// Params, by name.
     pub params: Vec<String>,
+    /// Inputs, by name.
+    pub inputs: Vec<String>,
 }
 
 /// A run that goes on from another one.
@@ -68,32 +70,41 @@ pub fn settings_of_all(
     given: &GivenSettings,
     scenes: &[(&Scene, &Settings)],
 ) -> Vec<Settings> {
-    let has = |scene: &Scene, name: &str| scene.params.iter().any(|param| param.name == name);
     let later = scenes.get(1..).unwrap_or_default();
     let all = scenes.iter().enumerate();
     let settled = all.map(|(index, (scene, own))| {
         if index > 0 {
-            return after(first, own, given, &|name| has(scene, name));
+            return after(first, own, given, scene);
         }
-        // A param of a later scene alone is none of the first.
+        // What a later scene alone has is nothing of the first.
         let mut settings = first.clone();
-        settings.params.retain(|name, _| {
-            has(scene, name)
-                || !given.params.iter().any(|given| given == name)
-                || !later.iter().any(|(later, _)| has(later, name))
-        });
+        let of_later = |given: &[String], name: &str, has: HasName| {
+            let mut later = later.iter();
+            let given = given.iter().any(|given| given == name);
+            !has(scene, name) && given && later.any(|(later, _)| has(later, name))
+        };
+        let params = &mut settings.params;
+        params.retain(|name, _| !of_later(&given.params, name, has_param));
+        let inputs = &mut settings.inputs;
+        inputs.retain(|name, _| !of_later(&given.inputs, name, has_input));
         settings
     });
     settled.collect()
 }
 
-/// The settings of a scene that goes on from one with the settings `first`: of its params those that were given count here, too.
-fn after(
-    first: &Settings,
-    own: &Settings,
-    given: &GivenSettings,
-    has: &dyn Fn(&str) -> bool,
-) -> Settings {
+/// Whether a scene has something of a name.
+type HasName = fn(&Scene, &str) -> bool;
+
+fn has_param(scene: &Scene, name: &str) -> bool {
+    scene.params.iter().any(|param| param.name == name)
+}
+
+fn has_input(scene: &Scene, name: &str) -> bool {
+    scene.inputs.iter().any(|input| input.name == name)
+}
+
+/// The settings of a scene that goes on from one with the settings `first`: of its params and inputs those that were given count here, too.
+fn after(first: &Settings, own: &Settings, given: &GivenSettings, scene: &Scene) -> Settings {
     let mut settings = own.clone();
     settings.until.clone_from(&first.until);
     if given.method {
@@ -113,9 +124,25 @@ fn after(
     settings.every = settings.every.or_else(|| first.every.clone());
     settings.max_steps = settings.max_steps.or(first.max_steps);
     settings.estimate = Some(false);
-    let counts = |name: &String| given.params.contains(name) && has(name);
-    for (name, value) in first.params.iter().filter(|(name, _)| counts(name)) {
-        settings.params.insert(name.clone(), value.clone());
+    let tables = [
+        (
+            &mut settings.params,
+            &first.params,
+            &given.params,
+            has_param as HasName,
+        ),
+        (
+            &mut settings.inputs,
+            &first.inputs,
+            &given.inputs,
+            has_input,
+        ),
+    ];
+    for (table, first, given, has) in tables {
+        let counts = |name: &String| given.contains(name) && has(scene, name);
+        for (name, value) in first.iter().filter(|(name, _)| counts(name)) {
+            table.insert(name.clone(), value.clone());
+        }
     }
     settings
 }

@@ -280,7 +280,7 @@ fn held(input: &Input) -> String {
         _ => format!("1 {unit}"),
     };
     format!(
-        "`{name}` is an input and no param: what it is held at stands under [run.inputs], `{name} = \"{}\"`",
+        "`{name}` is an input and no param: what it is held at stands under [run.inputs], `{name} = \"{}\"`, or behind `--input` of `mbd run`",
         value.trim_end()
     )
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use mbd_scene::laws::Numbers;
-use mbd_scene::{At, Float, Layout, Model, Quantity, Scene, Variable, Work};
+use mbd_scene::{At, Float, JointStart, Layout, Model, Quantity, Scene, Variable, Work};
 use nalgebra::DMatrix;
 
 use super::{Linearisation, LinearisationError};
@@ -54,6 +54,7 @@ impl SceneMoment {
         });
         let mut system = System::new(generic.clone(), Vec::new(), false);
         system.hold(inputs);
+        system.count_turns_from_starts(&[], (time, state));
         Ok(SceneMoment {
             slopes: Slopes::new(scene, layout, &generic.params),
             work: generic.scratch(),
@@ -63,6 +64,17 @@ impl SceneMoment {
             state: state.to_vec(),
             inputs: inputs.to_vec(),
         })
+    }
+
+    /// Counts turns of angles from these starts of joints on.
+    pub(crate) fn begin_turns(&mut self, starts: &[JointStart]) {
+        let at = (self.time, &self.state[..]);
+        self.system.count_turns_from_starts(starts, at);
+    }
+
+    /// Goes on from these values of the angles of [`Layout::turns`] [rad].
+    pub(crate) fn count_turns_from(&mut self, angles: impl IntoIterator<Item = f64>) {
+        self.system.count_turns_from(angles);
     }
 
     /// Puts the nodes in balance at the state as it is now.
@@ -82,6 +94,7 @@ impl SceneMoment {
             1.0,
         );
         self.system.normalise(&mut self.state);
+        self.system.count_turns(self.time, &self.state);
     }
 
     pub(crate) fn scene(&self) -> &Scene {

@@ -124,6 +124,19 @@ impl StateSpace {
         Self::in_chart(&mut moment, &chart)
     }
 
+    /// About a state whose angles have these turns, by [`Layout::turns`](mbd_scene::Layout::turns).
+    pub(crate) fn with_turns<T: Float>(
+        model: &dyn Model<T>,
+        at: (f64, &[f64], &[f64]),
+        (nodes, turns, coordinates): (&[f64], &[f64], &[&str]),
+    ) -> Result<Self, LinearisationError> {
+        let mut moment = SceneMoment::new(model, at)?;
+        moment.count_turns_from(turns.iter().copied());
+        moment.settle(Some(nodes))?;
+        let chart = Chart::choose(&mut moment, coordinates)?;
+        Self::in_chart(&mut moment, &chart)
+    }
+
     pub(crate) fn in_chart(
         moment: &mut SceneMoment,
         chart: &Chart,

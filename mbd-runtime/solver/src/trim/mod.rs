@@ -14,6 +14,7 @@ use mbd_scene::Model;
 use mbd_scene::similar::did_you_mean;
 use nalgebra::DVector;
 
+use crate::Simulation;
 use crate::columns::Name;
 use crate::compiled::Scalar;
 use crate::linearise::{LinearisationError, StateSpace};
@@ -38,6 +39,8 @@ pub struct TrimProblem {
     pub(super) fixed: Vec<(String, Option<f64>)>,
     pub(super) rates: Vec<(String, f64)>,
     pub(super) guesses: Vec<(String, f64)>,
+    pub(super) along: Vec<String>,
+    pub(super) turns: Option<Vec<f64>>,
 }
 
 /// A steady motion.
@@ -258,6 +261,25 @@ impl<T: Scalar> Trim<'_, T> {
     #[must_use]
     pub fn guess(mut self, name: &str, value: f64) -> Self {
         self.asked.guesses.push((name.to_owned(), value));
+        self
+    }
+
+    /// Begins where a run stands: its time and state, the turns of its angles, its inputs and nodes.
+    #[must_use]
+    pub fn begin_at(mut self, run: &Simulation<T>) -> Self {
+        let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
+        self.asked.time = run.time();
+        self.asked.state = Some(wide(run.state()));
+        self.asked.given = Some(wide(&run.system.inputs));
+        self.asked.nodes = Some(wide(run.nodes()));
+        self.asked.turns = Some(wide(&run.system.memory.turns));
+        self
+    }
+
+    /// A coordinate that is to be one of the linear system, before those that are named otherwise.
+    #[must_use]
+    pub fn along(mut self, name: &str) -> Self {
+        self.asked.along.push(name.to_owned());
         self
     }
 

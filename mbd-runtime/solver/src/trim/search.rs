@@ -82,10 +82,17 @@ pub(crate) fn find<T: Scalar>(
     if asked.state.is_none() {
         moment.place(&asked.starts());
     }
+    if let Some(turns) = &asked.turns {
+        moment.count_turns_from(turns.iter().copied());
+    }
     let fixed = asked.fixed.iter().map(|(name, _)| name.as_str());
     let others = asked.rates.iter().chain(&asked.guesses);
+    let along = asked.along.iter().map(String::as_str);
     let mut named: Vec<&str> = Vec::new();
-    for name in fixed.chain(others.map(|(name, _)| name.as_str())) {
+    for name in along
+        .chain(fixed)
+        .chain(others.map(|(name, _)| name.as_str()))
+    {
         if !named.contains(&name) {
             named.push(name);
         }
@@ -176,6 +183,7 @@ impl SceneMoment {
             if mbd_scene::place_declared(&scene, &layout, from, &starts, &[], &mut placed).is_ok() {
                 self.state = placed;
             }
+            self.begin_turns(&starts);
         }
     }
 }

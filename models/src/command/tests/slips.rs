@@ -42,6 +42,81 @@ fn params_and_inputs_of_the_command_line_are_answered_with_where_they_belong() {
 }
 
 #[test]
+fn an_input_of_the_command_line_is_that_of_the_file() {
+    let folder = Folder::new("given_inputs");
+    let out = folder.0.join("out").display().to_string();
+    let flown = |table: &str, flags: &[&str]| {
+        let text = format!("{PENDULUM}\n[run]\nuntil = \"0.1 s\"\n{table}");
+        let file = folder.file("pendulum.mbd", &text);
+        let mut all = vec!["run", &file, "--out", &out, "--json", "--no-estimate"];
+        all.extend(flags);
+        run(&all).map(|_| std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap())
+    };
+    let want = flown("[run.inputs]\npush = \"3 N\"\n", &[]).unwrap();
+    assert_eq!(flown("", &["--input", "push=3 N"]).unwrap(), want);
+    assert_ne!(flown("", &[]).unwrap(), want);
+    // The command line counts before the file.
+    let other = "[run.inputs]\npush = \"7 N\"\n";
+    assert_eq!(flown(other, &["--input", "push=3N"]).unwrap(), want);
+    let wind = flown("[run.inputs]\nwind = \"[9, 0, 0] m/s\"\n", &[]).unwrap();
+    assert_eq!(flown("", &["--input", "wind=[9, 0, 0] m/s"]).unwrap(), wind);
+    for (flags, said) in [
+        (
+            vec!["--input", "push"],
+            "write it as NAME=VALUE, such as push=5N",
+        ),
+        (vec!["--input", "psuh=1 N"], "did you mean `push`?"),
+        (
+            vec!["--input", "push=1 N", "--input", "push=2 N"],
+            "gives `push` twice",
+        ),
+        (
+            vec!["--set", "k=2 N*m", "--set", "k=1 N*m"],
+            "gives `k` twice",
+        ),
+    ] {
+        let told = flown("", &flags).unwrap_err().to_string();
+        assert!(told.contains(said), "{flags:?}: {told}");
+    }
+}
+
+#[test]
+fn a_rest_is_told_with_its_coordinates_and_begins_where_it_is_guessed() {
+    let folder = Folder::new("rests");
+    let file = folder.file("pendulum.mbd", PENDULUM);
+    let told = run(&["linearise", &file, "--trim"]).unwrap();
+    let value = |told: &str| -> f64 {
+        let line = told
+            .lines()
+            .find(|line| line.trim_start().starts_with("pin.angle "));
+        let last = line.and_then(|line| line.split_whitespace().last());
+        last.and_then(|last| last.parse().ok()).expect(told)
+    };
+    assert!(value(&told).abs() < 1e-9, "{told}");
+    // Wound up beyond half a turn: k θ + m g l sin θ = 0 at 4.149 rad.
+    let set = [
+        "linearise",
+        &file,
+        "--trim",
+        "--set",
+        "k=1 N*m",
+        "--guess",
+        "pin.angle=230 deg",
+    ];
+    let told = run(&set).unwrap();
+    let angle = value(&told);
+    assert!(
+        (angle + 4.905 * angle.sin()).abs() < 1e-3 && angle > 4.0,
+        "{told}"
+    );
+    let wrong = run(&["linearise", &file, "--trim", "--guess", "pin.angle"]).unwrap_err();
+    assert!(
+        wrong.to_string().contains("write it as NAME=VALUE"),
+        "{wrong}"
+    );
+}
+
+#[test]
 fn three_numbers_of_an_input_are_one_vector_or_three_texts() {
     let folder = Folder::new("vectors");
     let out = folder.0.join("out").display().to_string();

@@ -1,0 +1,28 @@
+//! The linear system about where a run stands.
+
+use mbd_scene::Float;
+
+use super::Simulation;
+use crate::linearise::{LinearisationError, StateSpace};
+
+impl<T: Float> Simulation<T> {
+    /// What [`Simulation::linearise`] does.
+    pub(crate) fn space_here(&mut self, along: &[&str]) -> Result<StateSpace, LinearisationError> {
+        let supplied = self.system.supply(self.time, &self.state);
+        supplied.map_err(|_| LinearisationError::Given { what: "inputs" })?;
+        let state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
+        let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
+        let inputs = wide(&self.system.inputs);
+        let nodes: Vec<f64> = self
+            .system
+            .nodes_in_world(self.time, self.system.nodes.nodes())
+            .collect();
+        let turns = wide(&self.system.memory.turns);
+        let here = (
+            self.time,
+            state.get(..self.system.nx).unwrap_or_default(),
+            &inputs[..],
+        );
+        StateSpace::with_turns(&*self.system.model, here, (&nodes, &turns, along))
+    }
+}
