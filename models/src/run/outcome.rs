@@ -25,6 +25,8 @@ pub struct RunOutcome {
     pub time: f64,
     /// Why it stopped before its end.
     pub error: Option<RunError>,
+    /// The event that ended it.
+    pub ended_by: Option<String>,
     /// What the start moved so that the joints hold, the largest distance first.
     pub moved: Vec<Moved>,
     /// Energy that the run made or lost; `None` where it cannot be told.
@@ -114,7 +116,12 @@ pub(super) fn fly_on(
         Err(error) => (None, Some(error)),
     };
     progress.clear();
+    let ended_by = match &run {
+        Some((_, Stop::Event(event))) => model.scene().events.get(*event),
+        _ => None,
+    };
     let outcome = RunOutcome {
+        ended_by: ended_by.map(|event| event.name.clone()),
         imbalance: imbalance.filter(|it| it.moved > 0.0),
         momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,

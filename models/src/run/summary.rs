@@ -25,6 +25,7 @@ struct RunNumbers<'a> {
     tolerance: Option<f64>,
     until_s: f64,
     reached_s: f64,
+    ended_by: Option<&'a str>,
     steps: u64,
     rejected: u64,
     rhs: u64,
@@ -113,6 +114,7 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
         tolerance: method.tolerance().map(|[rtol, _]| rtol),
         until_s: plan.until,
         reached_s: outcome.time,
+        ended_by: outcome.ended_by.as_deref(),
         steps: statistics.steps,
         rejected: statistics.rejected,
         rhs: statistics.rhs,
@@ -196,6 +198,9 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         ("rejected steps", Cell::Count(statistics.rejected)),
         ("right-hand sides", Cell::Count(statistics.rhs)),
     ];
+    if let Some(event) = &outcome.ended_by {
+        rows.insert(4, ("ended by the event", event.as_str().into()));
+    }
     if statistics.factors > 0 {
         rows.push(("Jacobians", Cell::Count(statistics.jacobians)));
         rows.push(("factors", Cell::Count(statistics.factors)));

@@ -287,15 +287,7 @@ impl Resolver<'_> {
             return self.fail(say::start_of_coordinate(at, &owner.name, unit));
         };
         let typed = self.value(value, owner.scope)?;
-        let (here, unit) = (typed.at, typed.angle != 0);
-        let formula = self.along_fits(typed, field, owner)?;
-        if field.name == START.name && owner.coordinate.is_periodic() && !unit {
-            let turns = fold::at_defaults(&formula, &self.scene);
-            if let Some(angle) = turns.filter(|angle| angle.abs() > std::f64::consts::TAU) {
-                return self.fail(say::start_beyond_a_turn(here, &owner.name, angle));
-            }
-        }
-        Some(formula)
+        self.along_fits(typed, field, owner)
     }
 
     /// The course of a coordinate, which may count turns: a function of time with two derivatives, the coordinate with its rate and its

@@ -60,8 +60,10 @@ impl Typed {
 }
 
 impl Resolver<'_> {
-    /// Refuses turns where an angle in radians, or its rate, is meant: `2 Hz` would be 2 rad/s without a word.
+    /// Refuses turns where an angle in radians, or its rate, is meant, and numbers without a unit that are degrees: `2 Hz` would be 2 rad/s, and
+    /// `80` would be 80 rad, without a word.
     pub fn in_radians(&mut self, typed: &Typed, what: &str) -> Option<()> {
+        self.no_bare_degrees(typed, what)?;
         match &typed.turns {
             Some(Turns { text, state: None }) => {
                 self.fail(say::turns_for_radians(typed.at, text, what))
@@ -82,8 +84,25 @@ impl Resolver<'_> {
         }
     }
 
-    /// Refuses a sum, a difference or a comparison of turns with radians.
+    /// Refuses a number without a unit that would be an angle of more than a full turn, unless bare numbers are declared to be SI.
+    fn no_bare_degrees(&mut self, typed: &Typed, what: &str) -> Option<()> {
+        let bare = typed.bare.is_some() && !typed.vector && !self.si;
+        let known = bare.then(|| fold::at_defaults(&typed.formula, &self.scene));
+        match known.flatten() {
+            Some(angle) if angle.abs() > std::f64::consts::TAU => {
+                self.fail(say::angle_without_unit(typed.at, angle, what))
+            }
+            _ => Some(()),
+        }
+    }
+
+    /// Refuses a sum, a difference or a comparison of turns, or of degrees without their unit, with radians.
     pub fn alike_in_turns(&mut self, a: &Typed, b: &Typed) -> Option<()> {
+        for (angle, other) in [(a, b), (b, a)] {
+            if angle.is_in_radians() {
+                self.no_bare_degrees(other, "the angle beside it")?;
+            }
+        }
         let mixed = [(a, b), (b, a)]
             .into_iter()
             .find_map(|(turns, other)| match &turns.turns {

@@ -72,6 +72,11 @@ impl SceneMoment {
         self.system.count_turns_from_starts(starts, at);
     }
 
+    /// The values of the angles of [`Layout::turns`] [rad].
+    pub(crate) fn turns(&self) -> Vec<f64> {
+        self.system.memory.turns.clone()
+    }
+
     /// Goes on from these values of the angles of [`Layout::turns`] [rad].
     pub(crate) fn count_turns_from(&mut self, angles: impl IntoIterator<Item = f64>) {
         self.system.count_turns_from(angles);

@@ -1,6 +1,6 @@
 //! The search of a trim: (2) of [`crate::trim`](super), and Newton steps that close the joints.
 
-use mbd_scene::{Model, Quantity};
+use mbd_scene::{JointStart, Model, Quantity, Scene};
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
@@ -80,7 +80,7 @@ pub(crate) fn find<T: Scalar>(
     let at = (asked.time, &state[..], &first[..]);
     let mut moment = SceneMoment::new(model, at)?;
     if asked.state.is_none() {
-        moment.place(&asked.starts());
+        moment.place(&asked.starts(model.scene()));
     }
     if let Some(turns) = &asked.turns {
         moment.count_turns_from(turns.iter().copied());
@@ -145,46 +145,46 @@ pub(crate) fn find<T: Scalar>(
     }
     let behind = DVector::zeros(rest);
     let change = DVector::from_iterator(given.len(), given.iter().zip(&first).map(|(a, b)| a - b));
-    let far = match search.chart.kept.is_empty() {
+    // Loops stay on their branch, and angles count their turns.
+    let far = match search.chart.kept.is_empty() && layout.turns.is_empty() {
         true => 0.0,
         false => steps.amax(),
     };
     search.advance(&steps, [&behind, &change], far)?;
+    if asked.turns.is_none() {
+        search.moment.begin_turns(&asked.starts(model.scene()));
+    }
     // To the bit what was given, not what the parts add up to.
     search.moment.inputs.clone_from(&given);
     search.solve(asked.nodes.as_deref())
 }
 
 impl TrimProblem {
-    /// Coordinates whose values are given.
-    fn starts(&self) -> Vec<(&str, f64)> {
+    /// Joint coordinates whose values are given.
+    fn starts(&self, scene: &Scene) -> Vec<JointStart> {
         let fixed = self.fixed.iter();
         let fixed = fixed.filter_map(|(name, value)| Some((name.as_str(), (*value)?)));
         let guesses = self
             .guesses
             .iter()
             .map(|(name, value)| (name.as_str(), *value));
-        fixed.chain(guesses).collect()
+        let joints = fixed.chain(guesses);
+        let joints = joints.filter(|(name, _)| scene.joint_coordinate(name).is_some());
+        JointStart::by_name(scene, joints).unwrap_or_default()
     }
 }
 
 impl SceneMoment {
-    /// Places bodies by the joint coordinates among those that are given.
-    fn place(&mut self, given: &[(&str, f64)]) {
-        let joints = given
-            .iter()
-            .filter(|(name, _)| self.scene().joint_coordinate(name).is_some());
-        let starts = mbd_scene::JointStart::by_name(self.scene(), joints.copied());
+    /// Places bodies by the joint coordinates that are given.
+    fn place(&mut self, starts: &[JointStart]) {
         let (scene, layout) = (self.model.scene.clone(), self.model.layout.clone());
         let from = (&self.model.params[..], self.time);
-        if let Ok(starts) = starts {
-            let mut placed = self.state.clone();
-            // Where loops cannot be closed from these, Newton steps try from where the state is.
-            if mbd_scene::place_declared(&scene, &layout, from, &starts, &[], &mut placed).is_ok() {
-                self.state = placed;
-            }
-            self.begin_turns(&starts);
+        let mut placed = self.state.clone();
+        // Where loops cannot be closed from these, Newton steps try from where the state is.
+        if mbd_scene::place_declared(&scene, &layout, from, starts, &[], &mut placed).is_ok() {
+            self.state = placed;
         }
+        self.begin_turns(starts);
     }
 }
 
@@ -310,7 +310,7 @@ impl Search {
             let normal = slopes.transpose() * &slopes;
             let right = slopes.transpose() * &residual;
             let before = self.moment.state.clone();
-            let inputs = self.moment.inputs.clone();
+            let (inputs, turns) = (self.moment.inputs.clone(), self.moment.turns());
             let mut better = None;
             while damping < 1e12 && better.is_none() && slopes.ncols() > 0 {
                 let least = 1e-12 * size(&slopes).powi(2);
@@ -334,6 +334,7 @@ impl Search {
                 }
                 self.moment.state.clone_from(&before);
                 self.moment.inputs.clone_from(&inputs);
+                self.moment.count_turns_from(turns.iter().copied());
                 damping *= 10.0;
             }
             let Some((tried, there)) = better else { break };

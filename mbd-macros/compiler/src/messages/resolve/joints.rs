@@ -327,15 +327,6 @@ pub fn start_of_coordinate(at: Region, name: &str, unit: &str) -> LexemeMessage 
     )
 }
 
-pub fn start_beyond_a_turn(at: Region, name: &str, angle: f64) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "the start of `{name}` has no unit and would be more than a full turn: write `{angle} deg`, or `{angle} rad` if that is meant"
-        ),
-    )
-}
-
 pub fn start_of_part(at: Region, name: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -202,6 +202,16 @@ pub fn turns_for_radians(at: Region, turns: &str, what: &str) -> LexemeMessage {
     )
 }
 
+/// `what`: where the angle stands.
+pub fn angle_without_unit(at: Region, angle: f64, what: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "{angle} has no unit and would be more than a full turn in radians, which {what} takes: write `{angle} deg`, or `{angle} rad` if that is meant"
+        ),
+    )
+}
+
 pub fn state_in_turns(at: Region, turns: &str, state: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
