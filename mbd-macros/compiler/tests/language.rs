@@ -330,6 +330,21 @@ fn ranges_of_consts_repeat_everything_as_ranges_of_numbers_do() {
 }
 
 #[test]
+fn the_axis_of_a_planet_is_a_letter_or_a_vector() {
+    let read = |axis: &str| {
+        let text = format!(
+            "model S {{ gravity: oblate {{ mu: 4e13 m^3/s^2, center: [0, 0, 0] m, radius: 3000 km, j2: 0.002, axis: {axis} }};
+               point p {{ mass: 1 kg }} }}"
+        );
+        let reading = read_text(&text);
+        assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+        reading.scene
+    };
+    assert_eq!(read("z"), read("[0, 0, 1]"));
+    assert_eq!(read("-y"), read("[0, -1, 0]"));
+}
+
+#[test]
 fn a_chain_of_one_rod_is_declared_like_a_chain_of_many() {
     let path = format!("{}/tests/pass/one_of_each.mbd", env!("CARGO_MANIFEST_DIR"));
     let one = std::fs::read_to_string(path).unwrap();

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use mbd_compiler::read_number;
-use mbd_runtime::{Generic, Simulation, StateSpace, Trimmed, trim};
+use mbd_runtime::scene::{Dimension, Scene};
+use mbd_runtime::{Generic, Model, Simulation, StateSpace, Trimmed, trim};
 use models::report::ReportTable;
 use models::run::RunPlan;
 use toml::Value;
@@ -51,7 +52,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     plan.begin(&mut run).map_err(|e| invalid(&e))?;
     run.start().map_err(|e| invalid(&e))?;
     let along: Vec<&str> = args.along.iter().map(String::as_str).collect();
-    let guesses = args.guess.iter().map(|guess| number(guess));
+    let guesses = args.guess.iter().map(|guess| number(model.scene(), guess));
     let guesses = guesses.collect::<Result<Vec<_>, _>>()?;
     if !args.trim {
         let space = run.linearise(&along).map_err(|e| invalid(&e))?;
@@ -70,13 +71,26 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     ))
 }
 
-/// A coordinate and its number, as they are written.
-fn number(written: &str) -> Result<(String, f64), CommandFailure> {
+/// A coordinate and its number, as they are written: with its unit, where it is not zero.
+fn number(scene: &Scene, written: &str) -> Result<(String, f64), CommandFailure> {
     const GUESS: Flag = ("--guess", "pin.angle=30deg");
+    let wrong = |why: String| CommandFailure::Usage(format!("--guess `{written}`: {why}"));
     let (name, value) = assigned(GUESS, written)?;
-    let number = read_number(value)
-        .map_err(|error| CommandFailure::Usage(format!("--guess `{written}`: {error}")));
-    Ok((name.to_owned(), number?.0))
+    let (value, unit) = read_number(value).map_err(wrong)?;
+    let of_joint = |(joint, number, is_rate): (usize, usize, bool)| {
+        let coordinate = scene.joints.get(joint)?.law.coordinate(number)?;
+        Some(Dimension {
+            length: if coordinate.is_angle() { 0 } else { 2 },
+            time: if is_rate { -2 } else { 0 },
+            ..Dimension::default()
+        })
+    };
+    let wanted = scene.joint_coordinate(name).and_then(of_joint);
+    let fits = !unit.text.is_empty() && wanted.is_none_or(|wanted| wanted == unit.dimension);
+    match fits || value == 0.0 {
+        true => Ok((name.to_owned(), value)),
+        false => Err(wrong("give it in the unit of its coordinate, deg or rad of an angle, m of a slide or a position".into())),
+    }
 }
 
 /// Where the rest is.

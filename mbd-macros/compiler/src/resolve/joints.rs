@@ -442,7 +442,7 @@ pub fn field_words(keyword: &str) -> Option<(JointLaw, Vec<&'static str>)> {
 }
 
 /// An axis written as a letter, with or without a sign.
-fn by_letter(value: ValueSyntax<'_>) -> Option<Axis> {
+pub(super) fn by_letter(value: ValueSyntax<'_>) -> Option<Axis> {
     let mut cursor = Cursor::new(value);
     let sign = if cursor.sign('-').is_some() {
         -1.0

@@ -1,8 +1,10 @@
 //! Settings of the whole model: coordinates, units, gravity, what is generated.
 
+use mbd_scene::joints::Axis;
 use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Place, Plane, Triple};
 
 use super::fields::Accept;
+use super::joints::by_letter;
 use super::{Emitted, MayDependOn, Resolver, Scope, fold};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::{LexemeMessage, resolve as say, syntax as say_syntax};
@@ -154,9 +156,12 @@ impl Resolver<'_> {
         }
         let radius = self.positive("radius", fields.value("radius"), units::LENGTH, group.at);
         let j2 = self.number_of("j2", fields.value("j2"), units::NONE, group.at);
-        let axis = self
-            .vector_of("axis", fields.value("axis"), units::NONE, group.at)
-            .and_then(|axis| self.direction(axis, fields.value("axis")));
+        let axis = match fields.value("axis").and_then(by_letter) {
+            Some(Axis(axis)) => Some(axis.map(Formula::Number)),
+            None => self
+                .vector_of("axis", fields.value("axis"), units::NONE, group.at)
+                .and_then(|axis| self.direction(axis, fields.value("axis"))),
+        };
         Some(Gravity::Oblate {
             mu: mu?,
             center: center?,

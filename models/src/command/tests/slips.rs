@@ -109,6 +109,11 @@ fn a_rest_is_told_with_its_coordinates_and_begins_where_it_is_guessed() {
         (angle + 4.905 * angle.sin()).abs() < 1e-3 && angle > 4.0,
         "{told}"
     );
+    for guess in ["pin.angle=150", "pin.angle=2 m", "pin.angle_rate=1 rad"] {
+        let wrong = run(&["linearise", &file, "--trim", "--guess", guess]).unwrap_err();
+        let said = "give it in the unit of its coordinate";
+        assert!(wrong.to_string().contains(said), "{guess}: {wrong}");
+    }
     let wrong = run(&["linearise", &file, "--trim", "--guess", "pin.angle"]).unwrap_err();
     assert!(
         wrong.to_string().contains("write it as NAME=VALUE"),
