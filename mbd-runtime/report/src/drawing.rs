@@ -19,7 +19,7 @@ pub enum DrawingPart {
     /// A solid: the convex hull of these places, and the rims of what is flat and looks at the reader.
     Solid {
         /// Places whose convex hull is filled.
-        outline: Vec<PagePoint>,
+        silhouette: Vec<PagePoint>,
         /// Closed lines on it.
         rims: Vec<Vec<PagePoint>>,
     },
@@ -40,7 +40,7 @@ impl DrawingPart {
         match self {
             DrawingPart::Body(places)
             | DrawingPart::Solid {
-                outline: places, ..
+                silhouette: places, ..
             } => places,
             DrawingPart::Line(ends, _) | DrawingPart::Rail(ends) => ends,
             DrawingPart::Joint(at) | DrawingPart::Pivot(at) | DrawingPart::Point(at) => {
@@ -280,8 +280,8 @@ pub(super) fn fitted(bounds: [[f64; 2]; 2], widest: f64) -> ([[f64; 2]; 2], [f64
 fn draw_shape(svg: &mut Svg, shape: &DrawingPart, at: &impl Fn(&PagePoint) -> Option<PagePoint>) {
     match shape {
         DrawingPart::Body(places) => draw_hull(svg, "mbd-body", places, at),
-        DrawingPart::Solid { outline, rims } => {
-            draw_hull(svg, "mbd-solid", outline, at);
+        DrawingPart::Solid { silhouette, rims } => {
+            draw_hull(svg, "mbd-solid", silhouette, at);
             for rim in rims {
                 let rim = hull(rim.iter().filter_map(at).collect());
                 if rim.len() > 2 {

@@ -40,7 +40,7 @@ struct Skin {
 }
 
 impl Skin {
-    /// That of a solid of a body whose centre of mass is there, and whose axes are turned so.
+    /// That of a solid of a body whose centre of mass is there, and whose axes are rotated so.
     fn of(placed: &SurfaceSolid, (middle, turn): (&Vector3<f64>, &Matrix3<f64>)) -> Skin {
         let surface = placed.surface();
         let places = surface.places.iter();
@@ -55,7 +55,7 @@ impl Skin {
         }
     }
 
-    /// Its outline, and the rims of what is flat and looks at the reader.
+    /// Its silhouette, and the rims of what is flat and looks at the reader.
     fn seen(&self, view: &View) -> DrawingPart {
         let on_paper = |corner: &usize| self.places.get(*corner).map(|place| view.place(place));
         let rim = |rim: &Vec<usize>| rim.iter().filter_map(on_paper).collect();
@@ -65,7 +65,7 @@ impl Skin {
             .filter(|(outwards, _)| view.sees(outwards));
         let rims = facing.flat_map(|(_, rims)| rims.iter().map(rim));
         DrawingPart::Solid {
-            outline: self.places.iter().map(|place| view.place(place)).collect(),
+            silhouette: self.places.iter().map(|place| view.place(place)).collect(),
             rims: rims.collect(),
         }
     }

@@ -75,11 +75,11 @@ fn area(polygon: &[[f64; 2]]) -> f64 {
 }
 
 #[test]
-fn outlines_have_the_areas_of_the_solids_seen_from_the_side() {
+fn silhouettes_have_the_areas_of_the_solids_seen_from_the_side() {
     let drawings = drawn(Content::ALL);
     assert_eq!(drawings.len(), 1, "a plane is seen along its normal");
     let svg = drawings[0].svg();
-    let outlines = polygons(&svg, "mbd-solid");
+    let silhouettes = polygons(&svg, "mbd-solid");
     let wanted = [
         0.8 * 0.4,
         2.0 * 0.2 * 0.6,
@@ -87,10 +87,10 @@ fn outlines_have_the_areas_of_the_solids_seen_from_the_side() {
         PI * 0.09,
         2.0 * 0.1 * 0.5 + PI * 0.01,
     ];
-    assert_eq!(outlines.len(), wanted.len());
-    let scale = area(&outlines[0]) / wanted[0];
-    for (outline, wanted) in outlines.iter().zip(wanted) {
-        let share = area(outline) / (scale * wanted);
+    assert_eq!(silhouettes.len(), wanted.len());
+    let scale = area(&silhouettes[0]) / wanted[0];
+    for (silhouette, wanted) in silhouettes.iter().zip(wanted) {
+        let share = area(silhouette) / (scale * wanted);
         // Corners lie on what is round, and pixels have tenths.
         assert!((0.97..1.02).contains(&share), "{share}");
     }
@@ -102,14 +102,14 @@ fn what_is_flat_and_looks_at_the_reader_has_its_rims() {
     let rims = polygons(&svg, "mbd-rim");
     // The face of the plank, and the two rims of the wheel; roller, ball and pill show what is round.
     assert_eq!(rims.len(), 3);
-    let outlines = polygons(&svg, "mbd-solid");
+    let silhouettes = polygons(&svg, "mbd-solid");
     let shares = [
-        (&rims[0], &outlines[0], 1.0),
-        (&rims[1], &outlines[2], 1.0),
-        (&rims[2], &outlines[2], 0.75 * 0.75),
+        (&rims[0], &silhouettes[0], 1.0),
+        (&rims[1], &silhouettes[2], 1.0),
+        (&rims[2], &silhouettes[2], 0.75 * 0.75),
     ];
-    for (k, (rim, outline, wanted)) in shares.into_iter().enumerate() {
-        let shares = [area(rim) / area(outline), wanted];
+    for (k, (rim, silhouette, wanted)) in shares.into_iter().enumerate() {
+        let shares = [area(rim) / area(silhouette), wanted];
         assert!((shares[0] - shares[1]).abs() < 0.02, "{k}: {shares:?}");
     }
 }

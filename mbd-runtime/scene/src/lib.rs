@@ -37,8 +37,8 @@ mod vocabulary;
 
 pub use direction::turns_direction;
 pub use evaluate::{
-    Handed, Scratch, ToldMotion, commands, counted_angles, driven_coordinates, evaluate,
-    evaluate_with_multipliers, handed, impulses, locked, masses, sensitivity, settings,
+    Handed, Scratch, ToldMotion, commands, counted_angles, evaluate, evaluate_with_multipliers,
+    handed, impulses, locked, masses, sensitivity, settings,
 };
 pub use event::{
     Actions, Detachable, Direction, Event, MapSource, Mapped, Next, Settable, Setting,
@@ -71,7 +71,9 @@ pub use scene::{
     Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, PartStart, Point,
     PointKind, Scene, Starts, State, Triple,
 };
-pub use starts::{begin_next_to, declared_beside, declared_parts, place_bodies, place_declared};
+pub use starts::{
+    begin_next_to, declared_beside, declared_parts, place_bodies, place_declared, said_coordinates,
+};
 pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,

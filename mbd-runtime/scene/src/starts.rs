@@ -9,7 +9,9 @@ use crate::laws::turns::next_to;
 use crate::laws::{Numbers, constant};
 use crate::placement::{FREE, place_near};
 use crate::tree::Absolute;
-use crate::{Arguments, Formula, JointStart, Layout, Part, Place, PlacementError, Scene, Triple};
+use crate::{
+    Arguments, At, Formula, JointStart, Layout, Part, Place, PlacementError, Scene, Triple,
+};
 
 impl Arguments<f64> {
     /// A state before anything has run: the defaults of the inputs, what is detached at the start, nodes and their lines not solved.
@@ -151,19 +153,9 @@ pub fn place_declared(
     if layout.tree.is_some() {
         return place_along_tree((scene, layout), from, given, fixed, state);
     }
-    let of = |formula: &Option<Formula>| {
-        let formula = formula.as_ref();
-        formula.map(|formula| constant(scene, from.0, formula))
-    };
-    let declared = scene.starts.coordinates.iter().map(|start| JointStart {
-        joint: start.joint,
-        coordinate: start.coordinate,
-        value: of(&start.value),
-        rate: of(&start.rate),
-    });
     let mut all = given.to_vec();
     let mut others = Vec::new();
-    for start in declared {
+    for start in declared_coordinates(scene, from.0) {
         let same = |known: &&mut JointStart| {
             (known.joint, known.coordinate) == (start.joint, start.coordinate)
         };
@@ -226,17 +218,10 @@ fn place_along_tree(
         &mut placed,
     )?;
     absolute.relative((scene, layout), &placed, from, state);
-    let declared = scene.starts.coordinates.iter().map(|start| JointStart {
-        joint: start.joint,
-        coordinate: start.coordinate,
-        value: start.value.as_ref().map(|it| constant(scene, from.0, it)),
-        rate: None,
-    });
     let here = Arguments::before_a_run(scene, layout, from.1, state);
     let numbers = Numbers::new(scene, from.0);
     let scratch = &mut Scratch::new(layout);
-    let driven = driven_coordinates(scene, layout, &numbers, &here.at(), scratch);
-    for start in declared.chain(driven) {
+    for start in said_coordinates(scene, layout, &numbers, &here.at(), scratch) {
         let coordinate = (start.joint, start.coordinate);
         if let Some(value) = start.value {
             begin_next_to((scene, layout), coordinate, value, state);
@@ -253,6 +238,34 @@ fn place_along_tree(
         }
     }
     Ok(())
+}
+
+/// The starts that joint coordinates are declared with, for these params.
+fn declared_coordinates(scene: &Scene, params: &[f64]) -> impl Iterator<Item = JointStart> {
+    let of = |formula: &Option<Formula>| {
+        let formula = formula.as_ref();
+        formula.map(|formula| constant(scene, params, formula))
+    };
+    let declared = scene.starts.coordinates.iter();
+    declared.map(move |start| JointStart {
+        joint: start.joint,
+        coordinate: start.coordinate,
+        value: of(&start.value),
+        rate: of(&start.rate),
+    })
+}
+
+/// Where a scene says that joint coordinates begin: by their declared starts, or by the courses of their motors.
+pub fn said_coordinates(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+) -> Vec<JointStart> {
+    let mut said: Vec<JointStart> = declared_coordinates(scene, &numbers.params).collect();
+    said.extend(driven_coordinates(scene, layout, numbers, at, scratch));
+    said
 }
 
 /// Has the angle of a joint of the tree, that attitudes tell up to full turns, begin next to a value [rad]; another coordinate stays.

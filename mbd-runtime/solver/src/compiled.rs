@@ -79,7 +79,7 @@ doors! {
     fn make_work(model: &Generic<Self>) -> Work<Self> = Generic::scratch;
     fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = Generic::run;
     fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run;
-    fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), along: (Option<&[f64]>, &[&str])) -> Result<StateSpace, LinearisationError> = StateSpace::make;
+    fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), known: Option<[&[f64]; 2]>, along: &[&str]) -> Result<StateSpace, LinearisationError> = StateSpace::make;
     fn space_here(run: &mut Simulation<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = Simulation::space_here;
     fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
     fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
@@ -606,7 +606,7 @@ pub fn linearise_along<T: Scalar>(
     coordinates: &[&str],
 ) -> Result<StateSpace, LinearisationError> {
     let (state, inputs) = (wide(state), wide(inputs));
-    T::make_space(model, (time, &state, &inputs), (None, coordinates))
+    T::make_space(model, (time, &state, &inputs), None, coordinates)
 }
 
 /// Efforts [N or N m] along chosen coordinates that give them these accelerations [m/s² or rad/s²], at a time [s], a state and inputs; what is not

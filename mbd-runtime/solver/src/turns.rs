@@ -1,8 +1,7 @@
 //! Full turns of angles: what a run remembers beside the state, so that an angle goes on where attitudes begin again
 //! (equation (1) of `mbd_scene::laws::turns`).
 
-use mbd_scene::laws::constant;
-use mbd_scene::{Float, JointStart, Layout, begin_next_to};
+use mbd_scene::{Float, JointStart, Layout, begin_next_to, said_coordinates};
 
 use crate::laws::Laws;
 use crate::system::System;
@@ -48,25 +47,20 @@ impl<T: Float> System<T> {
             return;
         }
         let model = self.model.clone();
-        let (scene, layout) = (model.scene(), model.layout());
         let own = state.get(..self.nx).unwrap_or_default();
         let at = self.nodes.at(T::from_f64(time), own, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*model));
-        let mut driven = Vec::new();
+        let mut starts = given.to_vec();
         laws.run(&*model, &at, |scene, layout, numbers, at, scratch| {
-            driven = mbd_scene::driven_coordinates(scene, layout, numbers, at, scratch);
+            starts.extend(said_coordinates(scene, layout, numbers, at, scratch));
         });
-        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         let start = |&(joint, number): &(usize, usize)| {
-            let mut said = given.iter().chain(&driven);
-            let said = said.find(|it| (it.joint, it.coordinate) == (joint, number));
-            let mut declared = scene.starts.coordinates.iter();
-            let declared = declared.find(|it| (it.joint, it.coordinate) == (joint, number));
-            let declared = declared.and_then(|it| it.value.as_ref());
-            let declared = declared.map(|value| constant(scene, &params, value));
-            said.and_then(|it| it.value).or(declared)
+            let own = starts
+                .iter()
+                .filter(|it| (it.joint, it.coordinate) == (joint, number));
+            own.filter_map(|it| it.value).next()
         };
-        let angles = layout.turns.iter();
+        let angles = model.layout().turns.iter();
         let angles: Vec<f64> = angles.map(|it| start(it).unwrap_or_default()).collect();
         self.count_turns_from(angles);
     }

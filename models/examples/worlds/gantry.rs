@@ -1,6 +1,6 @@
 //! A gantry whose hook and load swing as two pendulums, moved by a command that is given in four steps so that nothing swings afterwards.
 //!
-//! With a_h, L on the hook (its centre of mass and the sling below the trolley), b the load below the sling, turned by θ, φ from the vertical:
+//! With a_h, L on the hook (its centre of mass and the sling below the trolley), b the load below the sling, rotated by θ, φ from the vertical:
 //! `M = [J_h + m_h a_h² + m_l L², m_l L b; m_l L b, J_l + m_l b²]`, `K = g diag(m_h a_h + m_l L, m_l b)`, det(K − ω² M) = 0.
 //! A step given half at once and half after π/ω leaves nothing of the motion at ω; done for both frequencies it is four steps (N. C. Singer,
 //! W. P. Seering, J. Dyn. Sys. Meas. Control 112, 1990).

@@ -46,7 +46,7 @@ model! {
     }
 }
 
-/// Where the platform is to be, and how far it is turned.
+/// Where the platform is to be, and how far it is rotated.
 fn wanted(time: f64) -> (Vector3<f64>, f64) {
     let (sin, cos) = (2.0 * time).sin_cos();
     let height = 0.9 + 0.05 * (3.0 * time).sin();

@@ -27,7 +27,7 @@ pub enum ExtremeMeasure {
     Momentum,
     /// The largest deviation of a quaternion from length 1.
     Quaternion,
-    /// The distance from the start after a run out, with all speeds turned round, and back [m, m/s, rad/s].
+    /// The distance from the start after a run out, with all speeds reversed, and back [m, m/s, rad/s].
     Return,
 }
 

@@ -423,7 +423,7 @@ fn folded(scene: &Scene) -> (Scene, bool) {
     (scene, differs)
 }
 
-/// The scene with every const turned into a param, a vector into three, and whether that changes a number of it.
+/// The scene with every const as a param, a vector into three, and whether that changes a number of it.
 fn live(scene: &Scene) -> (Scene, bool) {
     let (mut scene, mut differs) = (scene.clone(), false);
     let mut live = Vec::new();

@@ -300,7 +300,7 @@ pub fn impulses<S: Real>(
 }
 
 /// The coordinates that motors drive, where their courses have them.
-pub fn driven_coordinates(
+pub(crate) fn driven_coordinates(
     scene: &Scene,
     layout: &Layout,
     numbers: &Numbers<f64>,

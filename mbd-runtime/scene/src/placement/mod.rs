@@ -393,7 +393,7 @@ impl Placement<'_> {
         false
     }
 
-    /// Solves (3) for the coordinates. Where it closes only with joints turned around, which a start refuses by name, that is what stays.
+    /// Solves (3) for the coordinates. Where it closes only with joints reversed, which a start refuses by name, that is what stays.
     fn close(
         &mut self,
         unknowns: &[(usize, usize)],

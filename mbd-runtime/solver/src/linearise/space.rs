@@ -113,26 +113,18 @@ impl StateSpace {
             .then_some(parts)
     }
 
+    /// About a state, for what is known of it: the positions of the nodes, and the turns of its angles by [`Layout::turns`](mbd_scene::Layout::turns).
     pub(crate) fn make<T: Float>(
         model: &dyn Model<T>,
         at: (f64, &[f64], &[f64]),
-        (nodes, coordinates): (Option<&[f64]>, &[&str]),
+        known: Option<[&[f64]; 2]>,
+        coordinates: &[&str],
     ) -> Result<Self, LinearisationError> {
         let mut moment = SceneMoment::new(model, at)?;
-        moment.settle(nodes)?;
-        let chart = Chart::choose(&mut moment, coordinates)?;
-        Self::in_chart(&mut moment, &chart)
-    }
-
-    /// About a state whose angles have these turns, by [`Layout::turns`](mbd_scene::Layout::turns).
-    pub(crate) fn with_turns<T: Float>(
-        model: &dyn Model<T>,
-        at: (f64, &[f64], &[f64]),
-        (nodes, turns, coordinates): (&[f64], &[f64], &[&str]),
-    ) -> Result<Self, LinearisationError> {
-        let mut moment = SceneMoment::new(model, at)?;
-        moment.count_turns_from(turns.iter().copied());
-        moment.settle(Some(nodes))?;
+        if let Some([_, turns]) = known {
+            moment.count_turns_from(turns.iter().copied());
+        }
+        moment.settle(known.map(|[nodes, _]| nodes))?;
         let chart = Chart::choose(&mut moment, coordinates)?;
         Self::in_chart(&mut moment, &chart)
     }

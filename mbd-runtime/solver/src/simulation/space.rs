@@ -23,6 +23,6 @@ impl<T: Float> Simulation<T> {
             state.get(..self.system.nx).unwrap_or_default(),
             &inputs[..],
         );
-        StateSpace::with_turns(&*self.system.model, here, (&nodes, &turns, along))
+        StateSpace::make(&*self.system.model, here, Some([&nodes, &turns]), along)
     }
 }

@@ -1,0 +1,276 @@
+//! What is asked of a scene: of its joints, its events and its formulas, with what their `let`s stand for.
+
+use super::{Coordinates, Joint, Line, LoadKind, NodeModel, PointKind, Scene};
+use crate::event::{Detachable, Event, Settable};
+use crate::joints::{JointForces, JointLaw, Side};
+use crate::{Coordinate, Directions, Fixed, Formula, Place};
+
+impl Scene {
+    /// The same scene in a family of coordinates.
+    #[must_use]
+    pub fn in_coordinates(&self, coordinates: Coordinates) -> Self {
+        Scene {
+            coordinates,
+            ..self.clone()
+        }
+    }
+
+    /// The name of a line.
+    pub(crate) fn line_name(&self, line: usize) -> &str {
+        let line = self.lines.get(line);
+        line.map_or("line", |line| line.name.as_str())
+    }
+
+    /// A joint and its measurable coordinate number `index`; `None` if there is no such joint or coordinate.
+    #[must_use]
+    pub fn coordinate(&self, joint: usize, index: usize) -> Option<(&Joint, Coordinate)> {
+        let joint = self.joints.get(joint)?;
+        Some((joint, joint.law.coordinate(index)?))
+    }
+
+    /// What a coupling leads from and to, as a declaration names it: `motor.angle`, `wheel.angle`; `None` of a joint between two places.
+    #[must_use]
+    pub fn coupled(&self, joint: &Joint) -> Option<[String; 2]> {
+        let &[to, from] = joint.law.couples() else {
+            return None;
+        };
+        let name = |(of, index): (usize, usize)| {
+            let (joint, coordinate) = self.coordinate(of, index)?;
+            Some(format!("{}.{}", joint.name, coordinate.name))
+        };
+        Some([name(from)?, name(to)?])
+    }
+
+    /// Whether anything but motion, gravity and springs gives or takes energy: loads, dampers, friction, motors, winches, frames that move.
+    #[must_use]
+    pub fn exchanges_energy(&self) -> bool {
+        let acts = |forces: &JointForces| {
+            let springs_apart = [
+                &forces.damping,
+                &forces.friction,
+                &forces.stop_damping,
+                &forces.force,
+                &forces.motor,
+            ];
+            springs_apart.iter().any(|field| field.is_some())
+        };
+        let gives = |line: &Line| !self.is_zero(&line.damping) || line.is_wound(self);
+        !self.loads.is_empty()
+            || self.lines.iter().any(gives)
+            || self.joints.iter().flat_map(|joint| &joint.forces).any(acts)
+            || self.world_frames.iter().any(|frame| frame.moves(self))
+    }
+
+    /// The joint coordinates whose motors are told value, rate and acceleration without a filter between, with what they are told: joint, number of the
+    /// coordinate.
+    pub fn commanded(&self) -> impl Iterator<Item = ([usize; 2], &[Formula])> + '_ {
+        let joints = self.joints.iter().enumerate();
+        joints.flat_map(|(joint, declared)| {
+            declared
+                .forces
+                .iter()
+                .filter_map(move |forces| match (&forces.motor, &forces.filter) {
+                    (Some(Formula::Vector(parts)), None) => {
+                        Some(([joint, forces.coordinate], parts.as_slice()))
+                    }
+                    _ => None,
+                })
+        })
+    }
+
+    /// The lines whose rate is said beside their free length, with both.
+    pub fn commanded_lines(&self) -> impl Iterator<Item = (usize, &[Formula])> + '_ {
+        let lines = self.lines.iter().enumerate();
+        lines.filter_map(|(index, line)| match &line.free_length {
+            Formula::Vector(parts) => Some((index, parts.as_slice())),
+            _ => None,
+        })
+    }
+
+    /// Whether the rate of a formula of inputs, states and time follows from the declaration: without inputs, whose rates only the caller knows, and
+    /// without tables, whose rows are rounded.
+    #[must_use]
+    pub fn tells_rate(&self, formula: &Formula) -> bool {
+        let untold = |part: &Formula| matches!(part, Formula::Input(_) | Formula::Lookup(..));
+        !self.contains(formula, untold)
+    }
+
+    /// Whether nothing but time changes a formula during a run.
+    #[must_use]
+    pub fn is_of_time(&self, formula: &Formula) -> bool {
+        use Formula::{Apply, Component, Const, Let, Lookup, Number, Param, Time, Vector};
+        let of_time = |part: &Formula| {
+            let known = matches!(part, Number(_) | Const(_) | Param(_) | Time);
+            known
+                || matches!(
+                    part,
+                    Let(_) | Vector(_) | Component(..) | Apply(..) | Lookup(..)
+                )
+        };
+        !self.contains(formula, |part| !of_time(part))
+    }
+
+    /// Whether the work of loads on equilibrium points is told: these have a velocity of their own, or the loads change with time alone.
+    #[must_use]
+    pub fn tells_node_work(&self) -> bool {
+        self.loads.iter().all(|load| {
+            let Place::Point(point) = load.at else {
+                return true;
+            };
+            let without_rate = self.points.get(point).is_some_and(
+                |point| matches!(&point.kind, PointKind::Node(model) if *model != NodeModel::Rate),
+            );
+            match &load.kind {
+                LoadKind::Force(force) if without_rate => self.is_of_time(force),
+                _ => !without_rate,
+            }
+        })
+    }
+
+    /// The places at which a joint sits: its parent and its child, and of a coupling those of the other joints that it couples.
+    pub fn ends<'a>(&'a self, joint: &'a Joint) -> impl Iterator<Item = Place> + Clone + 'a {
+        let others = joint.law.couples().iter().skip(1);
+        let others = others.filter_map(|&(of, _)| self.joints.get(of));
+        let joints = std::iter::once(joint).chain(others);
+        joints.flat_map(|joint| [joint.parent, joint.child])
+    }
+
+    /// The axes along which things move and about which bodies turn.
+    #[must_use]
+    pub fn directions(&self) -> Directions {
+        Directions { plane: self.planar }
+    }
+
+    /// Every stop: joint, its entry of [`Joint::along`], side; in the order of their numbers.
+    pub fn stops(&self) -> impl Iterator<Item = (usize, &JointForces, Side)> {
+        let entries = self.joints.iter().enumerate();
+        let entries = entries.flat_map(|(joint, declared)| {
+            declared.forces.iter().map(move |forces| (joint, forces))
+        });
+        entries.flat_map(|(joint, forces)| {
+            let sides = [Side::Low, Side::High].into_iter();
+            sides
+                .filter(|side| forces.stops[side.index()].is_some())
+                .map(move |side| (joint, forces, side))
+        })
+    }
+
+    /// Whether some event detaches or attaches it, or it is detached at the start.
+    #[must_use]
+    pub fn is_detachable(&self, what: Detachable) -> bool {
+        let by_events = |event: &Event| {
+            let actions = &event.actions;
+            actions.detach.contains(&what) || actions.attach.contains(&what)
+        };
+        self.starts.detached.contains(&what) || self.events.iter().any(by_events)
+    }
+
+    /// The name of what an event detaches or attaches.
+    #[must_use]
+    pub fn detachable_name(&self, what: Detachable) -> &str {
+        match what {
+            Detachable::Line(index) => self.lines.get(index).map_or("", |line| &line.name),
+            Detachable::Joint(index) => self.joints.get(index).map_or("", |joint| &joint.name),
+        }
+    }
+
+    /// The coordinate that a lock holds, `boom.angle`; `None` of anything else.
+    #[must_use]
+    pub fn locked(&self, what: Detachable) -> Option<String> {
+        let Detachable::Joint(joint) = what else {
+            return None;
+        };
+        let JointLaw::Lock(lock) = &self.joints.get(joint)?.law else {
+            return None;
+        };
+        let [(of, index)] = lock.couples;
+        let (joint, coordinate) = self.coordinate(of, index)?;
+        Some(format!("{}.{}", joint.name, coordinate.name))
+    }
+
+    /// The name of what an event sets.
+    #[must_use]
+    pub fn settable_name(&self, what: Settable) -> &str {
+        match what {
+            Settable::Param(index) => self.params.get(index).map_or("", |param| &param.name),
+            Settable::State(index) => self.states.get(index).map_or("", |state| &state.name),
+        }
+    }
+
+    /// The params that events set, by index, rising.
+    #[must_use]
+    pub fn set_by_events(&self) -> Vec<usize> {
+        let all = self.events.iter().flat_map(|event| &event.actions.set);
+        let params = all.filter_map(|setting| match setting.what {
+            Settable::Param(param) => Some(param),
+            Settable::State(_) => None,
+        });
+        let mut params: Vec<usize> = params.collect();
+        params.sort_unstable();
+        params.dedup();
+        params
+    }
+
+    /// Whether a formula is zero by declaration: the number 0, or a `const` of value 0.
+    #[must_use]
+    pub fn is_zero(&self, formula: &Formula) -> bool {
+        match formula {
+            Formula::Number(value) => *value == 0.0,
+            Formula::Const(index) => self
+                .consts
+                .get(*index)
+                .is_some_and(|constant| constant.value == Fixed::Scalar(0.0)),
+            _ => false,
+        }
+    }
+
+    /// Calls `visit` on a formula, on everything in it, and on everything in each `let` it names, once.
+    pub fn walk(&self, formula: &Formula, visit: &mut impl FnMut(&Formula)) {
+        let mut named = Vec::new();
+        formula.walk(&mut |part| {
+            visit(part);
+            named.extend(let_of(part));
+        });
+        let mut next = 0;
+        while let Some(&index) = named.get(next) {
+            next += 1;
+            let first = !named[..next - 1].contains(&index);
+            if let (true, Some(declared)) = (first, self.lets.get(index)) {
+                declared.value.walk(&mut |part| {
+                    visit(part);
+                    named.extend(let_of(part));
+                });
+            }
+        }
+    }
+
+    /// What a formula that names a `let` stands for.
+    #[must_use]
+    pub fn said<'f>(&'f self, formula: &'f Formula) -> &'f Formula {
+        let mut said = formula;
+        // A `let` that names itself through others is refused where it is read.
+        for _ in 0..self.lets.len() {
+            match let_of(said).and_then(|index| self.lets.get(index)) {
+                Some(declared) => said = &declared.value,
+                None => break,
+            }
+        }
+        said
+    }
+
+    /// Whether anything in a formula or in a `let` it names satisfies `test`.
+    #[must_use]
+    pub fn contains(&self, formula: &Formula, test: impl Fn(&Formula) -> bool) -> bool {
+        let mut found = false;
+        self.walk(formula, &mut |part| found |= test(part));
+        found
+    }
+}
+
+/// The `let` that a formula is.
+fn let_of(formula: &Formula) -> Option<usize> {
+    match formula {
+        Formula::Let(index) => Some(*index),
+        _ => None,
+    }
+}
