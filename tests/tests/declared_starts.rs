@@ -387,3 +387,53 @@ fn a_stewart_platform_is_assembled_from_all_bodies_at_the_origin_and_every_body_
     assert!(moved.iter().all(|one| one.distance > 0.3), "{moved:?}");
     run.run(0.05).expect("it stands");
 }
+
+/// Two bodies on a joint, of which the declaration says where one flies.
+fn pair(joint: &str, starts: [&str; 2], coordinates: &str) -> Scene {
+    let [a, b] = starts;
+    read(&format!(
+        "model Pair {{
+            gravity: none; coordinates: {coordinates};
+            body a {{ mass: 3 kg, inertia: diag(0.3, 0.2, 0.25) kg*m^2, frame p at [0.3, 0.1, -0.2] m rotated rpy(20 deg, -30 deg, 50 deg) {a} }}
+            body b {{ mass: 2 kg, inertia: diag(0.12, 0.1, 0.15) kg*m^2, frame q at [-0.2, 0.1, 0.1] m rotated rpy(-10 deg, 40 deg, 5 deg) {b} }}
+            joint fly: free from world to a.com;
+            joint j: {joint}
+            output pa = a.position; output pb = b.position;
+            output va = a.velocity; output vb = b.velocity;
+            output wa = a.omega_world; output wb = b.omega_world;
+        }}"
+    ))
+}
+
+#[test]
+fn what_hangs_on_a_body_that_is_put_somewhere_goes_along_in_both_families() {
+    let at = "start at [1, 2, 3] m rotated rpy(10 deg, 20 deg, 30 deg) velocity [0.1, 0.2, -0.3] m/s angular_velocity [0.3, -0.2, 0.5] rad/s";
+    for (joint, zero) in [
+        ("hinge from a.p to b.q { axis: [1, 2, 2] }", "j.angle"),
+        ("prismatic from a.p to b.q { axis: z }", "j.slide"),
+        ("cylindrical from a.p to b.q { axis: z }", "j.slide"),
+        ("screw from a.p to b.q { axis: z, pitch: 20 mm }", "j.angle"),
+        ("universal from a.p to b.q;", "j.angle1"),
+        ("spherical from a.p to b.q;", "0 m"),
+        ("planar from a.p to b.q;", "j.x"),
+        ("rigid from a.p to b.q;", "0 m"),
+    ] {
+        let said = format!(", {at}");
+        let scenes = ["absolute", "relative"].map(|of| pair(joint, [&said, ""], of));
+        let [absolute, relative] = scenes.map(|scene| begun_as_declared(&scene));
+        assert_close(&relative.0, &absolute.0, 1e-14, 1e-14, joint);
+        assert!(absolute.1.max(relative.1) < 1e-14, "{joint}");
+        if zero != "0 m" {
+            let text = format!("{joint} output q = {zero};");
+            let (found, _) = begun_as_declared(&pair(&text, [&said, ""], "relative"));
+            assert!(found[0].abs() < 1e-14, "{joint}: {found:?}");
+        }
+        // The same where the last of the chain is put: what carries it flies to it.
+        let said = format!(", {at}");
+        let scenes = ["absolute", "relative"].map(|of| pair(joint, ["", &said], of));
+        let [absolute, relative] = scenes.map(|scene| begun_as_declared(&scene));
+        assert_close(&relative.0, &absolute.0, 1e-14, 1e-14, joint);
+        assert_close(&relative.0[3..6], &[1.0, 2.0, 3.0], 1e-14, 0.0, joint);
+        assert!(absolute.1.max(relative.1) < 1e-14, "{joint}");
+    }
+}

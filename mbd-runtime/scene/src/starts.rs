@@ -29,20 +29,28 @@ impl Arguments<f64> {
     }
 }
 
-/// Writes the declared starts of bodies and points into a state; returns which these are.
+/// Writes the declared starts of bodies and points into a state; returns which these are. In relative coordinates the others hang from them with joint
+/// coordinates of zero, or as their motors have them.
 pub fn declared_parts(
     scene: &Scene,
     layout: &Layout,
     params: &[f64],
     state: &mut [f64],
 ) -> Vec<Part> {
-    let parts = scene.starts.parts.iter().map(|start| start.part).collect();
+    let parts: Vec<Part> = scene.starts.parts.iter().map(|start| start.part).collect();
     if layout.tree.is_some() {
-        if !scene.starts.parts.is_empty() && state.len() == layout.nx() {
+        if !parts.is_empty() && state.len() == layout.nx() {
             let absolute = Absolute::of(scene);
-            let mut placed = absolute.state((scene, layout), (params, 0.0), state);
-            declared_parts(&absolute.scene, &absolute.layout, params, &mut placed);
-            absolute.relative((scene, layout), &placed, (params, 0.0), state);
+            let (declared, own) = (&absolute.scene, &absolute.layout);
+            let from = (params, 0.0);
+            let mut placed = absolute.state((scene, layout), from, state);
+            declared_parts(declared, own, params, &mut placed);
+            let mut hung = placed.clone();
+            // What does not fit is told where the coordinates that are given, too, are placed.
+            if place_near(declared, own, from, (&[], &[]), &parts, &mut hung).is_ok() {
+                placed = hung;
+            }
+            absolute.relative((scene, layout), &placed, from, state);
         }
         return parts;
     }

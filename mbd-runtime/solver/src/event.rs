@@ -7,10 +7,11 @@
 //! the end of a step only (a margin can leave and return inside it).
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Direction, Float, Formula, Layout, Model, Place, Scene};
+use mbd_scene::{Direction, Float, Layout, Model, Place, Scene};
 
 use crate::approach::FEW_LOOKS;
 use crate::moving::moving;
+use crate::turned_back::TurnedBack;
 use crate::unilateral::{Mode, is_node_line, switches};
 
 /// What can happen inside a step.
@@ -58,9 +59,10 @@ pub(crate) struct Margins {
     watched: Vec<WatchedGuard>,
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
-    /// Per watched margin, of an event whose guard depends on nothing but coordinates that may be locked, the places of these locks in the modes:
-    /// while they hold, what its guard shows is rounding.
-    locks: Vec<Vec<usize>>,
+    /// Per watched margin, of an event whose guard the joints hold at its value, what of it is rounding there (`held_guards`).
+    held: Vec<Option<f64>>,
+    /// Per watched margin, of an event whose action turned its guard back, when and where.
+    pub turned_back: Vec<TurnedBack>,
     /// How far a line's margin must be passed to count in this step, whatever its own tolerance [m].
     resolved: f64,
     /// The longest C/K of a watched line [s].
@@ -154,11 +156,6 @@ impl Margins {
                     acts: declared.actions.changes(),
                 }),
         );
-        let locks = |watched: &WatchedGuard| match *watched {
-            WatchedGuard::Element { .. } => Vec::new(),
-            WatchedGuard::Declared { event, .. } => locks_of_guard(scene, layout, event),
-        };
-        let locks = watched.iter().map(locks).collect();
         let count = watched.len();
         let turning = layout.stops.iter().any(|stop| {
             let found = scene.coordinate(stop.joint, stop.coordinate);
@@ -176,7 +173,8 @@ impl Margins {
         }
         Margins {
             watched,
-            locks,
+            held: vec![None; count],
+            turned_back: vec![TurnedBack::default(); count],
             sides: vec![false; scene.events.len()],
             resolved: 0.0,
             delay: longest_delay(model.lines()),
@@ -253,10 +251,11 @@ impl Margins {
     /// Reads the margins from the value of `Quantity::Guards`.
     pub(crate) fn read<T: Float>(&mut self, guards: &[T], modes: &[Mode]) {
         let guard = |index: usize| guards.get(index).map_or(f64::NAN, |x| x.to_f64());
-        let all = self.now.iter_mut().zip(&self.watched).zip(&self.locks);
-        for ((margin, watched), locks) in all {
+        let kept = self.held.iter().zip(&self.turned_back);
+        let all = self.now.iter_mut().zip(&self.watched).zip(kept);
+        for ((margin, watched), (held, turned_back)) in all {
             *margin = match *watched {
-                WatchedGuard::Declared { .. } if is_locked(locks, modes) => f64::INFINITY,
+                WatchedGuard::Declared { .. } if held.is_some() => f64::INFINITY,
                 WatchedGuard::Element {
                     element,
                     softness,
@@ -269,7 +268,7 @@ impl Margins {
                 }
                 WatchedGuard::Declared { event, at, .. } => {
                     let positive = self.sides.get(event).copied().unwrap_or(false);
-                    side_margin(guard(at), positive)
+                    side_margin(guard(at) - turned_back.value, positive)
                 }
             };
         }
@@ -339,15 +338,81 @@ impl Margins {
         self.watched.iter().any(declared)
     }
 
-    /// Sets a declared event on the side that its guard goes to from a start at its value: `later` are the guards a little later. Whether all of
-    /// these are decided.
-    pub(crate) fn settle_sides<T: Float>(&mut self, guards: &[T], later: &[T]) -> bool {
+    /// The declared events: the place of the margin, and that of the guard among the guards.
+    pub(crate) fn declared(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let watched = self.watched.iter().enumerate();
+        watched.filter_map(|(index, watched)| match *watched {
+            WatchedGuard::Declared { at, .. } => Some((index, at)),
+            WatchedGuard::Element { .. } => None,
+        })
+    }
+
+    /// The declared event of a margin.
+    pub(crate) fn event_of(&self, index: usize) -> Option<usize> {
+        match *self.watched.get(index)? {
+            WatchedGuard::Declared { event, .. } => Some(event),
+            WatchedGuard::Element { .. } => None,
+        }
+    }
+
+    /// Puts a declared event back on the side that it came from.
+    pub(crate) fn turn_back(&mut self, index: usize, at: TurnedBack) {
+        let event = self.event_of(index);
+        let side = event.and_then(|event| self.sides.get_mut(event));
+        if let (Some(side), Some(turned_back)) = (side, self.turned_back.get_mut(index)) {
+            *side = !*side;
+            *turned_back = at;
+        }
+    }
+
+    /// When the action of a declared event turned its guard back last [s].
+    pub(crate) fn turned_back_at(&self, event: usize) -> Option<f64> {
+        let own = (0..self.watched.len()).find(|&index| self.event_of(index) == Some(event));
+        self.turned_back.get(own?)?.time
+    }
+
+    /// Whether the joints hold the guard of a declared event at its value.
+    pub(crate) fn is_held(&self, index: usize) -> bool {
+        self.held.get(index).is_some_and(Option::is_some)
+    }
+
+    /// Says whether they do, and what of it is rounding then.
+    pub(crate) fn hold(&mut self, index: usize, rounding: Option<f64>) {
+        if let Some(held) = self.held.get_mut(index) {
+            *held = rounding;
+        }
+    }
+
+    /// Lets go of a guard that was held: it is at its value, and the noise of its evaluation is none of its motion.
+    pub(crate) fn release(&mut self, index: usize, (time, guard): (f64, f64)) {
+        let held = self.held.get_mut(index).and_then(Option::take);
+        if let (Some(rounding), Some(turned_back)) = (held, self.turned_back.get_mut(index)) {
+            *turned_back = TurnedBack {
+                time: Some(time),
+                rounding,
+                value: guard,
+            };
+        }
+    }
+
+    /// Sets those declared events that `of` names on the side that their guards go to from a start at their value: `later` are the guards a little
+    /// later. Whether all of these are decided.
+    pub(crate) fn settle_sides<T: Float>(
+        &mut self,
+        of: &dyn Fn(usize) -> bool,
+        guards: &[T],
+        later: &[T],
+    ) -> bool {
         let mut decided = true;
-        for watched in &self.watched {
+        for (index, watched) in self.watched.iter().enumerate() {
             let WatchedGuard::Declared { event, at, .. } = *watched else {
                 continue;
             };
-            let guard = |list: &[T]| list.get(at).map_or(f64::NAN, |x| x.to_f64());
+            if !of(index) {
+                continue;
+            }
+            let value = self.turned_back.get(index).map_or(0.0, |it| it.value);
+            let guard = |list: &[T]| list.get(at).map_or(f64::NAN, |x| x.to_f64() - value);
             let (now, then) = (guard(guards), guard(later));
             let leaves = now == 0.0 || (now > 0.0) != (then > 0.0);
             if let Some(side) = self.sides.get_mut(event).filter(|_| leaves) {
@@ -356,6 +421,16 @@ impl Margins {
             }
         }
         decided
+    }
+
+    /// Moves what counts as the value of a guard that was let go by the noise of its evaluation, a part of what was rounding while it was held, away from
+    /// the side that the motion takes it to.
+    pub(crate) fn clear_noise(&mut self, index: usize, part: f64) {
+        let side = self.event_of(index).and_then(|event| self.sides.get(event));
+        if let (Some(&positive), Some(turned_back)) = (side, self.turned_back.get_mut(index)) {
+            let noise = part * turned_back.rounding;
+            turned_back.value -= if positive { noise } else { -noise };
+        }
     }
 
     /// Whether an event is watched that acts.
@@ -391,14 +466,12 @@ impl Margins {
     /// Sets the side of every declared event from the guards, and reports through `crossed` those that changed in a direction that counts.
     pub(crate) fn take_sides<T: Float>(
         &mut self,
+        time: f64,
         guards: &[T],
-        modes: &[Mode],
         mut crossed: impl FnMut(usize),
     ) {
-        for (watched, locks) in self.watched.iter().zip(&self.locks) {
-            if is_locked(locks, modes) {
-                continue;
-            }
+        let kept = self.held.iter_mut().zip(&self.turned_back);
+        for (watched, (held, turned_back)) in self.watched.iter().zip(kept) {
             let WatchedGuard::Declared {
                 event,
                 at,
@@ -408,7 +481,17 @@ impl Margins {
             else {
                 continue;
             };
-            let positive = guards.get(at).is_some_and(|guard| guard.to_f64() > 0.0);
+            let guard = guards.get(at).map_or(f64::NAN, |guard| guard.to_f64());
+            let guard = guard - turned_back.value;
+            let just_now = turned_back.time == Some(time);
+            let rounding = [just_now.then_some(turned_back.rounding), *held];
+            let mut rounding = rounding.iter().flatten();
+            if rounding.any(|rounding| guard.abs() <= *rounding) {
+                continue;
+            }
+            // What jumps away from its value is held there no more.
+            *held = None;
+            let positive = guard > 0.0;
             let Some(side) = self.sides.get_mut(event) else {
                 continue;
             };
@@ -425,45 +508,6 @@ impl Margins {
             }
         }
     }
-}
-
-/// The places of the locks of all coordinates that the guard of an event depends on; none where it depends on anything else that changes.
-fn locks_of_guard(scene: &Scene, layout: &Layout, event: usize) -> Vec<usize> {
-    let Some(declared) = scene.events.get(event) else {
-        return Vec::new();
-    };
-    let lock_of = |coordinate: (usize, usize)| {
-        let mut joints = scene.joints.iter().zip(&layout.joints);
-        joints.find_map(|(joint, slots)| {
-            let locks = slots.held.is_some() && joint.law.couples() == [coordinate];
-            slots.switch.filter(|_| locks)
-        })
-    };
-    let set = scene.set_by_events();
-    let mut locks = Some(Vec::new());
-    scene.walk(&declared.guard, &mut |part| match *part {
-        Formula::Number(_) | Formula::Const(_) => {}
-        Formula::Param(param) if !set.contains(&param) => {}
-        Formula::Vector(_)
-        | Formula::Component(..)
-        | Formula::Apply(..)
-        | Formula::Let(_)
-        | Formula::Lookup(..) => {}
-        Formula::Coordinate(joint, coordinate) | Formula::CoordinateRate(joint, coordinate) => {
-            match (lock_of((joint, coordinate)), &mut locks) {
-                (Some(lock), Some(locks)) => locks.push(lock),
-                _ => locks = None,
-            }
-        }
-        _ => locks = None,
-    });
-    locks.unwrap_or_default()
-}
-
-/// Whether these locks hold, all of them.
-fn is_locked(locks: &[usize], modes: &[Mode]) -> bool {
-    let holds = |lock: &usize| modes.get(*lock).is_some_and(|mode| *mode != Mode::Detached);
-    !locks.is_empty() && locks.iter().all(holds)
 }
 
 /// The distance to the other side; a guard at zero is on the negative side.

@@ -18,9 +18,9 @@ const FEWEST_LOOKS: u32 = 2;
 /// Looks for an excursion of a margin that starts a step at zero.
 const FINE_LOOKS: u32 = 16;
 /// Where a guard at its value goes from rest is seen after this [s].
-const AT_REST: f64 = 1e-6;
+pub(crate) const AT_REST: f64 = 1e-6;
 /// Events closer than this happen together [s].
-const TOGETHER: f64 = 1e-12;
+pub(crate) const TOGETHER: f64 = 1e-12;
 /// A bracket below this is a point [s].
 const POINT: f64 = 1e-14;
 /// Most redone steps for one event.
@@ -119,7 +119,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Reads the margins at the state in `inside`.
-    fn read_margins(&mut self, time: f64, span: f64) -> Result<(), StepError> {
+    pub(crate) fn read_margins(&mut self, time: f64, span: f64) -> Result<(), StepError> {
         self.system.look(time, span, &self.inside)?;
         let guards = self.scratch.get_mut(..self.guards).unwrap_or_default();
         self.system
@@ -459,17 +459,16 @@ impl<T: Float> Simulation<T> {
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)?;
         let guards = self.scratch.get(..self.guards).unwrap_or(&[]);
-        self.margins
-            .take_sides(guards, self.system.modes(), crossed);
+        self.margins.take_sides(self.time, guards, crossed);
         // The sides are part of the margins of declared events.
         self.margins.read(guards, self.system.modes());
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(())
     }
 
-    /// Declared events whose guards start at their value, or pass it within what is one time with the start, have passed nothing: they are on the side
-    /// that the motion takes them to.
-    pub(crate) fn settle_sides(&mut self) -> Result<(), StepError> {
+    /// Declared events, of those that `of` names, whose guards start at their value, or pass it within what is one time with the start, have passed nothing:
+    /// they are on the side that the motion takes them to.
+    pub(crate) fn settle_sides(&mut self, of: &dyn Fn(usize) -> bool) -> Result<(), StepError> {
         if !self.margins.declares() {
             return Ok(());
         }
@@ -478,11 +477,11 @@ impl<T: Float> Simulation<T> {
         let guards = self.scratch.get(..self.guards).unwrap_or(&[]).to_vec();
         self.look_ahead(TOGETHER)?;
         let later = self.scratch.get(..self.guards).unwrap_or(&[]);
-        if !self.margins.settle_sides(&guards, later) {
+        if !self.margins.settle_sides(of, &guards, later) {
             // At rest: what its acceleration makes of it.
             self.look_along(AT_REST)?;
             let later = self.scratch.get(..self.guards).unwrap_or(&[]);
-            self.margins.settle_sides(&guards, later);
+            self.margins.settle_sides(of, &guards, later);
         }
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)?;
@@ -491,7 +490,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Reads the margins where the rates of now lead in a time [s].
-    fn look_ahead(&mut self, ahead: f64) -> Result<(), StepError> {
+    pub(crate) fn look_ahead(&mut self, ahead: f64) -> Result<(), StepError> {
         self.inside.copy_from_slice(&self.state);
         let step = T::from_f64(ahead);
         for (x, rate) in self.inside.iter_mut().zip(self.method.first()) {
@@ -501,7 +500,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The same by the rates midway.
-    fn look_along(&mut self, ahead: f64) -> Result<(), StepError> {
+    pub(crate) fn look_along(&mut self, ahead: f64) -> Result<(), StepError> {
         self.look_ahead(0.5 * ahead)?;
         let mut rates = vec![T::zero(); self.inside.len()];
         let middle = self.inside.clone();
@@ -528,9 +527,8 @@ impl<T: Float> Simulation<T> {
         crossed.clear();
         if happened {
             let guards = self.scratch.get(..self.guards).unwrap_or(&[]);
-            let modes = self.system.modes();
             self.margins
-                .take_sides(guards, modes, |event| crossed.push(event));
+                .take_sides(self.time, guards, |event| crossed.push(event));
         }
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)?;

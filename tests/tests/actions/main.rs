@@ -5,6 +5,7 @@ mod joints;
 mod lines;
 mod locks;
 mod numbers;
+mod own_guard;
 mod refused;
 mod repeated;
 

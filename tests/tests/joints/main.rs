@@ -16,4 +16,5 @@ mod run;
 mod shafts;
 mod singular;
 mod told;
+mod transmitted;
 mod turns;

@@ -243,7 +243,7 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             format!("{n} [N or N m]."),
         ),
         Quantity::Reactions => (
-            "Reactions: force and torque of each joint on its child at the origin of frame 2.",
+            "Reactions: force and torque of each joint on its child at the origin of frame 2, what acts along its coordinates among them.",
             format!("{} × 6 [N, N m], world axes.", layout.joints.len()),
         ),
         Quantity::ProjectionStep => (

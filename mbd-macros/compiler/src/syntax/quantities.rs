@@ -139,14 +139,14 @@ pub const JOINT: [ThingQuantity; 2] = [
         "force",
         "N",
         3,
-        "of the joint on its child, world axes",
+        "of the joint on its child, what acts along its coordinates among it, world axes",
         Results,
     ),
     quantity(
         "torque",
         "N*m",
         3,
-        "of the joint on its child, about the origin of its frame there",
+        "of the joint on its child, what acts along its coordinates among it, about the origin of its frame there",
         Results,
     ),
 ];

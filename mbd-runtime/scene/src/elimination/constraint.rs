@@ -5,7 +5,7 @@
 //! [Φ_v   0] [−λ] = [  γ  ]     the constraints push the bodies with +Φ_vᵀ λ                                     (1)
 //! [M  Φ_vᵀ] [ δ]   [ 0 ]
 //! [Φ_v   0] [−μ] = [−r ]       the smallest move, weighted by mass, that takes r out of the rows                 (2)
-//! F = Σ λ (linear columns of the child),  T = Σ λ (couples on the child)                                        (3)
+//! F = Σ λ (linear columns of the child),  T = Σ λ (couples on the child), beside what acts along coordinates       (3)
 //! ```
 //!
 //! The system is written in body components whatever the state carries: M is constant there and γ and λ are the same numbers. Uniform
@@ -24,6 +24,7 @@ use crate::laws::GravityNumbers;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::{body_gravity, point_gravity};
+use crate::laws::joint_forces::add_on_children;
 use crate::rows::{Ends, Rotation, Row, Rows};
 use crate::scalar::algebra::write;
 use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Scene};
@@ -277,12 +278,12 @@ impl<S: Real> Constraints<S> {
         Some(acceleration + common_fall(evaluation))
     }
 
-    /// Writes the multipliers, or the reactions by (3), after [`Constraints::accelerate`].
+    /// Writes the multipliers, or the reactions by (3) with what acts along coordinates, after [`Constraints::accelerate`].
     pub fn write_forces(&self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let layout = evaluation.layout;
         for (index, slots) in layout.joints.iter().enumerate() {
             let Some(step) = layout.elimination.step_of(Part::Joint(index)) else {
-                // Without any row in the scene there is not even room for reactions.
+                // It has no rows.
                 let own = out.get_mut(6 * index..6 * index + 6);
                 if let (Quantity::Reactions, Some(own)) = (what, own) {
                     own.fill(S::zero());
@@ -315,6 +316,9 @@ impl<S: Real> Constraints<S> {
             let [force, torque] = reaction(evaluation, &outward, rows.iter().zip(unknowns));
             write(out, 6 * index, &force);
             write(out, 6 * index + 3, &torque);
+        }
+        if what == Quantity::Reactions {
+            add_on_children(evaluation, |_| true, out);
         }
     }
 

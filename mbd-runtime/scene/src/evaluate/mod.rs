@@ -128,13 +128,25 @@ pub fn evaluate<S: Real>(
     let evaluation = if asked.any() {
         assembly.collect(&evaluation);
         solver.accelerate(&evaluation, assembly);
-        for (asked, forces, list) in [
-            (asked.multipliers, Quantity::Multipliers, &mut *multipliers),
-            (asked.reactions, Quantity::Reactions, &mut *reactions),
+        // What acts along coordinates pushes where no row holds anything, too.
+        let pushed = 6 * layout.joints.len();
+        for (asked, forces, count, list) in [
+            (
+                asked.multipliers,
+                Quantity::Multipliers,
+                layout.nc,
+                &mut *multipliers,
+            ),
+            (
+                asked.reactions,
+                Quantity::Reactions,
+                pushed,
+                &mut *reactions,
+            ),
         ] {
             list.clear();
             if asked {
-                list.resize(layout.len(forces), S::zero());
+                list.resize(count, S::zero());
                 solver.write_solved(forces, &evaluation, assembly, list);
             }
         }

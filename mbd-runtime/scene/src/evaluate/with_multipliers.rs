@@ -2,12 +2,13 @@
 //! its multipliers are still determined.
 //!
 //! ```text
-//! F = Σ λ (linear columns of the child),  T = Σ λ (couples on the child),  P = −Σ λ Φ_t          (1)
+//! F = Σ λ (linear columns of the child) + what acts along coordinates,  T = Σ λ (couples on the child) + the same,  P = −Σ λ Φ_t          (1)
 //! ```
 
 use super::Scratch;
 use crate::elimination::reaction;
 use crate::laws::evaluation::Evaluation;
+use crate::laws::joint_forces::add_on_children;
 use crate::laws::{Numbers, energy, forces, measured};
 use crate::rows::{Ends, Rows};
 use crate::scalar::algebra::write;
@@ -64,7 +65,7 @@ pub fn evaluate_with_multipliers<S: Real>(
         Quantity::Outputs => {
             list.clear();
             if layout.asked(what).reactions {
-                list.resize(layout.len(Quantity::Reactions), S::zero());
+                list.resize(6 * layout.joints.len(), S::zero());
                 find_reactions(&evaluation, list);
             }
             bodies.clear();
@@ -94,6 +95,7 @@ fn reactions<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         write(out, 6 * joint, &force);
         write(out, 6 * joint + 3, &torque);
     });
+    add_on_children(evaluation, |_| true, out);
 }
 
 /// Hands out every joint with its rows, their multipliers and its ends, body components.

@@ -536,7 +536,7 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
 
     fn reaction(&self, joint: usize) -> Option<[Vector3<S>; 2]> {
         self.scene.joints.get(joint)?;
-        // Without rows nothing is held.
+        // Where nobody asked nothing is at hand.
         Some(match self.reactions.get(6 * joint..6 * joint + 6) {
             Some(own) => [vector(own, 0), vector(own, 3)],
             None => [Vector3::zeros(); 2],

@@ -236,6 +236,15 @@ impl<S: Real> JointForcesAt<'_, S> {
         [elastic, load, damping].map(|number| self.evaluation.where_joined(self.joint, number))
     }
 
+    /// Q as a force on the child and a torque about the origin of frame 2, world axes.
+    fn on_child(&self) -> [Vector3<S>; 2] {
+        let (effort, row) = (self.effort(), self.row());
+        let torque = self.ends.child.outward.apply(&row.couple);
+        let [force, torque] = [row.child().linear, torque].map(|part| part.map(|x| x * effort));
+        let directions = self.evaluation.layout.directions;
+        [directions.in_plane(force), directions.about_normal(torque)]
+    }
+
     /// Q times the share of moving frames of the world in the rate [W]; `None` where no end moves by itself.
     pub fn driven(&self) -> Option<S> {
         let (parent, child) = (&self.ends.parent, &self.ends.child);
@@ -257,18 +266,29 @@ impl<S: Real> JointForcesAt<'_, S> {
 
 /// What acts along the coordinates of a joint, as a force on its child and a torque about the origin of frame 2, world axes.
 pub fn on_child<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize) -> [Vector3<S>; 2] {
-    let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+    let mut all = [Vector3::zeros(); 2];
     visit(evaluation, |acting| {
         if acting.joint == joint {
-            let (effort, row) = (acting.effort(), acting.row());
-            force += row.child().linear.map(|x| x * effort);
-            torque += acting
-                .ends
-                .child
-                .outward
-                .apply(&row.couple)
-                .map(|x| x * effort);
+            let [force, torque] = acting.on_child();
+            all[0] += force;
+            all[1] += torque;
         }
     });
-    [force, torque]
+    all
+}
+
+/// Adds what acts along coordinates to a list of the force and the torque of every joint on its child, for the joints that `of` names.
+pub fn add_on_children<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    of: impl Fn(usize) -> bool,
+    out: &mut [S],
+) {
+    visit(evaluation, |acting| {
+        let own = out.get_mut(6 * acting.joint..6 * acting.joint + 6);
+        if let (Some(own), true) = (own, of(acting.joint)) {
+            let [force, torque] = acting.on_child();
+            let both = force.iter().chain(&torque);
+            own.iter_mut().zip(both).for_each(|(sum, &x)| *sum += x);
+        }
+    });
 }

@@ -6,11 +6,13 @@
 //!           ρ = C² + S²                   1 where the joint holds
 //!           Φ_v(θ) = (C Φ_v(S) − S Φ_v(C))/ρ,   θ̇ = (C Ṡ − S Ċ)/ρ                                                          (3)
 //!           γ(θ) = (C γ(S) − S γ(C) + θ̇ ρ̇)/ρ,   ρ̇ = 2 (C Ċ + S Ṡ)                                                          (4)
-//! thread    θ = a1·d/h, h = pitch/2π      a slide, scaled                                                         [rad]    (5)
+//! thread    θ = φ + atan2(S cos φ − C sin φ, C cos φ + S sin φ),   φ = a1·d/h, h = pitch/2π                     [rad]    (5)
+//!           the turn nearest to what the displacement says; Φ_v(θ) and γ(θ) are those of the turn, φ drops out of them
 //! ```
 //!
 //! The second rate of a coordinate is Φ_v v̇ − γ. A generalised force Q [N or N m] on a coordinate acts on the bodies as Φ_vᵀ Q: its power
-//! is Q times the rate, in every state, also off the joint. A turn lies in (−π, π] and jumps there; a thread counts turns.
+//! is Q times the rate, in every state, also off the joint. A turn lies in (−π, π] and jumps there; a thread counts turns, and what acts along it is a
+//! couple about its axis: the nut carries what pushes along the axis, not the couple.
 //! Singular at ρ = 0, a quarter turn off the joint, where no angle is defined. Rejected: θ̇ = a1·(ω_c − ω_p), which is the rate of θ only
 //! where the joint holds, so that the energy of a spring would not balance inside a step.
 //! Source: derived, from the rows of Kamman, Connecting Joints I.
@@ -21,6 +23,7 @@ use nalgebra::Vector3;
 
 use super::basic::{Row, in_plane, rotated_rows};
 use super::ends::Ends;
+use crate::vocabulary::angle_about;
 use crate::{Axis, Coordinate, Measure, Real};
 
 /// An angle while it is measured: C and S, the rows C Φ(S) − S Φ(C) and C Φ(C) + S Φ(S) at these, and 1/ρ.
@@ -72,7 +75,7 @@ impl<S: Real> Ends<'_, S> {
                 let [c, s] = [cosine, sine].map(|[a, b]| self.cosine(a, b));
                 s.atan2(c)
             }
-            Measure::Thread { axis, pitch } => self.displacement(axis) / self.lead(*pitch),
+            Measure::Thread { axis, pitch } => self.thread_angle(axis, *pitch),
         };
         value.label(coordinate.name)
     }
@@ -81,26 +84,44 @@ impl<S: Real> Ends<'_, S> {
     pub fn rate(&self, coordinate: &Coordinate) -> S {
         let rate = match &coordinate.measure {
             Measure::Slide(axis) => self.way_rate(axis),
-            Measure::Angle { cosine, sine } => {
-                let swept = MeasuredAngle::new(self, cosine, sine).parent();
-                swept.dot(&self.spin().difference)
+            Measure::Angle { cosine, sine } => self.turning(cosine, sine),
+            Measure::Thread { axis, .. } => {
+                let [cosine, sine] = angle_about(*axis);
+                self.turning(&cosine, &sine)
             }
-            Measure::Thread { axis, pitch } => self.way_rate(axis) / self.lead(*pitch),
         };
         rate.label(coordinate.rate)
     }
 
-    /// A coordinate as a row: its value, Φ_v of (1), (3) or (5), γ of (4). A motion that keeps the coordinate's rate has Φ_v v̇ = γ.
+    /// A coordinate as a row: its value, Φ_v of (1) or (3), γ of (4). A motion that keeps the coordinate's rate has Φ_v v̇ = γ.
     pub fn row(&self, coordinate: &Coordinate) -> Row<S> {
+        let w = || self.spin().difference;
         match &coordinate.measure {
             Measure::Slide(axis) => in_plane(self, axis),
-            Measure::Angle { cosine, sine } => {
-                MeasuredAngle::new(self, cosine, sine).row(&self.spin().difference)
-            }
-            Measure::Thread { axis, pitch } => {
-                in_plane(self, axis).scaled(S::one() / self.lead(*pitch))
+            Measure::Angle { cosine, sine } => MeasuredAngle::new(self, cosine, sine).row(&w()),
+            Measure::Thread { axis, .. } => {
+                let [cosine, sine] = angle_about(*axis);
+                Row {
+                    value: self.value(coordinate),
+                    ..MeasuredAngle::new(self, &cosine, &sine).row(&w())
+                }
             }
         }
+    }
+
+    /// The rate of an angle by (3).
+    fn turning(&self, cosine: &[Axis; 2], sine: &[Axis; 2]) -> S {
+        let swept = MeasuredAngle::new(self, cosine, sine).parent();
+        swept.dot(&self.spin().difference)
+    }
+
+    /// θ of (5).
+    fn thread_angle(&self, axis: &Axis, pitch: usize) -> S {
+        let [cosine, sine] = angle_about(*axis);
+        let turned = self.displacement(axis) / self.lead(pitch);
+        let (sin, cos) = turned.sin_cos();
+        let [c, s] = [cosine, sine].map(|[a, b]| self.cosine(&a, &b));
+        turned + (s * cos - c * sin).atan2(c * cos + s * sin)
     }
 
     /// a1·d [m].

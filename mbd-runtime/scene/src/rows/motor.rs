@@ -5,7 +5,7 @@
 //! slide     Φ = a1·d − f(t)               Φ_t = −ḟ                    γ = γ(a1·d) + f̈                              [m]      (1)
 //! turn      Φ = S cos f − C sin f         Φ_t = −(S sin f + C cos f) ḟ                                             [1]      (2)
 //!           γ = cos f γ(S) − sin f γ(C) + 2 (Ṡ sin f + Ċ cos f) ḟ + (S sin f + C cos f) f̈ + (S cos f − C sin f) ḟ²          (3)
-//! thread    as (1), for θ = a1·d/h                                                                                 [rad]    (4)
+//! thread    as (1), for θ of coordinates (5)                                                                           [rad]    (4)
 //! ```
 //!
 //! One of the two axes of C is that of S, so that (2) is the product of that axis and of the other two rotated by f: one row, whatever f.

@@ -7,7 +7,7 @@ use super::system::{TreeSystem, into_link, links};
 use crate::elimination::reaction;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
-use crate::laws::joint_forces::on_child;
+use crate::laws::joint_forces::{add_on_children, on_child};
 use crate::scalar::algebra::write;
 use crate::{AngularVelocity, Link, Place, Quantity, Real};
 
@@ -35,6 +35,8 @@ impl<S: Real> TreeSystem<S> {
             write(out, 6 * joint, &force);
             write(out, 6 * joint + 3, &torque);
         }
+        let closes = |joint: usize| layout.carried(joint).is_none();
+        add_on_children(evaluation, closes, out);
     }
 
     /// What every joint pushes its link with, forces along its coordinate included, by u̇ and λ at hand.
@@ -58,7 +60,7 @@ impl<S: Real> TreeSystem<S> {
         self.hand_on(evaluation);
     }
 
-    /// Force and torque of a joint of the tree on its child about the origin of frame 2, world axes; what acts along its coordinates is none of it.
+    /// Force and torque of a joint of the tree on its child about the origin of frame 2, world axes, what acts along its coordinates among them.
     pub(super) fn reaction(
         &self,
         evaluation: &Evaluation<'_, S>,
@@ -82,12 +84,8 @@ impl<S: Real> TreeSystem<S> {
             torque = -(torque + arm.cross(&force));
             force = -force;
         }
-        let [along, about] = on_child(evaluation, joint);
         let directions = evaluation.layout.directions;
-        [
-            directions.in_plane(force - along),
-            directions.about_normal(torque - about),
-        ]
+        [directions.in_plane(force), directions.about_normal(torque)]
     }
 
     /// The same of a joint that closes a loop, from its rows.
@@ -139,6 +137,9 @@ impl<S: Real> TreeSystem<S> {
         for link in links(layout) {
             if let (Some(frame), Some(joint)) = (moving(link), link.joint) {
                 let [force, torque] = self.reaction(evaluation, joint, link);
+                // What acts along coordinates has its power elsewhere.
+                let [along, about] = on_child(evaluation, joint);
+                let (force, torque) = (force - along, torque - about);
                 // On the frame acts the opposite; the reaction is told on the child about frame 2.
                 let sign = if link.reversed { -S::one() } else { S::one() };
                 let child = evaluation.position_of(evaluation.scene.joints[joint].child);

@@ -29,13 +29,19 @@ pub enum Measure {
         /// The pair whose product is the sine.
         sine: [Axis; 2],
     },
-    /// The angle of a thread [rad], from its displacement along the axis: it counts every turn and has no bound.
+    /// The angle about the axis of a thread [rad], its full turns told by the displacement along the axis: it counts every turn and has no bound.
     Thread {
         /// The axis of frame 1.
         axis: Axis,
         /// Which number of the joint is the displacement in a full turn [m].
         pitch: usize,
     },
+}
+
+/// The pairs of axes whose products are the cosine and the sine of the angle about an axis that both frames share.
+pub(crate) fn angle_about(axis: Axis) -> [[Axis; 2]; 2] {
+    let [u, v] = axis.complement();
+    [[u, u], [v, u]]
 }
 
 impl Coordinate {
@@ -50,14 +56,11 @@ impl Coordinate {
 
     /// The angle about an axis that both frames share.
     pub(crate) fn turn(name: &'static str, rate: &'static str, axis: Axis) -> Self {
-        let [u, v] = axis.complement();
+        let [cosine, sine] = angle_about(axis);
         Coordinate {
             name,
             rate,
-            measure: Measure::Angle {
-                cosine: [u, u],
-                sine: [v, u],
-            },
+            measure: Measure::Angle { cosine, sine },
         }
     }
 

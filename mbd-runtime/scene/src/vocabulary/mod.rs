@@ -17,6 +17,7 @@ mod table;
 
 pub use angular_velocity::AngularVelocity;
 pub use axis::Axis;
+pub(crate) use coordinate::angle_about;
 pub use coordinate::{Coordinate, Measure};
 pub use cost::Cost;
 pub use coupling::{Coupled, MOST_COUPLED, Relation};

@@ -78,7 +78,8 @@ pub enum Quantity {
     /// The multipliers λ (n_c) of M v̇ + h = f + Φ_vᵀ λ, Φ_v v̇ = γ [N for a row in metres, N m for a row without unit].
     Multipliers,
     /// Per joint, in declaration order: force [N] and torque about the origin of frame 2 [N m] of the joint **on the child**, world axes
-    /// (6 numbers); the parent receives the opposite at the same point. Zero for a joint without rows. Not unique for a joint that takes part in a
+    /// (6 numbers); the parent receives the opposite at the same point. What its rows hold, motors among them, and what acts along its coordinates:
+    /// springs, dampers, friction, stops, forces; a gear or a lock on its coordinate is a joint of its own. Not unique for a joint that takes part in a
     /// redundancy ([`Redundancy::is_unique`](crate::Redundancy::is_unique)): rows that repeat others carry nothing.
     Reactions,
     /// The mass-weighted smallest move δ (n_v) with Φ_v δ = −r for the rows r of [`At::rows`]: M δ = Φ_vᵀ μ. The projection step; of positions,

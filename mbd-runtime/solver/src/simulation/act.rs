@@ -103,8 +103,10 @@ impl<T: Float> Simulation<T> {
     fn change_together(&mut self, acting: &[usize]) -> Result<(), StepError> {
         self.count_actions(acting)?;
         let before = self.energies();
+        let [_, rates] = self.guards_and_rates()?;
         self.apply(acting)?;
         self.settle(acting)?;
+        self.turn_back(acting, &rates)?;
         let after = self.energies();
         let jump = |(before, after): ([f64; 3], [f64; 3])| [0, 1, 2].map(|k| after[k] - before[k]);
         let acted = Acted {
@@ -119,6 +121,13 @@ impl<T: Float> Simulation<T> {
 
     fn count_actions(&mut self, acting: &[usize]) -> Result<(), StepError> {
         for &event in acting {
+            if self.happens_at_once(event) {
+                return Err(StepError::EventChatter {
+                    line: self.event_names(&[event]),
+                    count: 2,
+                    window: self.time - self.margins.turned_back_at(event).unwrap_or(self.time),
+                });
+            }
             if self.chatter.sees(self.time) {
                 return Err(StepError::EventChatter {
                     line: self.event_names(&[event]),
@@ -246,6 +255,7 @@ impl<T: Float> Simulation<T> {
         self.system.count_turns(self.time, &self.state);
         self.system
             .follow_commands(self.time, Some(0.0), &self.state)?;
+        self.find_held_guards()?;
         self.rebase();
         self.rebase_momentum();
         Ok(())

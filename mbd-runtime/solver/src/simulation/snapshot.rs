@@ -12,6 +12,7 @@ use crate::integrate::{Control, StiffnessTest};
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::origin::MovingOrigin;
+use crate::turned_back::TurnedBack;
 use crate::watch::Watch;
 
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
@@ -35,6 +36,8 @@ pub struct Snapshot<T> {
     balance: Option<EnergyBalance>,
     momentum: Option<MomentumBalance>,
     sides: Vec<bool>,
+    #[serde(default)]
+    turned_back: Vec<TurnedBack>,
     drift: f64,
     rows: SavedStrategy,
     /// The inputs that are held, and whether that is nobody's gift.
@@ -89,6 +92,7 @@ impl<T: Float> Simulation<T> {
         to.balance = self.balance;
         to.momentum = self.momentum;
         to.sides.clone_from(&self.margins.sides);
+        to.turned_back.clone_from(&self.margins.turned_back);
         to.drift = self.system.drift;
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
@@ -189,6 +193,9 @@ impl<T: Float> Simulation<T> {
         self.balance = snapshot.balance;
         self.momentum = snapshot.momentum;
         self.margins.sides.copy_from_slice(&snapshot.sides);
+        let turned_back = self.margins.turned_back.iter_mut();
+        let saved = turned_back.zip(&snapshot.turned_back);
+        saved.for_each(|(own, saved)| *own = *saved);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             *control = saved.clone();
         }
@@ -205,6 +212,7 @@ impl<T: Float> Simulation<T> {
         let commanded = self.system.follow_commands(self.time, None, &self.state);
         commanded.map_err(|cause| self.failed(cause))?;
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
+        let begun = begun.and_then(|()| self.find_held_guards());
         begun.map_err(|cause| self.failed(cause))
     }
 }

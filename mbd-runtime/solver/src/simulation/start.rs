@@ -29,6 +29,7 @@ use crate::rounding::Rounding;
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
+use crate::turned_back::TurnedBack;
 use crate::watch::Watch;
 
 /// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
@@ -411,8 +412,10 @@ impl<T: Float> Simulation<T> {
             );
         }
         self.system.follow_commands(self.time, None, &self.state)?;
+        self.margins.turned_back.fill(TurnedBack::default());
         self.begin_margins(&mut |_| ())?;
-        self.settle_sides()?;
+        self.settle_sides(&|_| true)?;
+        self.find_held_guards()?;
         self.begin_balance();
         self.begin_momentum();
         self.rounded = 0.0;

@@ -1,0 +1,92 @@
+//! Events whose action turns their own guard back: of a ball that bounces, v := −e v where z falls 0. Such an event has not left the side that it came
+//! from, and is watched for from there. Where it happens again within what is one time with the action it would do so without end: a ball that lies
+//! there, whose bounces are shorter than times are told apart.
+//!
+//! ```text
+//! ġ₊ towards where it came from, |ġ₊| > 1e-9 |ġ₋|;  or |ġ₊| ≤ 1e-9 |ġ₋| and g goes on beyond by its acceleration       (1)
+//! ```
+//!
+//! Rejected: to have it on the far side, where its guard is by rounding: once bounces are too short to be seen the ball falls through the floor; to
+//! count actions alone, which end before they are many.
+
+use mbd_scene::Float;
+use serde::{Deserialize, Serialize};
+
+use crate::error::StepError;
+use crate::locate::{AT_REST, TOGETHER};
+use crate::simulation::Simulation;
+
+/// Below this part of the rate before the action a rate is none; a guard within this time [s] of its value, by that rate, is at its value.
+const NONE: f64 = 1e-9;
+
+/// When the action of an event turned its guard back, and where.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct TurnedBack {
+    /// When last [s].
+    pub time: Option<f64>,
+    /// Below this the guard was at its value then.
+    pub rounding: f64,
+    /// The guard there, which counts as its value until an action lets it pass.
+    pub value: f64,
+}
+
+impl<T: Float> Simulation<T> {
+    /// The guards here, and their rates.
+    pub(crate) fn guards_and_rates(&mut self) -> Result<[Vec<f64>; 2], StepError> {
+        let state = self.state.clone();
+        let here = self.guards_at(self.time, &state).unwrap_or_default();
+        self.look_ahead(AT_REST)?;
+        let rates = self.off(&here).iter().map(|off| off / AT_REST).collect();
+        Ok([here, rates])
+    }
+
+    /// How far the guards of the last look are from some.
+    fn off(&self, from: &[f64]) -> Vec<f64> {
+        let guards = self.scratch.get(..self.guards).unwrap_or_default();
+        let pairs = guards.iter().zip(from);
+        pairs.map(|(guard, from)| guard.to_f64() - from).collect()
+    }
+
+    /// Events that have acted, whose guards had these rates before: those for which (1) holds are on the side that they came from.
+    pub(crate) fn turn_back(&mut self, acting: &[usize], before: &[f64]) -> Result<(), StepError> {
+        let declared: Vec<(usize, usize)> = self.margins.declared().collect();
+        let [here, after] = self.guards_and_rates()?;
+        self.look_along(AT_REST)?;
+        let along = self.off(&here);
+        for (index, at) in declared {
+            let own = self.margins.event_of(index);
+            let acted = own.filter(|event| acting.contains(event));
+            let (Some(event), false) = (acted, self.margins.is_held(index)) else {
+                continue;
+            };
+            let of = |list: &[f64]| list.get(at).copied().unwrap_or(f64::NAN);
+            // What counts is the way back to where it came from.
+            let beyond = self.margins.sides.get(event).copied().unwrap_or(false);
+            let back = if beyond { -of(&after) } else { of(&after) };
+            let goes_on = if beyond { of(&along) } else { -of(&along) };
+            let none = NONE * of(before).abs();
+            let returns = back > none || back.abs() <= none && goes_on > none * AT_REST;
+            let guard = of(&here);
+            let last = self.margins.turned_back.get_mut(index);
+            let Some(last) = last else { continue };
+            if (guard - last.value).abs() > none || !returns {
+                last.value = 0.0;
+                continue;
+            }
+            let at = TurnedBack {
+                time: Some(self.time),
+                rounding: none,
+                value: guard,
+            };
+            self.margins.turn_back(index, at);
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)
+    }
+
+    /// Whether an event that its action has turned back happens again within what is one time with that.
+    pub(crate) fn happens_at_once(&self, event: usize) -> bool {
+        let since = self.margins.turned_back_at(event);
+        since.is_some_and(|since| self.time - since <= TOGETHER.max(self.resolved(0.0)))
+    }
+}

@@ -1,0 +1,181 @@
+//! Events whose action changes the motion of their own guard: what holds it at its value happens once, what turns it back happens at every bounce,
+//! and without end where bounces become too short.
+
+use mbd_runtime::{Generic, Options, Quantity, Simulation, StepError};
+use mbd_scene::{Coordinates, Scene};
+use tests::assert_close;
+use tests::declared::read;
+
+use super::{G, methods};
+
+const BOTH: [Coordinates; 2] = [Coordinates::Absolute, Coordinates::Relative];
+
+fn run(scene: Scene, options: Options) -> Simulation<f64> {
+    let model = Generic::<f64>::with_defaults(scene).expect("a valid scene");
+    Simulation::new(&model, options).expect("options that fit")
+}
+
+/// A ball as two states, which bounces from z = 0 with the factor `e`; `set` is what the bounce sets besides.
+fn ball(e: f64, set: &str) -> Scene {
+    read(&format!(
+        "model Ball {{ gravity: none;
+           state z = 1 m {{ rate: v }}
+           state v = 0 m/s {{ rate: -9.81 m/s^2 }}
+           event hit = z falls 0 m {{ set: [v = -{e:?} * v{set}] }}
+           output height = z; }}"
+    ))
+}
+
+/// When a ball from 1 m hits the floor for the n-th time, and when it lies there [s].
+fn hits(e: f64, n: i32) -> [f64; 2] {
+    let first = (2.0 / G).sqrt();
+    let after = |sum: f64| first * (1.0 + 2.0 * sum);
+    let sum = e * (1.0 - e.powi(n - 1)) / (1.0 - e);
+    [after(sum), after(e / (1.0 - e))]
+}
+
+/// Methods for scenes without joints.
+fn some_methods() -> [Options; 4] {
+    [
+        Options::rk4(1e-3),
+        Options::rk4(1e-2),
+        Options::tsit5(1e-8),
+        Options::rodas5p(1e-8),
+    ]
+}
+
+#[test]
+fn a_ball_bounces_by_its_closed_form_and_where_it_lies_the_run_ends_with_its_event() {
+    for set in ["", ", z = 0 m"] {
+        for options in some_methods() {
+            let word = format!("{} {set}", options.method.name());
+            let mut run = run(ball(0.8, set), options);
+            run.run(4.05).expect("bounces");
+            let found: Vec<f64> = run.events().iter().map(|event| event.time).collect();
+            assert_eq!(found.len(), 25, "{word}");
+            for (n, time) in (1..).zip(&found) {
+                assert_close(&[*time], &[hits(0.8, n)[0]], 0.0, 1e-8, &word);
+            }
+            // However far the run is asked to go.
+            for end in [4.2, 5.0, 60.0] {
+                let told = run.run(end).expect_err("it lies there");
+                let StepError::EventChatter { line, .. } = &told.cause else {
+                    panic!("{word}: {told}");
+                };
+                assert_eq!(line, "hit", "{word}");
+                let [_, lies] = hits(0.8, 1);
+                assert_close(&[run.time()], &[lies], 0.0, 1e-7, &word);
+                assert!(run.state()[0].abs() < 1e-7, "{word}: {:?}", run.state());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ball_that_does_not_bounce_lies_at_once() {
+    for options in some_methods() {
+        let told = run(ball(0.0, ""), options).run(2.0);
+        let told = told.expect_err("it lies there").cause;
+        assert!(matches!(told, StepError::EventChatter { .. }), "{told}");
+    }
+}
+
+#[test]
+fn a_run_that_goes_on_between_two_bounces_keeps_its_bits() {
+    let options = Options::tsit5(1e-8);
+    let mut whole = run(ball(0.8, ""), options);
+    whole.run(3.5).expect("bounces");
+    let saved = whole.snapshot();
+    let mut later = run(ball(0.8, ""), options);
+    later.restore(&saved).expect("the same model");
+    for run in [&mut whole, &mut later] {
+        run.run(4.05).expect("bounces");
+    }
+    assert_eq!(whole.state(), later.state());
+}
+
+#[test]
+fn a_latch_that_is_asked_for_by_a_distance_catches_once_and_again_after_it_was_opened() {
+    // A slide runs in at 0.5 m/s, is caught at 1.5 m of the 2 m, let go, and pulled back at 1 m/s², so that it passes again.
+    let scene = read(
+        "model Latch { gravity: none;
+           body sled { mass: 2 kg, inertia: diag(1, 1, 1) kg*m^2 }
+           param pull = 0 N;
+           joint rail: prismatic from world to sled.com { axis: x, start: 2 m, start_rate: -0.5 m/s, force: pull }
+           state n = 0 { rate: 0 / (1 s) }
+           event caught = norm(sled.position) falls 1.5 m { lock: rail, set: n = n + 1 }
+           event opened = time rises 2 s { free: rail, set: pull = 2 N }
+           event turned = time rises 3 s { set: pull = -2 N }
+           output count = n; output x = rail.slide; }",
+    );
+    for coordinates in BOTH {
+        for options in methods() {
+            let of_tree = coordinates == Coordinates::Relative;
+            if of_tree && matches!(options.method, mbd_runtime::Method::Rattle { .. }) {
+                continue;
+            }
+            let word = format!("{} {coordinates:?}", options.method.name());
+            let mut run = run(scene.clone().in_coordinates(coordinates), options);
+            let mut seen = |end: f64| {
+                run.run(end).expect("a run");
+                let mut outputs = [0.0; 2];
+                run.evaluate(Quantity::Outputs, &mut outputs)
+                    .expect("outputs");
+                outputs
+            };
+            assert_close(&seen(1.9), &[1.0, 1.5], 0.0, 1e-9, &word);
+            // Pushed out by 0.5 m in a second, it comes back after two more with 1 m/s inwards, and is caught for the second time.
+            assert_close(&seen(3.0), &[1.0, 2.0], 0.0, 1e-9, &word);
+            assert_close(&seen(6.0), &[2.0, 1.5], 0.0, 1e-9, &word);
+        }
+    }
+}
+
+#[test]
+fn a_tether_comes_taut_once_and_takes_the_velocity_along_it() {
+    let scene = read(
+        "model Tether { gravity: [0, 0, -9.81] m/s^2; const L = 2 m;
+           body w { mass: 30 kg, inertia: diag(2, 3, 4) kg*m^2, frame eye at [0.2, 0, 0.5] m,
+             start at [0.3, 0, -0.6] m velocity [1, 0.4, 0] m/s angular_velocity [0.3, 1, 0] rad/s }
+           joint f: free from world to w.com;
+           joint rope: distance from world to w.eye { length: L, at_start: detached }
+           event taut = norm(w.eye.position) rises L { attach: rope }
+           output along = dot(w.eye.velocity, w.eye.position);
+           output far = norm(w.eye.position); }",
+    );
+    for coordinates in BOTH {
+        for options in [
+            Options::tsit5(1e-8),
+            Options::tsit5(1e-4),
+            Options::rk4(1e-3),
+        ] {
+            let word = format!("{} {coordinates:?}", options.method.name());
+            let mut run = run(scene.clone().in_coordinates(coordinates), options);
+            run.run(1.2).expect("a run");
+            assert_eq!(run.events().len(), 1, "{word}");
+            let mut outputs = [0.0; 2];
+            run.evaluate(Quantity::Outputs, &mut outputs)
+                .expect("outputs");
+            assert_close(&outputs, &[0.0, 2.0], 0.0, 1e-8, &word);
+        }
+    }
+}
+
+#[test]
+fn a_guard_that_a_joint_holds_from_the_start_passes_nothing() {
+    // A pendulum keeps its distance; the same event beside another part happens where that passes.
+    let scene = read(
+        "model Pendulum { gravity: [0, 0, -9.81] m/s^2;
+           body bob { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0, 0, 1] m }
+           joint pin: hinge from world to bob.top { axis: y, start: 90 deg }
+           event apart = norm(bob.position) rises 1 m;
+           event deep = bob.position.z falls -0.5 m; }",
+    );
+    for coordinates in BOTH {
+        for options in [Options::tsit5(1e-4), Options::rk4(1e-2)] {
+            let mut run = run(scene.clone().in_coordinates(coordinates), options);
+            run.run(1.0).expect("a run");
+            assert_eq!(run.events().len(), 1, "{coordinates:?}");
+        }
+    }
+}
