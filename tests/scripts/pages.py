@@ -1,9 +1,14 @@
-"""Opens the page of every ready scene, and of five as newcomers write them, in a real browser: nothing is complained about or fetched, the first frame
-comes soon, the scrubber, the drawing and all plots show one time, the drawing turns, moves and zooms, nothing is wider than a desk or a phone; and
-`mbd watch` shows what is saved.
+"""Opens the page of every ready scene, of five as newcomers write them, of 50 and 500 bodies and of a comparison in a real browser: nothing is complained about
+or fetched, the first frame comes soon, the scrubber, the drawing and all plots show one time, the drawing turns, moves and zooms, no table and no page is wider
+than a desk or a phone, text keeps its size, names in backticks are code; paper, and pages without a script, have the drawings that stand still; 50 bodies
+move at 30 frames a second; and `mbd watch` shows what is saved.
 
-    python3 tests/scripts/pages.py target/debug/mbd [SCENE …]
+    python3 tests/scripts/pages.py [--keep FOLDER] [--page FILE] target/debug/mbd [SCENE …]
+
+`--keep`: the runs stay in this folder, with their `motion.glb`. `--page`: this page is opened, too.
 """
+
+import argparse
 
 import glob
 import os
@@ -11,12 +16,20 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from browser import Browser  # noqa: E402
+from frames import flying, frames, hanging  # noqa: E402
 
 # A page shows its first frame so soon after it is opened [ms].
 FIRST = 1000
+# 50 bodies play at so many frames a second, drawn in software, over so long a time [s].
+FRAMES, MEASURED = 30, 0.7
+# The least height of letters, wherever they stand [px].
+LETTERS = 9
+# What is wider than the window leaves for it.
+CLIPPED = "[...document.querySelectorAll('.scroll')].filter(table => table.scrollWidth > table.clientWidth + 1).map(table => table.innerText.slice(0, 40))"
 # Scenes written from the documentation alone.
 NEWCOMERS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "newcomers", "*.mbd")
 # A scene that takes in a robot.
@@ -88,8 +101,12 @@ def check(browser, name, path, by_hand):
         browser.mouse("mousePressed", *place, button="left", buttons=1)
         browser.mouse("mouseReleased", *place, button="left")
         browser.frames(2)
-        share = browser.run("document.querySelector('[data-mbd=time]').value / 10000")
-        expect(abs(share - 0.25) < 0.05, f"a click at a quarter of a plot moved the scrubber to {share}")
+        low, high, time, now = browser.run("""[
+            ...JSON.parse(document.getElementById('mbd-data').textContent).plots[0].x, Number(document.querySelector('[data-plot]').dataset.time),
+            parseFloat(document.querySelector('[data-mbd=now]').textContent),
+        ]""")
+        expect(abs((time - low) / (high - low) - 0.25) < 0.05, f"a click at a quarter of a plot from {low} to {high} moved it to {time}")
+        expect(abs(now - time) < 0.01, f"the plot was moved to {time}, the drawing to {now}")
         # A stretch that is dragged over is shown larger, and everything again after a double click.
         wide = browser.run("document.querySelector('[data-plot] .mbd-x').textContent")
         browser.mouse("mousePressed", *place, button="left", buttons=1)
@@ -103,11 +120,34 @@ def check(browser, name, path, by_hand):
     if by_hand:
         turned(browser, expect)
     expect(not browser.run("window.caught"), "a name or a word of the scene became markup")
-    for width, height in ((1280, 900), (390, 844)):
+    expect(not browser.run("document.body.innerText.includes('`')"), "there are literal backticks")
+    for width, height in ((1280, 900), *(((768, 1024),) if by_hand else ()), (390, 844)):
         browser.size(width, height)
         expect(browser.run("document.documentElement.scrollWidth <= window.innerWidth"), f"the page is wider than {width} px")
+        clipped = browser.run(CLIPPED)
+        expect(not clipped, f"tables are wider than {width} px leave for them: {clipped}")
+        small = browser.run("Math.min(...[...document.querySelectorAll('main svg text')].map(text => text.getBoundingClientRect().height).filter(Boolean), 99)")
+        expect(small >= LETTERS, f"letters of {small:.1f} px at {width} px")
+    browser.page("Emulation.setEmulatedMedia", media="print")
+    stands(browser, expect, "on paper")
     failed += [f"{name}: {error}" for error in browser.errors]
     return first, failed
+
+
+def stands(browser, expect, where):
+    """The drawings that stand still take the place of the player."""
+    shown = "[...document.querySelectorAll('%s')].filter(part => part.getClientRects().length).length"
+    expect(browser.run(shown % ".player, .dock") == 0, f"the player is {where}")
+    expect(browser.run(shown % ".still svg") > 0, f"no drawing is {where}")
+
+
+def without_script(browser, name, path):
+    """What fails where no script runs."""
+    failed = []
+    browser.open(path, script=False)
+    stands(browser, lambda holds, what: None if holds else failed.append(f"{name}: {what}"), "where no script runs")
+    browser.page("Emulation.setScriptExecutionDisabled", value=False)
+    return failed
 
 
 def turned(browser, expect):
@@ -182,34 +222,70 @@ def watched(browser, program, folder):
     return failed
 
 
+def made(program, folder, scene, name):
+    """Runs a scene. Its page, and what went wrong."""
+    out = os.path.join(folder, name)
+    # Whether a run is accurate is no matter here.
+    run = subprocess.run([program, "run", scene, "--no-estimate", "--gltf", "--out", out], capture_output=True, text=True)
+    page = os.path.join(out, "report.html")
+    return page, None if os.path.exists(page) else run.stderr.strip()
+
+
+def looked_at(browser, pages):
+    """What fails of pages that are looked at one by one, as their runs end."""
+    failed = []
+    for name, by_hand, page in pages:
+        page, error = page.result()
+        if error is not None:
+            failed.append(f"{name}: no page: {error}")
+            continue
+        first, wrong = check(browser, name, page, by_hand)
+        failed += wrong
+        print(f"{name}: first frame after {first:.0f} ms, {os.path.getsize(page) / 1e6:.2f} MB")
+    return failed
+
+
 def main():
-    program, *names = sys.argv[1:]
-    program = os.path.abspath(program)
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--keep")
+    arguments.add_argument("--page")
+    arguments.add_argument("program")
+    arguments.add_argument("scenes", nargs="*")
+    arguments = arguments.parse_args()
+    program = os.path.abspath(arguments.program)
     started, failed = time.monotonic(), []
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as runs:
+
+        def written(name, text):
+            file = os.path.join(folder, f"{name}.mbd")
+            with open(file, "w", encoding="utf-8") as to:
+                to.write(text)
+            return file
+
+        own = [written("tricks", TRICKS), written("fifty", hanging(50)), written("five_hundred", flying(500))]
+        everything = arguments.scenes or [*scenes(program), *sorted(glob.glob(NEWCOMERS)), *own]
+        keep = arguments.keep or folder
+        # The next scenes run while the page of one is looked at.
         pages = []
-        tricks = os.path.join(folder, "tricks.mbd")
-        with open(tricks, "w", encoding="utf-8") as file:
-            file.write(TRICKS)
-        everything = names or [*scenes(program), *sorted(glob.glob(NEWCOMERS)), tricks]
         for scene in everything:
             name = os.path.splitext(os.path.basename(scene))[0]
-            out = os.path.join(folder, "out", name)
-            # Whether a run is accurate is no matter here.
-            run = subprocess.run([program, "run", scene, "--no-estimate", "--out", out], capture_output=True, text=True)
-            page = os.path.join(out, "report.html")
-            if os.path.exists(page):
-                pages.append((scene, name, page))
-            else:
-                failed.append(f"{name}: no page: {run.stderr.strip()}")
+            pages.append((name, os.path.isfile(scene), runs.submit(made, program, keep, scene, name)))
         browser = Browser()
         try:
-            for scene, name, page in pages:
-                first, wrong = check(browser, name, page, os.path.isfile(scene))
-                failed += wrong
-                print(f"{name}: first frame after {first:.0f} ms, {os.path.getsize(page) / 1e6:.2f} MB")
-            if not names:
+            failed += looked_at(browser, pages)
+            if not arguments.scenes:
+                by_name = {name: page.result()[0] for name, _, page in pages}
+                shown, _ = frames(browser, by_name["fifty"], MEASURED)
+                print(f"50 bodies: {shown:.0f} frames a second")
+                if shown < FRAMES:
+                    failed.append(f"50 bodies: {shown:.1f} frames a second")
+                failed += without_script(browser, "swing", by_name["swing"])
+                compared = os.path.join(folder, "compare")
+                subprocess.run([program, "compare", "swing --tol 1e-3", "linkage", "--out", compared], check=True, capture_output=True)
+                failed += check(browser, "compare", os.path.join(compared, "compare.html"), False)[1]
                 failed += watched(browser, program, folder)
+            if arguments.page:
+                failed += check(browser, "page", arguments.page, False)[1]
         finally:
             browser.close()
     print(f"{len(pages)} pages in {time.monotonic() - started:.1f} s")

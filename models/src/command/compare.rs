@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
+use mbd_runtime::scene::Parameter;
+use models::describe::factor;
 use models::files;
 use models::report::{Cell, Compared, Report, ReportTable};
 use models::run::{Quality, metrics, shown};
@@ -111,22 +113,32 @@ fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
             .map(|param| param.name.clone())
             .collect()
     }) {
-        row(&format!("param {name} [SI]"), &|run| {
-            let params = run.scene.params.iter().zip(&run.plan.params);
-            let mut found = params.filter(|(param, _)| param.name == name);
-            found.next().map(|(_, value)| *value).into()
-        });
+        let unit = params_of(all).find(|param| param.name == name);
+        let unit = unit.map(|param| &param.unit);
+        let factor = unit.map_or(1.0, factor);
+        row(
+            &with_unit("param", &name, unit.map_or("", |unit| &unit.text)),
+            &|run| {
+                let params = run.scene.params.iter().zip(&run.plan.params);
+                let mut found = params.filter(|(param, _)| param.name == name);
+                found.next().map(|(_, value)| *value / factor).into()
+            },
+        );
     }
     let declared = |run: &FinishedRun| {
         let metrics = run.scene.runs.metrics.iter();
         metrics.map(|metric| metric.name.clone()).collect()
     };
     for name in names(all, declared) {
-        row(&format!("metric {name}"), &|run| {
-            let metrics = metrics(&run.scene, &run.outcome).into_iter();
-            let mut found = metrics.filter(|metric| metric.name == name);
-            found.next().and_then(|metric| metric.value.ok()).into()
-        });
+        let of = |run: &FinishedRun| {
+            let mut metrics = metrics(&run.scene, &run.outcome).into_iter();
+            metrics.find(|metric| metric.name == name)
+        };
+        let unit = all.iter().find_map(|(_, run)| Some(of(run)?.unit));
+        row(
+            &with_unit("metric", &name, unit.as_deref().unwrap_or("")),
+            &|run| of(run).and_then(|metric| metric.value.ok()).into(),
+        );
     }
     let columns = |run: &FinishedRun| -> Vec<String> {
         let names = run.outcome.trajectory.names().iter();
@@ -138,10 +150,17 @@ fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
         shown.map(|name| name.name.clone()).collect()
     };
     for name in names(all, columns) {
-        row(&format!("last {name}"), &|run| {
-            let column = run.outcome.trajectory.column(&name);
-            column.and_then(|column| column.last().copied()).into()
-        });
+        let mut columns = all
+            .iter()
+            .flat_map(|(_, run)| run.outcome.trajectory.names());
+        let unit = columns.find(|column| column.name == name);
+        row(
+            &with_unit("last", &name, unit.map_or("", |column| &column.unit)),
+            &|run| {
+                let column = run.outcome.trajectory.column(&name);
+                column.and_then(|column| column.last().copied()).into()
+            },
+        );
     }
     for (index, (what, cells)) in rows.into_iter().enumerate() {
         let differs = cells.windows(2).any(|pair| pair[0] != pair[1]);
@@ -150,6 +169,19 @@ fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
         }
     }
     table.note("Rows in which all runs agree to the last digit are left out.")
+}
+
+/// What a row is of, with its unit, if it has one.
+fn with_unit(what: &str, name: &str, unit: &str) -> String {
+    match unit {
+        "" | "1" => format!("{what} {name}"),
+        unit => format!("{what} {name} [{unit}]"),
+    }
+}
+
+/// The params of all runs.
+fn params_of<'a>(all: &'a [(&str, FinishedRun)]) -> impl Iterator<Item = &'a Parameter> {
+    all.iter().flat_map(|(_, run)| &run.scene.params)
 }
 
 /// Every name once, in the order in which they come.
