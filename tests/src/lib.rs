@@ -6,12 +6,10 @@ pub mod declared;
 pub mod double;
 pub mod families;
 pub mod flights;
-pub mod fuzz;
 pub mod minimal;
 pub mod networks;
 pub mod planar;
 pub mod points;
-pub mod random_scene;
 pub mod turning;
 pub mod web;
 

@@ -1,5 +1,6 @@
 //! Three executions of one declaration agree: laws on numbers, the interpreted program, and an independent derivative oracle.
 
+use fuzz::random_scene::random_scene;
 use mbd_compiler::Interpreted;
 use mbd_runtime::Generic;
 use mbd_scene::{Differentiated, Layout, Model, Quantity, Scene, Variable};
@@ -7,7 +8,6 @@ use tests::assert_close;
 use tests::cores::on_all_cores;
 use tests::instant::{partial_by_oracle, random_instant, value};
 use tests::random::Random;
-use tests::random_scene::random_scene;
 
 const SCENES: u64 = 50;
 

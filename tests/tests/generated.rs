@@ -7,12 +7,12 @@
 )]
 mod dozen;
 
+use fuzz::random_scene::random_scene;
 use models::parachute::scene::{
     ParachuteEuler, ParachuteLiteral, ParachuteMass, ParachuteRate, ParachuteStatic,
     ParachuteStepwise,
 };
 use tests::agreement::agrees;
-use tests::random_scene::random_scene;
 
 /// The seeds of the scenes that are compiled; all others of the property tests are interpreted.
 const DOZEN: std::ops::Range<u64> = 0..12;

@@ -1,11 +1,11 @@
 //! The long runs of `cargo run --release -p tests --example long_runs`, as far as a test goes.
 
+use fuzz::{
+    Corpus, LARGE, SLOWEST, Tally, Verdict, declared_in_text, declared_in_toml, judge, large_file,
+};
 use mbd_compiler::read_tokens;
 use mbd_scene::{Layout, Redundancy};
 use tests::cores::on_all_cores;
-use tests::fuzz::{
-    Corpus, LARGE, SLOWEST, Tally, Verdict, declared_in_text, declared_in_toml, judge, large_file,
-};
 use tests::networks::{Decided, KINDS, Solved};
 use tests::points::costs;
 
@@ -13,7 +13,7 @@ use tests::points::costs;
 const PARTS: u64 = 4;
 
 /// Reads inputs on all cores.
-fn many(count: u64, input: impl Fn(&Corpus, u64) -> tests::fuzz::Input + Sync) -> Tally {
+fn many(count: u64, input: impl Fn(&Corpus, u64) -> fuzz::Input + Sync) -> Tally {
     let corpus = Corpus::new();
     let tallies = on_all_cores(PARTS, |part| {
         let mut tally = Tally {

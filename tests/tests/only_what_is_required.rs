@@ -2,10 +2,10 @@
 //!
 //! Costs are written [additions, multiplications, divisions, roots, trigonometric functions, selections].
 
+use fuzz::random_scene::random_scene;
 use mbd_compiler::{Op, Operand, Program, SceneEquations, Slot};
 use mbd_scene::{Cost, Layout, Quantity, Variable};
 use tests::declared::{cost, derived_cost, operations, read};
-use tests::random_scene::random_scene;
 
 /// An undamped line between two places that move, in the state derivative.
 ///

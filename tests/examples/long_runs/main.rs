@@ -16,7 +16,7 @@ mod watch;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-use tests::fuzz::{Corpus, LARGE, SLOWEST, Tally, large_file, memory};
+use fuzz::{Corpus, LARGE, SLOWEST, Tally, large_file, memory};
 use tests::networks::{Decided, KINDS, Kind, Solved};
 use tests::points::costs;
 

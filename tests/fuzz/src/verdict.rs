@@ -6,8 +6,8 @@ use std::time::Instant;
 use mbd_compiler::{Location, Reading, read_text, read_toml, read_urdf, write_toml};
 use mbd_scene::{Layout, Redundancy};
 
-use super::items::{Counts, declared_in_text, declared_in_toml, resolved};
-use super::mutate::{Form, Input};
+use crate::items::{Counts, declared_in_text, declared_in_toml, resolved};
+use crate::mutate::{Form, Input};
 
 /// The longest that one input may take [s]: reading it, and laying out its scene; of more than a megabyte, each megabyte.
 pub const SLOWEST: f64 = 2.0;

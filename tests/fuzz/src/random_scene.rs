@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::random::Random;
+use laws::random::Random;
 
 /// A random declaration named `Random<seed>`: bodies with skew inertias and offset frames, points with mass, nodes of all models (also
 /// joined to each other), lines and springs with and without damping, uniform or central gravity, drag, thrust and outputs; numbers

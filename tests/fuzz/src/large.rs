@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::mutate::{BYTES, Form, Input, robot};
-use crate::random::Random;
+use crate::mutate::{BYTES, Form, Input, robot};
+use laws::random::Random;
 
 /// How a file is made of its size.
 type Written = fn(usize) -> String;

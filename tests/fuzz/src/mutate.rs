@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use mbd_compiler::{read_text, write_toml};
 
-use crate::random::Random;
 use crate::random_scene::random_scene;
+use laws::random::Random;
 
 /// How an input is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +36,7 @@ pub struct Input {
 pub struct Corpus {
     sources: Vec<(Form, String)>,
     /// Words, numbers, signs and spaces of each.
-    pieces: Vec<Vec<String>>,
+    pieces: Vec<Vec<Arc<str>>>,
 }
 
 /// What nobody expects in the middle of a declaration.
@@ -147,8 +148,8 @@ pub(super) fn robot(links: usize) -> String {
 }
 
 /// Words, numbers, signs and spaces of a text: put together they are the text again, but for the lines of its comments.
-fn pieces(text: &str) -> Vec<String> {
-    let mut pieces: Vec<String> = Vec::new();
+fn pieces(text: &str) -> Vec<Arc<str>> {
+    let mut pieces: Vec<Arc<str>> = Vec::new();
     let mut word = String::new();
     let lines = text.lines().filter(|line| !line.trim().starts_with("//"));
     for c in lines.flat_map(|line| line.chars().chain(['\n'])) {
@@ -156,10 +157,14 @@ fn pieces(text: &str) -> Vec<String> {
             word.push(c);
             continue;
         }
-        pieces.extend((!word.is_empty()).then(|| std::mem::take(&mut word)));
-        pieces.push(c.to_string());
+        pieces.extend((!word.is_empty()).then(|| std::mem::take(&mut word).into()));
+        pieces.push(c.encode_utf8(&mut [0; 4]).into());
     }
     pieces
+}
+
+fn joined(words: &[Arc<str>]) -> String {
+    words.iter().map(AsRef::as_ref).collect()
 }
 
 impl Corpus {
@@ -169,7 +174,7 @@ impl Corpus {
     /// If this repository is not whole.
     #[must_use]
     pub fn new() -> Self {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut sources = Vec::new();
         let written = files(&root.join("mbd-macros/compiler/tests/pass"));
         let ready = files(&root.join("models/scenes"));
@@ -227,7 +232,7 @@ impl Corpus {
         }
         Input {
             form,
-            text: words.concat(),
+            text: joined(&words),
             meant: false,
         }
     }
@@ -241,7 +246,7 @@ impl Corpus {
         for _ in 0..=random.below(4) {
             self.mutate_words(&mut words, &mut random);
         }
-        words.concat()
+        joined(&words)
     }
 
     /// A file of any form, mutated by bytes.
@@ -261,7 +266,7 @@ impl Corpus {
         }
     }
 
-    fn mutate_words(&self, words: &mut Vec<String>, random: &mut Random) {
+    fn mutate_words(&self, words: &mut Vec<Arc<str>>, random: &mut Random) {
         if words.is_empty() {
             return;
         }
@@ -271,21 +276,20 @@ impl Corpus {
                 words.remove(at);
             }
             1 => {
-                let copy = words[at].clone();
-                words.insert(at, copy);
+                words.insert(at, words[at].clone());
             }
             2 => {
                 let other = random.below(words.len());
                 words.swap(at, other);
             }
-            3 => words[at] = STRANGE[random.below(STRANGE.len())].to_owned(),
+            3 => words[at] = STRANGE[random.below(STRANGE.len())].into(),
             4 => {
                 let source = &self.pieces[random.below(self.pieces.len())];
                 words[at].clone_from(&source[random.below(source.len())]);
             }
             _ => {
                 let end = (at + random.below(24)).min(words.len());
-                let part: Vec<String> = words[at..end].to_vec();
+                let part: Vec<Arc<str>> = words[at..end].to_vec();
                 let place = random.below(words.len());
                 words.splice(place..place, part);
             }

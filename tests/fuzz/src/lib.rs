@@ -5,6 +5,7 @@
 mod items;
 mod large;
 mod mutate;
+pub mod random_scene;
 mod verdict;
 
 pub use items::{declared_in_text, declared_in_toml, resolved};
