@@ -107,6 +107,10 @@ def check(browser, name, path, by_hand):
         ]""")
         expect(abs((time - low) / (high - low) - 0.25) < 0.05, f"a click at a quarter of a plot from {low} to {high} moved it to {time}")
         expect(abs(now - time) < 0.01, f"the plot was moved to {time}, the drawing to {now}")
+        # So does the mouse that points at it.
+        browser.mouse("mouseMoved", place[0] + 100, place[1])
+        pointed = browser.run("Number(document.querySelector('[data-plot]').dataset.time)")
+        expect(pointed > time, f"pointing at a plot behind {time} moved it to {pointed}")
         # A stretch that is dragged over is shown larger, and everything again after a double click.
         wide = browser.run("document.querySelector('[data-plot] .mbd-x').textContent")
         browser.mouse("mousePressed", *place, button="left", buttons=1)
@@ -179,6 +183,46 @@ def turned(browser, expect):
         act()
         seen.append(picture())
         expect(seen[-1] != seen[-2], f"a {what} does not change the drawing")
+
+
+def chosen(browser, path):
+    """What can be chosen beside the drawing changes it, names come under the mouse, and it plays and pauses. What fails. The scene is the crane."""
+    failed = []
+    browser.open(path)
+    find = "document.querySelector('[data-mbd=%s]')"
+    browser.run("(() => { const range = %s; range.value = 5000; range.dispatchEvent(new Event('input')); })()" % (find % "time"))
+
+    def picture():
+        browser.frames(2)
+        return browser.run("document.querySelector('canvas').toDataURL()")
+
+    for word in ("forces", "axes", "trails", "ground", "names"):
+        before = picture()
+        browser.run((find % word) + ".click()")
+        if picture() == before:
+            failed.append(f"crane: `{word}` changes nothing")
+    before = picture()
+    browser.run("(() => { const list = %s; list.selectedIndex = 2; list.dispatchEvent(new Event('change')); })()" % (find % "follow"))
+    if picture() == before:
+        failed.append("crane: `follow` changes nothing")
+    # What is followed is in the middle of the drawing.
+    middle = browser.run("(() => { const box = document.querySelector('canvas').getBoundingClientRect(); return [box.left + box.width / 2, box.top + box.height / 2]; })()")
+    browser.mouse("mouseMoved", *middle)
+    if not browser.run("!%s.hidden && %s.textContent === %s.selectedOptions[0].text" % (find % "tip", find % "tip", find % "follow")):
+        failed.append("crane: the name of what is under the mouse is not shown")
+    if "gradient" not in browser.run((find % "tension") + ".style.background"):
+        failed.append("crane: the colours of lines have no bar")
+    now = "Number(%s.value)" % (find % "time")
+    times = []
+    for _ in range(2):
+        browser.run((find % "play") + ".click()")
+        browser.frames(6)
+        times.append(browser.run(now))
+    browser.frames(6)
+    times.append(browser.run(now))
+    if not 5000 < times[0] <= times[1] == times[2]:
+        failed.append(f"crane: play and pause moved the time from 5000 to {times}")
+    return failed + [f"crane: {error}" for error in browser.errors]
 
 
 def watched(browser, program, folder):
@@ -262,7 +306,7 @@ def main():
                 to.write(text)
             return file
 
-        own = [written("tricks", TRICKS), written("fifty", hanging(50)), written("five_hundred", flying(500))]
+        own = [written("tricks", TRICKS), written("fifty", hanging(50)), written("five_hundred", flying(500).replace("2 s", "0.4 s"))]
         everything = arguments.scenes or [*scenes(program), *sorted(glob.glob(NEWCOMERS)), *own]
         keep = arguments.keep or folder
         # The next scenes run while the page of one is looked at.
@@ -279,6 +323,7 @@ def main():
                 print(f"50 bodies: {shown:.0f} frames a second")
                 if shown < FRAMES:
                     failed.append(f"50 bodies: {shown:.1f} frames a second")
+                failed += chosen(browser, by_name["crane"])
                 failed += without_script(browser, "swing", by_name["swing"])
                 compared = os.path.join(folder, "compare")
                 subprocess.run([program, "compare", "swing --tol 1e-3", "linkage", "--out", compared], check=True, capture_output=True)

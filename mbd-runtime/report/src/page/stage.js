@@ -61,29 +61,25 @@ class Stage {
     return places.filter(finite);
   }
 
-  /** The lowest and the highest corner of everything as it is; null of nothing. */
-  bounds(now) {
-    return union(this.places(now).map((p) => [p, p]));
-  }
-
   /** How large it is, how far it travels, where the ground lies. */
   measure() {
     const [start, end] = [this.times[0], this.times[this.times.length - 1]];
     const instants = Array.from({ length: 41 }, (_, k) => this.at(start + ((end - start) * k) / 40));
-    const seen = instants.map((now) => this.bounds(now)).filter(Boolean);
-    const [low, high] = union(seen) || [[0, 0, 0], [0, 0, 0]];
+    const placed = instants.map((now) => this.places(now)).filter((places) => places.length);
+    const seen = placed.map(box);
+    const [low, high] = box(seen.length ? seen.flat() : [[0, 0, 0]]);
     const length = ([low, high]) => norm(add(high, low, -1));
     const own = Math.max(1e-9, ...seen.map(length));
     const whole = length([low, high]);
     // What nothing holds and what goes further than its own size is followed; a single thing that is small beside its way is seen on all of it.
     const least = this.data.bodies.length + this.data.points.length > 1 ? 1e-5 : 0.01;
     this.travels = !this.data.frames.some((frame) => frame.used) && whole > 1.2 * own && own > least * whole;
-    this.centre = add(low, add(high, low, -1), 0.5);
+    this.centre = halfway([low, high]);
     this.radius = Math.max((this.travels ? own : whole) / 2, 1e-9);
     // Everything at all these instants, seen from what the eye looks at.
-    this.around = instants.flatMap((now) => {
-      const middle = this.travels ? this.middle(now) : this.centre;
-      return this.places(now).map((place) => add(place, middle, -1));
+    this.around = placed.flatMap((places, k) => {
+      const middle = this.travels ? halfway(seen[k]) : this.centre;
+      return places.map((place) => add(place, middle, -1));
     });
     this.size = 2 * this.radius;
     // How large a body is, as most are.
@@ -97,14 +93,20 @@ class Stage {
 
   /** The middle of everything as it is. */
   middle(now) {
-    const box = this.bounds(now);
-    return box ? add(box[0], add(box[1], box[0], -1), 0.5) : this.centre;
+    const places = this.places(now);
+    return places.length ? halfway(box(places)) : this.centre;
   }
 }
 
-/** The box around boxes; null of none. */
-function union(boxes) {
-  if (!boxes.length) return null;
-  const ends = (which, pick) => [0, 1, 2].map((k) => boxes.reduce((x, box) => pick(x, box[which][k]), boxes[0][which][k]));
-  return [ends(0, Math.min), ends(1, Math.max)];
+/** The lowest and the highest corner of places. */
+function box(places) {
+  const low = [...places[0]], high = [...places[0]];
+  for (const place of places) {
+    for (let k = 0; k < 3; k++) {
+      if (place[k] < low[k]) low[k] = place[k];
+      if (place[k] > high[k]) high[k] = place[k];
+    }
+  }
+  return [low, high];
 }
+const halfway = ([low, high]) => add(low, add(high, low, -1), 0.5);
