@@ -65,6 +65,8 @@ impl Playback {
             if let (Some([first, last]), [begin, .., end]) = (ends(stage), times.as_slice())
                 && (first > *begin || last < *end)
             {
+                // Ends that were located have more digits than a reader needs.
+                let [first, last] = [first, last].map(|time| (time * 1e6).round() / 1e6);
                 says.push(format!(
                     "{label} is drawn from {first} s to {last} s, while it runs."
                 ));

@@ -63,7 +63,7 @@ pub(super) fn style_sheet() -> String {
     let narrow = |(_, class, width): (usize, &str, u32)| {
         format!(
             "@media screen{{@container (max-width:{width}rem){{\
-             .{class},.{class} :is(caption,tbody,tr,td){{display:block}}.{class} :is(thead,.none){{display:none}}\
+             .{class},.{class} :is(caption,tbody,tr,td){{display:block}}.{class} :is(thead,.none,td:empty){{display:none}}\
              .{class} tr{{padding:.4rem 0;border-bottom:1px solid var(--line)}}\
              .{class} td{{border:0;padding:.1rem 0;max-width:none;text-align:right;white-space:normal;overflow-wrap:anywhere;overflow:hidden}}\
              .{class} td::before{{content:attr(data-head);float:left;padding-right:1rem;color:var(--soft);font-weight:normal}}\
