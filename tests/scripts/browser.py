@@ -111,8 +111,8 @@ class Browser:
             raise RuntimeError(answer["exceptionDetails"].get("exception", {}).get("description", expression))
         return answer["result"].get("value")
 
-    def frames(self, count=2):
-        """Waits for so many frames."""
+    def frames(self, count=1):
+        """Waits for so many frames; what was asked for before is drawn in the first."""
         self.run(f"new Promise(done => {{ let k = {count}; const next = () => k-- > 0 ? requestAnimationFrame(next) : done(); next(); }})")
 
     def mouse(self, kind, x, y, button="none", buttons=0, **more):

@@ -39,17 +39,17 @@ def hanging(count):
     return f"model Hanging {{\n    gravity: [0.0, 0.0, -9.81] m/s^2;\n    world {{\n{places}    }}\n{bodies}{springs}}}\n\n{RUN}"
 
 
-def frames(browser, page):
-    """Frames a second while the page plays, and when the first one came [ms]."""
+def frames(browser, page, span=4.0):
+    """Frames a second while the page plays, over a span of time [s], and when the first one came [ms]."""
     browser.open(page)
     browser.frames(3)
     first = browser.run("document.querySelector('canvas').dataset.first")
-    count = browser.run("""new Promise((done) => {
+    count = browser.run(f"const span = {1000 * span};" + """new Promise((done) => {
         document.querySelector('[data-mbd=speed]').value = '0.1';
         document.querySelector('[data-mbd=play]').click();
         const canvas = document.querySelector('canvas');
         const [before, start] = [Number(canvas.dataset.frames), performance.now()];
-        setTimeout(() => done((Number(canvas.dataset.frames) - before) / (performance.now() - start) * 1000), 4000);
+        setTimeout(() => done((Number(canvas.dataset.frames) - before) / (performance.now() - start) * 1000), span);
     })""")
     return count, float(first)
 

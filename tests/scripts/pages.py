@@ -1,9 +1,14 @@
-"""Opens the page of every ready scene, and of five as newcomers write them, in a real browser: nothing is complained about or fetched, the first frame
-comes soon, the scrubber, the drawing and all plots show one time, the drawing turns, moves and zooms, nothing is wider than a desk or a phone; and
-`mbd watch` shows what is saved.
+"""Opens the page of every ready scene, of five as newcomers write them, of 50 and 500 bodies and of a comparison in a real browser: nothing is complained about
+or fetched, the first frame comes soon, the scrubber, the drawing and all plots show one time, the drawing turns, moves and zooms, no table and no page is wider
+than a desk or a phone, text keeps its size, names in backticks are code; paper, and pages without a script, have the drawings that stand still; 50 bodies
+move at 30 frames a second; and `mbd watch` shows what is saved.
 
-    python3 tests/scripts/pages.py target/debug/mbd [SCENE …]
+    python3 tests/scripts/pages.py [--keep FOLDER] [--page FILE] target/debug/mbd [SCENE …]
+
+`--keep`: the runs stay in this folder, with their `motion.glb`. `--page`: this page is opened, too.
 """
+
+import argparse
 
 import glob
 import os
@@ -11,12 +16,20 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from browser import Browser  # noqa: E402
+from frames import flying, frames, hanging  # noqa: E402
 
 # A page shows its first frame so soon after it is opened [ms].
 FIRST = 1000
+# 50 bodies play at so many frames a second, drawn in software, over so long a time [s].
+FRAMES, MEASURED = 30, 0.7
+# The least height of letters, wherever they stand [px].
+LETTERS = 9
+# What is wider than the window leaves for it.
+CLIPPED = "[...document.querySelectorAll('.scroll')].filter(table => table.scrollWidth > table.clientWidth + 1).map(table => table.innerText.slice(0, 40))"
 # Scenes written from the documentation alone.
 NEWCOMERS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "newcomers", "*.mbd")
 # A scene that takes in a robot.
@@ -53,7 +66,7 @@ def check(browser, name, path, by_hand):
     """Everything that is asked of a page; what fails. `by_hand`: the drawing is turned, moved and zoomed, too."""
     failed = []
     browser.open(path)
-    browser.frames(2)
+    browser.frames()
 
     def expect(holds, what):
         if not holds:
@@ -70,7 +83,7 @@ def check(browser, name, path, by_hand):
         range.dispatchEvent(new Event('input'));
         return [document.querySelector('[data-mbd=now]').textContent, ...[...document.querySelectorAll('[data-plot]')].map(plot => plot.dataset.time)];
     })()""")
-    browser.frames(2)
+    browser.frames()
     moved = browser.run("document.querySelector('canvas').toDataURL()") != before
     still = browser.run("document.querySelector('[data-mbd=time]').disabled")
     expect(moved or still, "the drawing does not move with the scrubber")
@@ -87,9 +100,17 @@ def check(browser, name, path, by_hand):
         })()""")
         browser.mouse("mousePressed", *place, button="left", buttons=1)
         browser.mouse("mouseReleased", *place, button="left")
-        browser.frames(2)
-        share = browser.run("document.querySelector('[data-mbd=time]').value / 10000")
-        expect(abs(share - 0.25) < 0.05, f"a click at a quarter of a plot moved the scrubber to {share}")
+        browser.frames()
+        low, high, time, now = browser.run("""[
+            ...JSON.parse(document.getElementById('mbd-data').textContent).plots[0].x, Number(document.querySelector('[data-plot]').dataset.time),
+            parseFloat(document.querySelector('[data-mbd=now]').textContent),
+        ]""")
+        expect(abs((time - low) / (high - low) - 0.25) < 0.05, f"a click at a quarter of a plot from {low} to {high} moved it to {time}")
+        expect(abs(now - time) < 0.01, f"the plot was moved to {time}, the drawing to {now}")
+        # So does the mouse that points at it.
+        browser.mouse("mouseMoved", place[0] + 100, place[1])
+        pointed = browser.run("Number(document.querySelector('[data-plot]').dataset.time)")
+        expect(pointed > time, f"pointing at a plot behind {time} moved it to {pointed}")
         # A stretch that is dragged over is shown larger, and everything again after a double click.
         wide = browser.run("document.querySelector('[data-plot] .mbd-x').textContent")
         browser.mouse("mousePressed", *place, button="left", buttons=1)
@@ -103,11 +124,34 @@ def check(browser, name, path, by_hand):
     if by_hand:
         turned(browser, expect)
     expect(not browser.run("window.caught"), "a name or a word of the scene became markup")
-    for width, height in ((1280, 900), (390, 844)):
+    expect(not browser.run("document.body.innerText.includes('`')"), "there are literal backticks")
+    for width, height in ((1280, 900), *(((768, 1024),) if by_hand else ()), (390, 844)):
         browser.size(width, height)
         expect(browser.run("document.documentElement.scrollWidth <= window.innerWidth"), f"the page is wider than {width} px")
+        clipped = browser.run(CLIPPED)
+        expect(not clipped, f"tables are wider than {width} px leave for them: {clipped}")
+        small = browser.run("Math.min(...[...document.querySelectorAll('main svg text')].map(text => text.getBoundingClientRect().height).filter(Boolean), 99)")
+        expect(small >= LETTERS, f"letters of {small:.1f} px at {width} px")
+    browser.page("Emulation.setEmulatedMedia", media="print")
+    stands(browser, expect, "on paper")
     failed += [f"{name}: {error}" for error in browser.errors]
     return first, failed
+
+
+def stands(browser, expect, where):
+    """The drawings that stand still take the place of the player."""
+    shown = "[...document.querySelectorAll('%s')].filter(part => part.getClientRects().length).length"
+    expect(browser.run(shown % ".player, .dock") == 0, f"the player is {where}")
+    expect(browser.run(shown % ".still svg") > 0, f"no drawing is {where}")
+
+
+def without_script(browser, name, path):
+    """What fails where no script runs."""
+    failed = []
+    browser.open(path, script=False)
+    stands(browser, lambda holds, what: None if holds else failed.append(f"{name}: {what}"), "where no script runs")
+    browser.page("Emulation.setScriptExecutionDisabled", value=False)
+    return failed
 
 
 def turned(browser, expect):
@@ -120,7 +164,7 @@ def turned(browser, expect):
     })()""")
 
     def picture():
-        browser.frames(2)
+        browser.frames()
         return browser.run("document.querySelector('canvas').toDataURL()")
 
     def drag(**more):
@@ -139,6 +183,46 @@ def turned(browser, expect):
         act()
         seen.append(picture())
         expect(seen[-1] != seen[-2], f"a {what} does not change the drawing")
+
+
+def chosen(browser, path):
+    """What can be chosen beside the drawing changes it, names come under the mouse, and it plays and pauses. What fails. The scene is the crane."""
+    failed = []
+    browser.open(path)
+    find = "document.querySelector('[data-mbd=%s]')"
+    browser.run("(() => { const range = %s; range.value = 5000; range.dispatchEvent(new Event('input')); })()" % (find % "time"))
+
+    def picture():
+        browser.frames()
+        return browser.run("document.querySelector('canvas').toDataURL()")
+
+    for word in ("forces", "axes", "trails", "ground", "names"):
+        before = picture()
+        browser.run((find % word) + ".click()")
+        if picture() == before:
+            failed.append(f"crane: `{word}` changes nothing")
+    before = picture()
+    browser.run("(() => { const list = %s; list.selectedIndex = 2; list.dispatchEvent(new Event('change')); })()" % (find % "follow"))
+    if picture() == before:
+        failed.append("crane: `follow` changes nothing")
+    # What is followed is in the middle of the drawing.
+    middle = browser.run("(() => { const box = document.querySelector('canvas').getBoundingClientRect(); return [box.left + box.width / 2, box.top + box.height / 2]; })()")
+    browser.mouse("mouseMoved", *middle)
+    if not browser.run("!%s.hidden && %s.textContent === %s.selectedOptions[0].text" % (find % "tip", find % "tip", find % "follow")):
+        failed.append("crane: the name of what is under the mouse is not shown")
+    if "gradient" not in browser.run((find % "tension") + ".style.background"):
+        failed.append("crane: the colours of lines have no bar")
+    now = "Number(%s.value)" % (find % "time")
+    times = []
+    for _ in range(2):
+        browser.run((find % "play") + ".click()")
+        browser.frames(6)
+        times.append(browser.run(now))
+    browser.frames(6)
+    times.append(browser.run(now))
+    if not 5000 < times[0] <= times[1] == times[2]:
+        failed.append(f"crane: play and pause moved the time from 5000 to {times}")
+    return failed + [f"crane: {error}" for error in browser.errors]
 
 
 def watched(browser, program, folder):
@@ -182,34 +266,72 @@ def watched(browser, program, folder):
     return failed
 
 
+def made(program, folder, scene, name):
+    """Runs a scene. Its page, and what went wrong."""
+    out = os.path.join(folder, name)
+    # Whether a run is accurate is no matter here.
+    run = subprocess.run([program, "run", scene, "--no-estimate", "--gltf", "--out", out], capture_output=True, text=True)
+    page = os.path.join(out, "report.html")
+    return page, None if os.path.exists(page) else run.stderr.strip()
+
+
+def looked_at(browser, pages):
+    """What fails of pages that are looked at one by one, as their runs end."""
+    failed = []
+    for name, by_hand, page in pages:
+        page, error = page.result()
+        if error is not None:
+            failed.append(f"{name}: no page: {error}")
+            continue
+        first, wrong = check(browser, name, page, by_hand)
+        failed += wrong
+        print(f"{name}: first frame after {first:.0f} ms, {os.path.getsize(page) / 1e6:.2f} MB")
+    return failed
+
+
 def main():
-    program, *names = sys.argv[1:]
-    program = os.path.abspath(program)
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--keep")
+    arguments.add_argument("--page")
+    arguments.add_argument("program")
+    arguments.add_argument("scenes", nargs="*")
+    arguments = arguments.parse_args()
+    program = os.path.abspath(arguments.program)
     started, failed = time.monotonic(), []
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as runs:
+
+        def written(name, text):
+            file = os.path.join(folder, f"{name}.mbd")
+            with open(file, "w", encoding="utf-8") as to:
+                to.write(text)
+            return file
+
+        tricks = written("tricks", TRICKS)
+        many = [written("fifty", hanging(50)), written("five_hundred", flying(500).replace("2 s", "0.4 s"))]
+        everything = arguments.scenes or [*scenes(program), *sorted(glob.glob(NEWCOMERS)), tricks, *many]
+        keep = arguments.keep or folder
+        # The next scenes run while the page of one is looked at.
         pages = []
-        tricks = os.path.join(folder, "tricks.mbd")
-        with open(tricks, "w", encoding="utf-8") as file:
-            file.write(TRICKS)
-        everything = names or [*scenes(program), *sorted(glob.glob(NEWCOMERS)), tricks]
         for scene in everything:
             name = os.path.splitext(os.path.basename(scene))[0]
-            out = os.path.join(folder, "out", name)
-            # Whether a run is accurate is no matter here.
-            run = subprocess.run([program, "run", scene, "--no-estimate", "--out", out], capture_output=True, text=True)
-            page = os.path.join(out, "report.html")
-            if os.path.exists(page):
-                pages.append((scene, name, page))
-            else:
-                failed.append(f"{name}: no page: {run.stderr.strip()}")
+            pages.append((name, os.path.isfile(scene) and scene not in many, runs.submit(made, program, keep, scene, name)))
         browser = Browser()
         try:
-            for scene, name, page in pages:
-                first, wrong = check(browser, name, page, os.path.isfile(scene))
-                failed += wrong
-                print(f"{name}: first frame after {first:.0f} ms, {os.path.getsize(page) / 1e6:.2f} MB")
-            if not names:
+            failed += looked_at(browser, pages)
+            if not arguments.scenes:
+                by_name = {name: page.result()[0] for name, _, page in pages}
+                shown, _ = frames(browser, by_name["fifty"], MEASURED)
+                print(f"50 bodies: {shown:.0f} frames a second")
+                if shown < FRAMES:
+                    failed.append(f"50 bodies: {shown:.1f} frames a second")
+                failed += chosen(browser, by_name["crane"])
+                failed += without_script(browser, "swing", by_name["swing"])
+                compared = os.path.join(folder, "compare")
+                subprocess.run([program, "compare", "swing --tol 1e-3", "linkage", "--out", compared], check=True, capture_output=True)
+                failed += check(browser, "compare", os.path.join(compared, "compare.html"), False)[1]
                 failed += watched(browser, program, folder)
+            if arguments.page:
+                failed += check(browser, "page", arguments.page, False)[1]
         finally:
             browser.close()
     print(f"{len(pages)} pages in {time.monotonic() - started:.1f} s")

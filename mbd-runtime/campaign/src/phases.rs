@@ -1,6 +1,6 @@
 //! What is told of a run that came to several scenes: a table of its parts, and histories over all of them.
 
-use mbd_report::{Cell, Figure, Report, ReportTable, Series};
+use mbd_report::{Cell, Figure, RecordedMotion, Report, ReportTable, Run, Series};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Handover, Trajectory};
 
@@ -58,6 +58,15 @@ pub fn table(parts: &[FlownPart<'_>]) -> ReportTable {
         ]);
     }
     table
+}
+
+/// Adds the motion of all parts to a page: each is drawn while it lasts, with its number before its names.
+#[must_use]
+pub fn with_motion(page: Report, parts: &[Run<'_>]) -> Report {
+    let labels: Vec<String> = (1..=parts.len()).map(|number| number.to_string()).collect();
+    let labels = labels.iter().map(String::as_str);
+    let parts: Vec<(&str, Run<'_>)> = labels.zip(parts.iter().copied()).collect();
+    RecordedMotion::of_several(&parts).on(page)
 }
 
 /// Adds the histories over all parts to a page: outputs, and tensions of lines. `joined` is made of the histories of the parts.

@@ -4,7 +4,7 @@ use mbd_runtime::{Name, Trajectory};
 
 use super::figure::Figure;
 use super::html::Report;
-use super::playback::Playback;
+use super::motion::RecordedMotion;
 use super::plots::period;
 use super::series::Series;
 use super::views::Run;
@@ -15,7 +15,7 @@ const COLUMNS: usize = 40;
 /// Runs over each other, each with its label.
 #[derive(Clone, Debug)]
 pub struct Compared<'a> {
-    playback: Playback,
+    motion: RecordedMotion,
     curves: Vec<ComparedCurves<'a>>,
     left_out: usize,
 }
@@ -42,7 +42,7 @@ impl<'a> Compared<'a> {
         let left_out = curves.len().saturating_sub(COLUMNS);
         curves.truncate(COLUMNS);
         Compared {
-            playback: Playback::of_several(runs),
+            motion: RecordedMotion::of_several(runs),
             curves,
             left_out,
         }
@@ -51,7 +51,7 @@ impl<'a> Compared<'a> {
     /// A page with all motions in one drawing.
     #[must_use]
     pub fn with_motion(&self, report: Report) -> Report {
-        report.section("Motion").playback(self.playback.clone())
+        self.motion.on(report)
     }
 
     /// A page with the curves that the runs share, and their differences from the first.

@@ -129,6 +129,13 @@ impl Drawing {
         self
     }
 
+    /// The same with a label before its title.
+    #[must_use]
+    pub(super) fn labelled(mut self, label: &str) -> Self {
+        self.title = format!("{label}: {}", self.title);
+        self
+    }
+
     /// The text under the drawing.
     #[must_use]
     pub fn caption(mut self, caption: impl Into<String>) -> Self {

@@ -46,7 +46,7 @@ impl<'a> Film<'a> {
         }
     }
 
-    /// Times, straight between the rows around them.
+    /// Times, straight between the rows around them; no numbers before the first row and after the last.
     pub fn at_times(stage: &'a RecordedScene<'a>, wanted: &[f64]) -> Self {
         let times = stage.trajectory.times();
         let instant = |time: f64| {
@@ -56,9 +56,8 @@ impl<'a> Film<'a> {
             let row = next.saturating_sub(1);
             let [from, to] = [row, next].map(|row| times.get(row).copied().unwrap_or(f64::NAN));
             let share = match to > from {
-                true if time > to => f64::NAN,
+                _ if time < from || time > to => f64::NAN,
                 true => (time - from) / (to - from),
-                false if time > to => f64::NAN,
                 false => 0.0,
             };
             FilmInstant {

@@ -7,10 +7,10 @@ use super::drawing::Drawing;
 use super::figure::Figure;
 use super::files;
 use super::live::{PlotNumbers, at_the_end, player};
-use super::look::style_sheet;
+use super::look;
 use super::playback::Playback;
 use super::svg::{escape, link, words};
-use super::table::ReportTable;
+use super::table::{self, ReportTable};
 
 /// A report, written from top to bottom. No dates, no paths, no machine names: the same input gives the same bytes.
 ///
@@ -150,8 +150,9 @@ impl Report {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<title>{title}</title>\n\
-             <style>\n{STYLE}{}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{contents}{}{live}</main>\n</body>\n</html>\n",
-            style_sheet(),
+             <style>\n{STYLE}{}{}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{contents}{}{live}</main>\n</body>\n</html>\n",
+            table::style_sheet(),
+            look::style_sheet(),
             self.body
         )
     }

@@ -17,6 +17,8 @@ const PATHS: usize = 5;
 const DEEP: f64 = 0.1;
 /// What nothing holds and what travels further than this many of its own lengths is drawn about its own middle.
 const TRAVELS: f64 = 1.2;
+/// What is smaller than this part of its way is seen on all of it: a single thing, and several that keep together.
+const SMALL: [f64; 2] = [0.01, 1e-5];
 /// Places of a joint that are further apart than this slide on each other [m].
 const APART: f64 = 1e-9;
 
@@ -132,7 +134,8 @@ pub fn drawings(
         return Vec::new();
     };
     let mut paths = stage.paths(first..=last);
-    let travels = about_itself(&mut instants, &mut paths);
+    let least = SMALL[usize::from(scene.bodies.len() + scene.points.len() > 1)];
+    let travels = about_itself(&mut instants, &mut paths, least);
     let depth = extents(&instants, &paths);
     let upwards = upwards(scene, &stage.numbers);
     let planes = views(depth, scene.planar, upwards);
@@ -320,6 +323,7 @@ impl RecordedScene<'_> {
 fn about_itself(
     instants: &mut [Vec<SpatialPart>],
     paths: &mut Vec<(String, Vec<Vector3<f64>>)>,
+    least: f64,
 ) -> bool {
     let fixed = instants
         .iter()
@@ -329,7 +333,8 @@ fn about_itself(
         .iter()
         .map(|parts| extents(std::slice::from_ref(parts), &[]).max())
         .fold(0.0, f64::max);
-    if fixed || extents(instants, &[]).max() < TRAVELS * own {
+    let whole = extents(instants, &[]).max();
+    if fixed || whole < TRAVELS * own || own <= least * whole {
         return false;
     }
     paths.clear();

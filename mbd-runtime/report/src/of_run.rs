@@ -66,11 +66,20 @@ pub fn with_run<T: Float>(
     let page = page.section("The run").table(&table);
     let page = match metrics_table(&shown.trajectory.metrics(model.scene())) {
         table if table.is_empty() => page,
-        table => page.table(&table),
+        table => page.table(&table.note(covered(shown.trajectory))),
     };
     match params_of(model) {
         table if table.is_empty() => page,
         table => page.table(&table),
+    }
+}
+
+/// What the metrics of a history are of: whether the run was to go on is not known here.
+fn covered(history: &Trajectory) -> String {
+    match history.times() {
+        [first, .., last] => format!("Of the rows that the history holds, {first} s to {last} s."),
+        [one] => format!("Of the one row that the history holds, at {one} s."),
+        [] => "The history holds no row.".to_string(),
     }
 }
 

@@ -36,7 +36,8 @@ impl Playback {
         Playback { says, drawn }
     }
 
-    /// Several runs in one drawing, each with its label before its names; of the times of the one that lasts longest. Loads are not shown.
+    /// Several runs in one drawing, each with its label before its names and drawn while it lasts; at the times of the one that lasts longest, and
+    /// where that does not run at those of the others. Loads are not shown.
     #[must_use]
     pub fn of_several(runs: &[(&str, Run<'_>)]) -> Self {
         let stages: Vec<(&str, RecordedScene<'_>)> = runs
@@ -48,15 +49,11 @@ impl Playback {
                 )
             })
             .collect();
-        let end = |stage: &RecordedScene<'_>| stage.trajectory.times().last().copied();
-        let longest = stages.iter().max_by(|(_, a), (_, b)| {
-            let [a, b] = [a, b].map(|stage| end(stage).unwrap_or(f64::NEG_INFINITY));
-            a.total_cmp(&b)
-        });
-        let rows = longest.map(|(_, stage)| rows(stage)).unwrap_or_default();
-        let times = longest.map(|(_, stage)| stage.trajectory.times());
-        let times = rows.iter().filter_map(|row| times?.get(*row).copied());
-        let times: Vec<f64> = times.collect();
+        let ends = |stage: &RecordedScene<'_>| {
+            let times = stage.trajectory.times();
+            Some([*times.first()?, *times.last()?])
+        };
+        let times = common_times(&stages, ends);
         let mut says = Vec::new();
         let mut drawn: Option<Drawn> = None;
         for (label, stage) in &stages {
@@ -65,10 +62,14 @@ impl Playback {
                 Some(drawn) => drawn.append(film),
                 none => *none = Some(film),
             }
-            if let (Some(own), Some(last)) = (end(stage), times.last())
-                && own < *last
+            if let (Some([first, last]), [begin, .., end]) = (ends(stage), times.as_slice())
+                && (first > *begin || last < *end)
             {
-                says.push(format!("{label} ends at {own} s and is not drawn later."));
+                // Ends that were located have more digits than a reader needs.
+                let [first, last] = [first, last].map(|time| (time * 1e6).round() / 1e6);
+                says.push(format!(
+                    "{label} is drawn from {first} s to {last} s, while it runs."
+                ));
             }
         }
         Playback {
@@ -76,6 +77,30 @@ impl Playback {
             drawn: drawn.unwrap_or_default(),
         }
     }
+}
+
+/// The times at which several runs are drawn.
+fn common_times(
+    stages: &[(&str, RecordedScene<'_>)],
+    ends: impl Fn(&RecordedScene<'_>) -> Option<[f64; 2]>,
+) -> Vec<f64> {
+    let mut runs: Vec<(&RecordedScene<'_>, [f64; 2])> = stages
+        .iter()
+        .filter_map(|(_, stage)| Some((stage, ends(stage)?)))
+        .collect();
+    // The first of those that last longest.
+    runs.sort_by(|(_, a), (_, b)| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
+    let mut times: Vec<f64> = Vec::new();
+    let mut drawn: Vec<[f64; 2]> = Vec::new();
+    for (stage, span) in runs {
+        let own = stage.trajectory.times();
+        let own = rows(stage).into_iter().filter_map(|row| own.get(row));
+        let free = |time: &&f64| !drawn.iter().any(|[low, high]| (low..=high).contains(time));
+        times.extend(own.filter(free));
+        drawn.push(span);
+    }
+    times.sort_by(f64::total_cmp);
+    times
 }
 
 /// The rows that are shown.

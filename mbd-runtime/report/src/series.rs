@@ -12,6 +12,7 @@ pub struct Series<'a> {
     pub(super) look: Option<Look>,
     pub(super) period: Option<f64>,
     pub(super) dots: bool,
+    pub(super) marked: bool,
 }
 
 impl<'a> Series<'a> {
@@ -25,6 +26,7 @@ impl<'a> Series<'a> {
             look: None,
             period: None,
             dots: false,
+            marked: true,
         }
     }
 
@@ -42,6 +44,13 @@ impl<'a> Series<'a> {
         self
     }
 
+    /// Draws no marks at the pairs, however few they are: those of an outline are none of its data.
+    #[must_use]
+    pub fn unmarked(mut self) -> Self {
+        self.marked = false;
+        self
+    }
+
     /// Chooses the look; otherwise the figure hands them out in the order of [`Look::ALL`].
     #[must_use]
     pub fn look(mut self, look: Look) -> Self {
@@ -53,7 +62,13 @@ impl<'a> Series<'a> {
     pub(super) fn trace(&self, panel: &Panel<'_>) -> Trace {
         match self.dots {
             true => panel.dots(self.samples()),
-            false => panel.trace(self.samples(), self.period),
+            false => {
+                let mut trace = panel.trace(self.samples(), self.period);
+                if !self.marked && !trace.path.is_empty() {
+                    trace.marks.clear();
+                }
+                trace
+            }
         }
     }
 

@@ -53,6 +53,26 @@ impl<C: Into<Cell>> From<Option<C>> for Cell {
     }
 }
 
+/// What lies between two columns, in letters.
+const GAP: usize = 1;
+/// Tables that need more letters than this beside each other, the style of each, and the width of a page up to which it has no room for them [rem].
+const CARDS: [(usize, &str, u32); 2] = [(84, "broad", 54), (46, "wide", 34)];
+
+/// The style of tables that have no room: every row is a card, every cell has the head of its column beside it, and what is missing is left out.
+pub(super) fn style_sheet() -> String {
+    let narrow = |(_, class, width): (usize, &str, u32)| {
+        format!(
+            "@media screen{{@container (max-width:{width}rem){{\
+             .{class},.{class} :is(caption,tbody,tr,td){{display:block}}.{class} :is(thead,.none,td:empty){{display:none}}\
+             .{class} tr{{padding:.4rem 0;border-bottom:1px solid var(--line)}}\
+             .{class} td{{border:0;padding:.1rem 0;max-width:none;text-align:right;white-space:normal;overflow-wrap:anywhere;overflow:hidden}}\
+             .{class} td::before{{content:attr(data-head);float:left;padding-right:1rem;color:var(--soft);font-weight:normal}}\
+             .{class} td:first-child{{font-weight:bold}}}}}}\n"
+        )
+    };
+    CARDS.into_iter().map(narrow).collect()
+}
+
 #[derive(Clone, Debug)]
 struct TableColumn {
     name: String,
@@ -181,8 +201,11 @@ impl ReportTable {
     /// The table as HTML, title and notes included.
     #[must_use]
     pub fn html(&self) -> String {
+        let room = self.room();
+        let cards = CARDS.into_iter().find(|(least, ..)| room > *least);
+        let class = cards.map_or(String::new(), |(_, class, _)| format!(" class=\"{class}\""));
         let mut html = format!(
-            "<div class=\"table\"><div class=\"scroll\"><table>\n<caption>{}</caption>\n<thead><tr>",
+            "<div class=\"table\"><div class=\"scroll\"><table{class}>\n<caption>{}</caption>\n<thead><tr>",
             words(&self.title)
         );
         for (k, column) in self.columns.iter().enumerate() {
@@ -191,7 +214,7 @@ impl ReportTable {
                 unit => format!("<br><small>{}</small>", escape(unit)),
             };
             let name = escape(&column.name);
-            html += &format!("<th{}>{name}{unit}</th>", self.class(k));
+            html += &format!("<th{}>{name}{unit}</th>", self.class(k, None));
         }
         html += "</tr></thead>\n<tbody>\n";
         for row in &self.rows {
@@ -201,7 +224,15 @@ impl ReportTable {
                     Cell::Link { text, to } => link(text, to),
                     _ => words(shown),
                 };
-                html += &format!("<td{}>{content}</td>", self.class(k));
+                let column = &self.columns[k];
+                let head = match (cards, column.unit.as_str()) {
+                    (None, _) => String::new(),
+                    (_, "") => format!(" data-head=\"{}\"", escape(&column.name)),
+                    (_, unit) => {
+                        format!(" data-head=\"{} [{}]\"", escape(&column.name), escape(unit))
+                    }
+                };
+                html += &format!("<td{}{head}>{content}</td>", self.class(k, Some(cell)));
             }
             html += "</tr>\n";
         }
@@ -255,12 +286,28 @@ impl ReportTable {
             .any(|row| matches!(row[column], Cell::Text(_) | Cell::Link { .. }))
     }
 
-    fn class(&self, column: usize) -> &'static str {
-        if self.is_right(column) {
-            " class=\"right\""
-        } else {
-            ""
+    /// The style of a head, or of a cell.
+    fn class(&self, column: usize, cell: Option<&Cell>) -> &'static str {
+        match (self.is_right(column), cell) {
+            (true, Some(Cell::Missing)) => " class=\"right none\"",
+            (false, Some(Cell::Missing)) => " class=\"none\"",
+            (true, _) => " class=\"right\"",
+            (false, _) => "",
         }
+    }
+
+    /// How many letters stand beside each other where only words are kept whole: what a narrow window must have room for.
+    fn room(&self) -> usize {
+        let shown: Vec<Vec<String>> = self.rows.iter().map(|row| self.shown(row)).collect();
+        let longest = |text: &str| text.split_whitespace().map(length).max().unwrap_or(0);
+        let column = |k: usize| {
+            let cells = shown.iter().map(|row| match self.is_right(k) {
+                true => length(&row[k]),
+                false => longest(&row[k]),
+            });
+            cells.max().unwrap_or(0).max(longest(&self.columns[k].name)) + GAP
+        };
+        (0..self.columns.len()).map(column).sum()
     }
 }
 
@@ -325,6 +372,18 @@ mod tests {
         assert!(
             html.contains("<td>stepwise, &quot;BDF2&quot;</td><td class=\"right\">0.0481</td>")
         );
+    }
+
+    #[test]
+    fn a_wide_table_has_the_head_of_its_column_at_every_cell_and_a_narrow_one_has_not() {
+        assert!(!table().html().contains("data-head"));
+        let wide = (0..9).fold(ReportTable::new("Wide"), |table, k| {
+            table.column(&format!("column{k}"), "kN/m")
+        });
+        let html = wide.row([1.0.into()]).html();
+        assert!(html.contains("<table class=\"wide\">"));
+        assert!(html.contains("<td class=\"right\" data-head=\"column0 [kN/m]\">1.000</td>"));
+        assert!(html.contains("<td class=\"right none\" data-head=\"column8 [kN/m]\">–</td>"));
     }
 
     #[test]

@@ -6,11 +6,9 @@ use std::path::Path;
 use mbd_runtime::Trajectory;
 use mbd_runtime::scene::Scene;
 
-use super::drawing::Drawing;
 use super::files;
 use super::html::Report;
-use super::mechanism::drawings;
-use super::playback::Playback;
+use super::motion::RecordedMotion;
 use super::plots::{PlotGroup, groups};
 
 /// A run that is shown.
@@ -48,8 +46,7 @@ impl<'a> Run<'a> {
 /// What shows a run, for a page and as files.
 #[derive(Clone, Debug)]
 pub struct Views<'a> {
-    playback: Playback,
-    drawings: Vec<Drawing>,
+    motion: RecordedMotion,
     groups: Vec<PlotGroup<'a>>,
     times: &'a [f64],
 }
@@ -59,8 +56,7 @@ impl<'a> Views<'a> {
     #[must_use]
     pub fn new(run: &Run<'a>) -> Self {
         Views {
-            playback: Playback::new(run),
-            drawings: drawings(run.scene, run.params, run.instants, run.trajectory),
+            motion: RecordedMotion::new(run),
             groups: groups(run.scene, run.figures, run.trajectory),
             times: run.trajectory.times(),
         }
@@ -69,8 +65,7 @@ impl<'a> Views<'a> {
     /// A page with the mechanism as it moves.
     #[must_use]
     pub fn with_motion(&self, report: Report) -> Report {
-        let report = report.section("Motion").playback(self.playback.clone());
-        self.drawings.iter().fold(report, Report::drawing)
+        self.motion.on(report)
     }
 
     /// A page with the figures.
@@ -86,7 +81,7 @@ impl<'a> Views<'a> {
     /// # Errors
     /// A file cannot be written whole; the error names it.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
-        for (index, drawing) in self.drawings.iter().enumerate() {
+        for (index, drawing) in self.motion.drawings.iter().enumerate() {
             let view = if index == 0 { "" } else { "_side" };
             let file = folder.join(format!("mechanism{view}.svg"));
             files::write_text(&file, &drawing.svg())?;

@@ -1,6 +1,6 @@
 //! Pages of runs of a user's own models: what they show, what they say they do not, what cannot leave its place in them.
 
-use mbd_report::{Report, Run, Views, report};
+use mbd_report::{RecordedMotion, Report, Run, Views, report};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{
     Content, Generic, MissingMetric, Model, Options, Sampling, Simulation, Trajectory, model,
@@ -115,6 +115,46 @@ fn metrics_of_a_run_stand_on_its_page_and_say_why_they_have_no_value() {
     });
     assert_eq!(values[0].value, Err(MissingMetric::NotRecorded));
     assert!(html.contains("<code>highest</code> has no value: the history does not hold"));
+}
+
+#[test]
+fn metrics_of_a_page_say_of_which_rows_they_are() {
+    let (throw, options) = (
+        Throw::new(ThrowParams::default()).expect("the params that are declared"),
+        Options::rk4(0.1),
+    );
+    let mut history = Trajectory::new(&throw, Sampling::Every(0.1), Content::ALL);
+    let mut run = Simulation::new(&throw, options).expect("a model that runs");
+    let told = |history: &Trajectory| report(&throw, &options, history).html();
+    assert!(told(&history).contains("The history holds no row."));
+    run.record(0.5, &mut history).expect("a run that ends");
+    assert!(told(&history).contains("Of the rows that the history holds, 0 s to 0.5 s."));
+}
+
+#[test]
+fn runs_one_after_the_other_play_one_after_the_other() {
+    let toy = toy();
+    let mut run = Simulation::new(&toy, Options::rk4(0.01)).expect("a model that runs");
+    let mut part = |until: f64| {
+        let mut history = Trajectory::new(&toy, Sampling::Every(0.01), Content::ALL);
+        run.record(until, &mut history).expect("a run that ends");
+        history
+    };
+    let parts = [part(0.3), part(1.0)];
+    assert!(parts[1].times()[0] >= 0.3, "{}", parts[1].times()[0]);
+    let scene = Toy::scene();
+    let runs = parts.each_ref().map(|part| Run::new(&scene, &[], part));
+    let html = RecordedMotion::of_several(&[("1", runs[0]), ("2", runs[1])])
+        .on(Report::new("Both"))
+        .html();
+    for text in [
+        "1 is drawn from 0 s to 0.3 s, while it runs.",
+        "2 is drawn from 0.3 s to 1 s, while it runs.",
+        "1: Toy: the mechanism",
+        "2: Toy: the mechanism",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
 }
 
 #[test]

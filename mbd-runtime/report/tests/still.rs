@@ -151,3 +151,23 @@ fn a_history_without_motion_draws_no_solids() {
         !svg.contains("class=\"mbd-solid\"")
     }));
 }
+
+model! {
+    /// A stone that falls.
+    model Falling {
+        gravity: [0.0, 0.0, -10.0] m/s^2;
+        point stone { mass: 1 kg, start at [0.0, 0.0, 5.0] m }
+    }
+}
+
+#[test]
+fn a_single_point_that_falls_is_drawn_on_its_way() {
+    let model = Falling::new(FallingParams::default()).expect("no params");
+    let mut history = Trajectory::new(&model, Sampling::Every(0.1), Content::ALL);
+    let mut run = Simulation::new(&model, Options::rk4(0.01)).expect("a model that runs");
+    run.record(1.0, &mut history).expect("a run that ends");
+    let drawings = drawings(&Falling::scene(), &[], &[], &history);
+    // 5 m, upwards, in the plane with z.
+    assert_eq!(drawings.len(), 1);
+    assert!(drawings[0].svg().contains(">z [m]<"));
+}

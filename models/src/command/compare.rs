@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
+use models::describe::factor;
 use models::files;
-use models::report::{Cell, Compared, Report, ReportTable};
+use models::report::{Cell, Compared, Report, ReportTable, significant};
 use models::run::{Quality, metrics, shown};
 
 use super::failure::CommandFailure;
@@ -28,6 +29,9 @@ struct TypedRun {
     #[command(flatten)]
     run: RunArgs,
 }
+
+/// Numbers are shown with so many digits.
+const DIGITS: usize = 8;
 
 /// Runs everything and writes `compare.html`.
 pub fn compare(args: &CompareArgs) -> Result<String, CommandFailure> {
@@ -67,7 +71,7 @@ fn label(index: usize) -> String {
 fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
     let mut table = ReportTable::new("What differs").column("what", "");
     for index in 0..all.len() {
-        table = table.number(&label(index), "", 8);
+        table = table.number(&label(index), "", DIGITS);
     }
     let mut rows: Vec<(String, Vec<Cell>)> = vec![(
         "run".into(),
@@ -111,22 +115,23 @@ fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
             .map(|param| param.name.clone())
             .collect()
     }) {
-        row(&format!("param {name} [SI]"), &|run| {
-            let params = run.scene.params.iter().zip(&run.plan.params);
-            let mut found = params.filter(|(param, _)| param.name == name);
-            found.next().map(|(_, value)| *value).into()
-        });
+        rows.push(measured(&format!("param {name}"), all, |run| {
+            let mut params = run.scene.params.iter().zip(&run.plan.params);
+            let (param, value) = params.find(|(param, _)| param.name == name)?;
+            let unit = &param.unit;
+            Some((Some(*value / factor(unit)), unit.text.clone()))
+        }));
     }
     let declared = |run: &FinishedRun| {
         let metrics = run.scene.runs.metrics.iter();
         metrics.map(|metric| metric.name.clone()).collect()
     };
     for name in names(all, declared) {
-        row(&format!("metric {name}"), &|run| {
-            let metrics = metrics(&run.scene, &run.outcome).into_iter();
-            let mut found = metrics.filter(|metric| metric.name == name);
-            found.next().and_then(|metric| metric.value.ok()).into()
-        });
+        rows.push(measured(&format!("metric {name}"), all, |run| {
+            let mut metrics = metrics(&run.scene, &run.outcome).into_iter();
+            let metric = metrics.find(|metric| metric.name == name)?;
+            Some((metric.value.ok(), metric.unit))
+        }));
     }
     let columns = |run: &FinishedRun| -> Vec<String> {
         let names = run.outcome.trajectory.names().iter();
@@ -138,10 +143,12 @@ fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
         shown.map(|name| name.name.clone()).collect()
     };
     for name in names(all, columns) {
-        row(&format!("last {name}"), &|run| {
-            let column = run.outcome.trajectory.column(&name);
-            column.and_then(|column| column.last().copied()).into()
-        });
+        rows.push(measured(&format!("last {name}"), all, |run| {
+            let history = &run.outcome.trajectory;
+            let column = history.names().iter().find(|column| column.name == name)?;
+            let last = history.column(&name)?.last().copied();
+            Some((last, column.unit.clone()))
+        }));
     }
     for (index, (what, cells)) in rows.into_iter().enumerate() {
         let differs = cells.windows(2).any(|pair| pair[0] != pair[1]);
@@ -150,6 +157,30 @@ fn differences(all: &[(&str, FinishedRun)]) -> ReportTable {
         }
     }
     table.note("Rows in which all runs agree to the last digit are left out.")
+}
+
+/// A row of numbers with their unit: beside the name where it is that of all runs, else beside each number.
+fn measured(
+    what: &str,
+    all: &[(&str, FinishedRun)],
+    of: impl Fn(&FinishedRun) -> Option<(Option<f64>, String)>,
+) -> (String, Vec<Cell>) {
+    let found: Vec<Option<(Option<f64>, String)>> = all.iter().map(|(_, run)| of(run)).collect();
+    let mut units = found.iter().flatten().map(|(_, unit)| unit.as_str());
+    let first = units.next().unwrap_or_default();
+    let one = units.all(|unit| unit == first);
+    let cell = |found: &Option<(Option<f64>, String)>| match found {
+        Some((Some(value), unit)) if !one => {
+            Cell::from(format!("{} {unit}", significant(*value, DIGITS)))
+        }
+        Some((value, _)) => (*value).into(),
+        None => Cell::Missing,
+    };
+    let what = match first {
+        unit if one && !matches!(unit, "" | "1") => format!("{what} [{unit}]"),
+        _ => what.to_string(),
+    };
+    (what, found.iter().map(cell).collect())
 }
 
 /// Every name once, in the order in which they come.

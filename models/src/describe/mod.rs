@@ -8,7 +8,7 @@ mod things;
 pub use counts::{ambiguous, counts};
 pub use metrics::{metric_json, metrics};
 pub use operations::operations;
-pub use things::{node_model, params, things};
+pub use things::{factor, node_model, params, things};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! The things of a scene, one table a kind.
 
 use mbd_runtime::scene::laws::{Numbers, starts};
-use mbd_runtime::scene::{Clamp, Difference, Layout, NodeModel, Place, PointKind, Scene};
+use mbd_runtime::scene::{Clamp, Difference, Layout, NodeModel, Place, PointKind, Scene, Unit};
 
 use super::metrics::metrics;
 use crate::report::{Cell, ReportTable};
@@ -229,11 +229,7 @@ pub fn params(scene: &Scene) -> ReportTable {
         .column("unit", "")
         .column("what", "");
     for param in &scene.params {
-        let factor = if param.unit.factor > 0.0 {
-            param.unit.factor
-        } else {
-            1.0
-        };
+        let factor = factor(&param.unit);
         let [low, high] = param
             .range
             .map_or([None; 2], |range| range.map(|end| Some(end / factor)));
@@ -247,4 +243,13 @@ pub fn params(scene: &Scene) -> ReportTable {
         ]);
     }
     table
+}
+
+/// One of a unit in SI; numbers without a unit are as they are.
+#[must_use]
+pub fn factor(unit: &Unit) -> f64 {
+    match unit.factor {
+        factor if factor > 0.0 => factor,
+        _ => 1.0,
+    }
 }

@@ -2,6 +2,7 @@
 
 pub mod comparison;
 pub mod figures;
+pub mod motion;
 pub mod prepare;
 pub mod scene;
 pub mod stability;
@@ -36,7 +37,7 @@ pub fn write(study: &Study, folder: &Path) -> io::Result<ParachuteSummary> {
         let file = folder.join(format!("{}.svg", named.name));
         files::write_text(&file, &named.figure.svg())?;
     }
-    let mut report = Report::new("A capsule under a parachute: the confluence as a point with mass and as an equilibrium point")
+    let report = Report::new("A capsule under a parachute: the confluence as a point with mass and as an equilibrium point")
         .section("What was run")
         .paragraph(
             "Two rigid bodies, a canopy of 16 kg and a capsule of 761 kg, joined by a riser and three bridle legs that meet at one point, fall \
@@ -44,6 +45,9 @@ pub fn write(study: &Study, folder: &Path) -> io::Result<ParachuteSummary> {
              B. Raiszadeh (AAS 03-163, 2003) replaced it by the point where the line forces balance. Both are flown here with RK4 at fixed steps, from \
              one declaration each, and measured against tight reference runs of the same model.",
         )
+;
+    let report = motion::motion(&study.moving).on(report);
+    let mut report = report
         .section("What came out")
         .table(&summary::table(study))
         .table(&summary::ratios(study))

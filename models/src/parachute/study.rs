@@ -1,6 +1,7 @@
 //! The study: every model of the confluence flown on both test cases, measured against tight references.
 
 use super::comparison::{END, TONE, TONE_STEP, errors, grid, options};
+use super::motion::{MovingFlight, moving};
 use super::prepare::{Prepared, Task, prepare};
 use super::scene::{SceneInstant, TestCase};
 use super::stability::StabilityLimit;
@@ -86,6 +87,8 @@ pub struct Study {
     pub runs: Vec<StudyRun>,
     /// Equal-error races, one for each replaced mass.
     pub races: Vec<TimedPair>,
+    /// What is shown as it moves.
+    pub moving: Vec<MovingFlight>,
     /// Weight of the capsule where it ends [N].
     pub weight: f64,
 }
@@ -138,6 +141,7 @@ pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
     Ok(Study {
         runs,
         races,
+        moving: moving()?,
         weight,
     })
 }

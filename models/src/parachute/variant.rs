@@ -130,6 +130,8 @@ pub struct FlightPlan {
     pub options: Options,
     /// The rows to keep.
     pub sampling: Sampling,
+    /// What is in them.
+    pub content: Content,
 }
 
 impl FlightPlan {
@@ -142,6 +144,7 @@ impl FlightPlan {
             until,
             options,
             sampling: Sampling::At(vec![until]),
+            content: Content::RESULTS,
         }
     }
 
@@ -149,6 +152,13 @@ impl FlightPlan {
     #[must_use]
     pub fn sampled(mut self, times: &[f64]) -> Self {
         self.sampling = Sampling::At(times.to_vec());
+        self
+    }
+
+    /// The same with the motion, too.
+    #[must_use]
+    pub fn moving(mut self) -> Self {
+        self.content = Content::ALL;
         self
     }
 
@@ -224,7 +234,18 @@ impl From<RunError> for FlightError {
 /// # Errors
 /// Parameters outside their declaration, or what stopped the run.
 pub fn fly(plan: &FlightPlan) -> Result<Flight, FlightError> {
-    match plan.confluence {
+    with_model(plan.confluence, |model| fly_model(plan, model))
+}
+
+/// Does something with the compiled model of a confluence.
+///
+/// # Errors
+/// Parameters outside their declaration, or those of what is done.
+pub fn with_model<R>(
+    confluence: Confluence,
+    act: impl FnOnce(&dyn Model<f64>) -> Result<R, FlightError>,
+) -> Result<R, FlightError> {
+    match confluence {
         Confluence::Mass(kg, damping) => {
             let mut params = ParachuteMassParams {
                 m_point: kg,
@@ -234,24 +255,13 @@ pub fn fly(plan: &FlightPlan) -> Result<Flight, FlightError> {
                 params.riser_c = 0.0;
                 params.leg_c = 0.0;
             }
-            fly_model(plan, &ParachuteMass::new(params)?)
+            act(&ParachuteMass::new(params)?)
         }
-        Confluence::Static => fly_model(
-            plan,
-            &ParachuteStatic::new(ParachuteStaticParams::default())?,
-        ),
-        Confluence::Stepwise => fly_model(
-            plan,
-            &ParachuteStepwise::new(ParachuteStepwiseParams::default())?,
-        ),
-        Confluence::Euler => {
-            fly_model(plan, &ParachuteEuler::new(ParachuteEulerParams::default())?)
-        }
-        Confluence::Literal => fly_model(
-            plan,
-            &ParachuteLiteral::new(ParachuteLiteralParams::default())?,
-        ),
-        Confluence::Rate => fly_model(plan, &ParachuteRate::new(ParachuteRateParams::default())?),
+        Confluence::Static => act(&ParachuteStatic::new(ParachuteStaticParams::default())?),
+        Confluence::Stepwise => act(&ParachuteStepwise::new(ParachuteStepwiseParams::default())?),
+        Confluence::Euler => act(&ParachuteEuler::new(ParachuteEulerParams::default())?),
+        Confluence::Literal => act(&ParachuteLiteral::new(ParachuteLiteralParams::default())?),
+        Confluence::Rate => act(&ParachuteRate::new(ParachuteRateParams::default())?),
     }
 }
 
@@ -265,7 +275,7 @@ pub fn fly_model(plan: &FlightPlan, model: &dyn Model<f64>) -> Result<Flight, Fl
     if owner(model) == ConfluenceOwner::Solver {
         simulation.set_nodes(&plan.from.point)?;
     }
-    let mut history = Trajectory::new(model, plan.sampling.clone(), Content::RESULTS);
+    let mut history = Trajectory::new(model, plan.sampling.clone(), plan.content);
     let clock = Clock::now();
     simulation.record(plan.until, &mut history)?;
     let wall_s = clock.elapsed().as_secs_f64();

@@ -40,7 +40,8 @@ pub fn publish(
     if let Some(error) = &outcome.error {
         report = report.paragraph(&format!("The run stopped early: {error}"));
     }
-    report = views.with_motion(report).section("The run").table(&table);
+    report = views.with_histories(views.with_motion(report));
+    report = report.section("The run").table(&table);
     let metrics = metrics_table(&metrics(scene, outcome));
     if !metrics.is_empty() {
         report = report.table(&metrics);
@@ -51,7 +52,6 @@ pub fn publish(
     if !outcome.trajectory.events.is_empty() {
         report = report.table(&events(&outcome.trajectory));
     }
-    report = views.with_histories(report);
     report = report.section("The scene").table(&describe::counts(scene));
     for things in describe::things(scene) {
         report = report.table(&things);

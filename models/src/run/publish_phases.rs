@@ -4,7 +4,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use mbd_campaign::phases::{FlownPart, table, with_histories};
+use mbd_campaign::phases::{FlownPart, table, with_histories, with_motion};
 use mbd_runtime::{Joined, Sampling, Trajectory};
 use serde::Serialize;
 use serde_json::Value;
@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::Phase;
 use super::outcome::CONTENT;
 use super::phases::Segment;
-use super::publish::publish;
+use super::publish::{publish, shown};
 use super::summary::summary_json;
 use crate::files;
 use crate::report::{Report, ReportTable};
@@ -122,12 +122,12 @@ fn page(
             page = page.paragraph(&format!("The run stopped early: {error}"));
         }
         let to = folder_of(index, phase).join("report.html");
-        let text = format!(
-            "{}. {}, with its motion",
-            index + 1,
-            phase.model.scene().name
-        );
+        let text = format!("{}. {} alone", index + 1, phase.model.scene().name);
         page = page.link(&text, &to.to_string_lossy());
     }
+    let runs = told(phases, segments);
+    let runs =
+        runs.map(|(_, phase, segment)| shown(phase.model.scene(), &segment.plan, &segment.outcome));
+    let page = with_motion(page, &runs.collect::<Vec<_>>());
     with_histories(page, parts, joined)
 }

@@ -211,7 +211,7 @@ fn node_models_refuse_scenes_they_cannot_hold() {
         start(undamped),
         Some(NodeError::InvalidLine {
             line: 0,
-            what: "damping at a node with `equilibrium: rate`",
+            what: "damping at a node with equilibrium: rate",
             ..
         })
     ));

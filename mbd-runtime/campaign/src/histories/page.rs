@@ -36,7 +36,7 @@ pub fn pages(
                 let name = &part.model.scene().name;
                 let (title, file) = (format!("{number}. {name}"), part_of(row.case, number));
                 let to = file.rsplit('/').next().unwrap_or_default();
-                own = own.link(&format!("{title}, with its motion"), to);
+                own = own.link(&format!("{title} alone"), to);
                 let page = Report::new(format!("{title}: case {}", row.case));
                 let back = page_of(row.case);
                 let page = page.link(
@@ -45,7 +45,8 @@ pub fn pages(
                 );
                 all.push((file, with_part(page, part)));
             }
-            own = phases::with_histories(own, &told, history);
+            let runs: Vec<Run<'_>> = parts.iter().map(shown).collect();
+            own = phases::with_histories(phases::with_motion(own, &runs), &told, history);
         }
     }
     all.push((page_of(row.case), own));
@@ -67,13 +68,16 @@ fn opening(title: String, row: &CaseRow, chosen: &Chosen) -> Report {
 
 /// What was flown in one scene.
 fn with_part(report: Report, part: &CasePart) -> Report {
-    let shown = Run {
+    with_run(report, (&*part.model, &part.plan.options), &shown(part))
+}
+
+fn shown(part: &CasePart) -> Run<'_> {
+    Run {
         inputs: Some(&part.plan.inputs),
         instants: &part.plan.instants,
         figures: &part.plan.figures,
         ..Run::new(part.model.scene(), &part.plan.params, &part.history)
-    };
-    with_run(report, (&*part.model, &part.plan.options), &shown)
+    }
 }
 
 /// What was dispersed, and the metrics, beside those of the nominal.

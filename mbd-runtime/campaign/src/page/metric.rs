@@ -42,15 +42,27 @@ fn figures(report: Report, told: &Told) -> Report {
     let mut histogram = Figure::new(format!("{}: share of cases", told.name))
         .x(&told.name, &told.unit)
         .y("share", "")
-        .series(Series::new("cases", &centres, &shares).look(Look::Solid));
+        .series(
+            Series::new("cases", &centres, &shares)
+                .look(Look::Solid)
+                .unmarked(),
+        );
     let mut cumulated = Figure::new(format!("{}: part of the cases at or below", told.name))
         .x(&told.name, &told.unit)
         .y("part", "")
         .series(Series::new("cases", &told.sorted, &parts).look(Look::Solid))
         .caption("The nominal case is not counted.");
     for [x, share, part] in &lines {
-        histogram = histogram.series(Series::new("required", x, share).look(Look::Dashed));
-        cumulated = cumulated.series(Series::new("required", x, part).look(Look::Dashed));
+        histogram = histogram.series(
+            Series::new("required", x, share)
+                .look(Look::Dashed)
+                .unmarked(),
+        );
+        cumulated = cumulated.series(
+            Series::new("required", x, part)
+                .look(Look::Dashed)
+                .unmarked(),
+        );
     }
     report.figure(&histogram).figure(&cumulated)
 }

@@ -1,6 +1,8 @@
 // The eye: where it looks from, and where a place in the world lies on the canvas.
 
 const VIEW = Math.tan(Math.PI / 10);
+// What is looked at fills this part of the canvas: marks have a size of their own.
+const FILLED = 0.9;
 
 class Camera {
   /** `up` is up in the world; `from` the direction it is looked at from, if that matters. */
@@ -38,11 +40,16 @@ class Camera {
     this.distance = Math.min(this.far, Math.max(this.far * 1e-7, this.distance * factor));
   }
 
-  /** Stands so that a ball of this radius fills the view. */
-  fit(radius) {
-    this.distance = Math.max(radius, 1e-9) / VIEW / 0.98;
-    this.far = this.distance * 100;
+  /** Stands so that places around what is looked at fill a canvas of this size [px]. */
+  fit(places, width, height) {
     this.offset = [0, 0, 0];
+    this.aim(width, height);
+    this.distance = 1e-9;
+    for (const v of places) {
+      const wide = Math.max(Math.abs(dot(v, this.right)) / width, Math.abs(dot(v, this.above)) / height);
+      this.distance = Math.max(this.distance, dot(v, this.back) + (2 * this.focus * wide) / FILLED);
+    }
+    this.far = this.distance * 100;
   }
 
   /** Prepares for a canvas of this size [px]. */

@@ -165,7 +165,7 @@ class Painter {
     for (const shape of body.shapes) this.addShape(shape, now, index);
     for (const k of body.rods) this.segment(now.p, add(now.p, turn(now.m, body.arms[k])), this.ink, 2.2);
     if (this.show.axes) {
-      const length = 0.06 * this.stage.size;
+      const length = Math.min(0.06 * this.stage.size, 0.6 * this.stage.grain);
       const colours = ['#d0342c', '#2c9a3f', '#2f6fd0'];
       [0, 1, 2].forEach((k) => this.segment(now.p, add(now.p, now.m.map((row) => row[k]), length), colours[k], 1.4));
     }
@@ -228,14 +228,15 @@ class Painter {
     this.add(depth, () => { paint(0.4, this.hue(index, -0.5)); paint(-0.4, this.hue(index, 0.5)); });
   }
 
-  /** Lines: red where they pull most, dashed where they are slack. */
+  /** Lines: red where they pull most, violet where they push, dashed where they are slack. */
   addLines(now) {
-    const { data, pull } = this.stage;
+    const { data, pull, push } = this.stage;
+    const most = Math.max(pull, push) || 1;
     for (const line of data.lines) {
       const [a, b] = [now.place(line.a), now.place(line.b)];
       const tension = blend(line.tension, now.row);
       const slack = line.slack[now.row[0]] === 1;
-      this.segment(a, b, slack ? this.soft : tensionColour(Math.abs(tension) / (pull || 1), this.dark), slack ? 1.2 : 2, slack ? [3, 4] : []);
+      this.segment(a, b, slack ? this.soft : tensionColour(tension / most, this.dark), slack ? 1.2 : 2, slack ? [3, 4] : []);
       this.name(add(a, add(b, a, -1), 0.5), () => `${line.name}: ${slack ? 'slack' : `${shown(tension)} N`}`);
     }
   }
@@ -331,9 +332,9 @@ class Painter {
   }
 }
 
-/** From grey over blue to red. */
+/** From grey over blue and green to red where it pulls, to violet where it pushes: -1 … 1. */
 function tensionColour(share, dark) {
-  const s = Math.max(0, Math.min(1, share));
-  const hue = 210 - 205 * Math.sqrt(s);
-  return `hsl(${hue.toFixed(0)},${(30 + 60 * Math.sqrt(s)).toFixed(0)}%,${dark ? 62 : 45}%)`;
+  const s = Math.sqrt(Math.min(1, Math.abs(share)));
+  const hue = 210 + (share < 0 ? 90 : -205) * s;
+  return `hsl(${hue.toFixed(0)},${(30 + 60 * s).toFixed(0)}%,${dark ? 62 : 45}%)`;
 }

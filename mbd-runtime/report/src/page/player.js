@@ -50,12 +50,24 @@ class Player {
     data.bodies.forEach((body, k) => option(follow, `body ${k}`, body.name));
     data.points.forEach((point, k) => option(follow, `point ${k}`, point.name));
     follow.value = this.stage.travels ? 'middle' : 'none';
+    this.find('tension').parentElement.hidden = !data.lines.length;
+    this.bar();
     this.find('forces').parentElement.hidden = !data.arrows.length;
     const longest = Object.entries(this.stage.longest).map(([symbol, size]) => `${shown(size)} ${symbol}`);
     this.scales = [
-      data.lines.length ? `lines from 0 N to ${shown(this.stage.pull)} N: grey, blue, red; dashed: slack` : '',
       longest.length ? `longest arrows: ${longest.join(', ')}` : '',
     ];
+  }
+
+  /** The colours of lines with their tensions. */
+  bar() {
+    const { pull, push, data } = this.stage;
+    const most = Math.max(pull, push) || 1;
+    const [low, high] = [-push / most, pull / most];
+    const colours = Array.from({ length: 41 }, (_, k) => tensionColour(low + ((high - low) * k) / 40, this.painter.dark));
+    this.find('tension').style.background = `linear-gradient(to right,${colours.join()})`;
+    this.find('least').textContent = push ? `lines push ${shown(push)} N` : 'lines pull 0 N';
+    this.find('most').textContent = `${push ? 'pull ' : ''}${shown(pull)} N${data.lines.some((line) => line.slack.includes(1)) ? '; slack ones are dashed' : ''}`;
   }
 
   controls() {
@@ -75,7 +87,7 @@ class Player {
     this.find('closer').addEventListener('click', () => this.zoom(this.narrowed(0.5)));
     this.find('wider').addEventListener('click', () => this.zoom(this.narrowed(2)));
     new ResizeObserver(() => this.request()).observe(this.canvas);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { this.painter.restyle(); this.request(); });
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { this.painter.restyle(); this.bar(); this.request(); });
   }
 
   mouse() {
@@ -150,7 +162,7 @@ class Player {
 
   reset() {
     this.camera.target = this.stage.travels ? this.stage.middle(this.stage.at(this.time)) : this.stage.centre;
-    this.camera.fit(this.stage.radius);
+    this.camera.fit(this.stage.around, this.canvas.clientWidth, this.canvas.clientHeight);
   }
 
   /** Goes to a time: the drawing, the scrubber and all plots. */

@@ -14,8 +14,9 @@ class Stage {
     });
     data.arrows.forEach((arrow) => { arrow.v = unpack(Float32Array, arrow.v); });
     this.solids = data.solids.map((solid) => new Solid(solid));
-    const most = (list) => list.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0);
-    this.pull = Math.max(...data.lines.map((line) => most(line.tension)), 0);
+    // What lines pull at most, and what springs push at most [N].
+    const most = (sign) => data.lines.reduce((most, line) => line.tension.reduce((most, x) => (sign * x > most ? sign * x : most), most), 0);
+    [this.pull, this.push] = [most(1), most(-1)];
     this.longest = {};
     for (const arrow of data.arrows) {
       for (let k = 0; k + 2 < arrow.v.length; k += 3) {
@@ -24,6 +25,11 @@ class Stage {
       }
     }
     this.measure();
+    // Torques that the forces would make on an arm of nothing are what is left of zero.
+    const { N, 'N m': couple } = this.longest;
+    if (couple < 1e-9 * N * this.size) delete this.longest['N m'];
+    if (N * this.size < 1e-9 * couple) delete this.longest.N;
+    data.arrows = data.arrows.filter(({ unit }) => this.longest[unit]);
   }
 
   /** Where everything is at a time. */
@@ -42,8 +48,8 @@ class Stage {
     return { row, bodies, points, frames, place };
   }
 
-  /** The lowest and the highest corner of everything as it is; null of nothing. */
-  bounds(now) {
+  /** The ends of everything as it is. */
+  places(now) {
     const places = [...now.points, ...this.data.frames.map((frame, k) => (frame.used ? now.frames[k] : [NaN, 0, 0]))];
     this.data.bodies.forEach((body, k) => {
       const { p, m } = now.bodies[k];
@@ -52,43 +58,55 @@ class Stage {
       const half = m.map((row) => Math.abs(row[0]) * reach[0] + Math.abs(row[1]) * reach[1] + Math.abs(row[2]) * reach[2]);
       places.push(add(p, half), add(p, half, -1));
     });
-    return union(places.filter(finite).map((p) => [p, p]));
+    return places.filter(finite);
   }
 
   /** How large it is, how far it travels, where the ground lies. */
   measure() {
     const [start, end] = [this.times[0], this.times[this.times.length - 1]];
-    const boxes = [];
-    for (let k = 0; k <= 40; k++) boxes.push(this.bounds(this.at(start + ((end - start) * k) / 40)));
-    const seen = boxes.filter(Boolean);
-    const [low, high] = union(seen) || [[0, 0, 0], [0, 0, 0]];
+    const instants = Array.from({ length: 41 }, (_, k) => this.at(start + ((end - start) * k) / 40));
+    const placed = instants.map((now) => this.places(now)).filter((places) => places.length);
+    const seen = placed.map(box);
+    const [low, high] = box(seen.length ? seen.flat() : [[0, 0, 0]]);
     const length = ([low, high]) => norm(add(high, low, -1));
     const own = Math.max(1e-9, ...seen.map(length));
     const whole = length([low, high]);
-    // What nothing holds and what goes further than its own size is followed; what has no size is seen on its whole way.
-    this.travels = !this.data.frames.some((frame) => frame.used) && whole > 1.2 * own && own > 0.01 * whole;
-    this.centre = add(low, add(high, low, -1), 0.5);
+    // What nothing holds and what goes further than its own size is followed; a single thing that is small beside its way is seen on all of it.
+    const least = this.data.bodies.length + this.data.points.length > 1 ? 1e-5 : 0.01;
+    this.travels = !this.data.frames.some((frame) => frame.used) && whole > 1.2 * own && own > least * whole;
+    this.centre = halfway([low, high]);
     this.radius = Math.max((this.travels ? own : whole) / 2, 1e-9);
+    // Everything at all these instants, seen from what the eye looks at.
+    this.around = placed.flatMap((places, k) => {
+      const middle = this.travels ? halfway(seen[k]) : this.centre;
+      return places.map((place) => add(place, middle, -1));
+    });
     this.size = 2 * this.radius;
     // How large a body is, as most are.
     const sizes = this.data.bodies.map((body) => 2 * Math.max(norm(body.reach), ...body.arms.map(norm))).sort((a, b) => a - b);
     this.grain = sizes[sizes.length >> 1] || this.size;
     // The ground of the world where it is in reach, else below everything.
     const { up } = this.data;
-    const least = Math.min(dot(low, up), dot(high, up));
-    this.floor = least >= 0 && least < whole ? 0 : least;
+    const lowest = Math.min(dot(low, up), dot(high, up));
+    this.floor = lowest >= 0 && lowest < whole ? 0 : lowest;
   }
 
   /** The middle of everything as it is. */
   middle(now) {
-    const box = this.bounds(now);
-    return box ? add(box[0], add(box[1], box[0], -1), 0.5) : this.centre;
+    const places = this.places(now);
+    return places.length ? halfway(box(places)) : this.centre;
   }
 }
 
-/** The box around boxes; null of none. */
-function union(boxes) {
-  if (!boxes.length) return null;
-  const ends = (which, pick) => [0, 1, 2].map((k) => boxes.reduce((x, box) => pick(x, box[which][k]), boxes[0][which][k]));
-  return [ends(0, Math.min), ends(1, Math.max)];
+/** The lowest and the highest corner of places. */
+function box(places) {
+  const low = [...places[0]], high = [...places[0]];
+  for (const place of places) {
+    for (let k = 0; k < 3; k++) {
+      if (place[k] < low[k]) low[k] = place[k];
+      if (place[k] > high[k]) high[k] = place[k];
+    }
+  }
+  return [low, high];
 }
+const halfway = ([low, high]) => add(low, add(high, low, -1), 0.5);

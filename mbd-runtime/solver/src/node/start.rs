@@ -125,7 +125,7 @@ impl<T: Float> Nodes<T> {
                 {
                     return Err(NodeError::InvalidLine {
                         line: line.line,
-                        what: "damping at a node with `equilibrium: rate`",
+                        what: "damping at a node with equilibrium: rate",
                         value: numbers.damping.to_f64(),
                     });
                 }

@@ -69,6 +69,11 @@ fn a_capsule_falls_by_the_closed_forms_of_both_phases() {
         assert!((found - exact).abs() < 1e-9, "{column}: {found} {exact}");
     }
     assert_eq!(summary["reached_s"], 5.0);
+    // Both play on the page of the whole.
+    let page = std::fs::read_to_string(folder.0.join("out/report.html")).unwrap();
+    for words in ["1: capsule", "2: capsule", "is drawn from 0 s to"] {
+        assert!(page.contains(words), "{words}");
+    }
     // One history: both phases, a column that the first has not is empty in its rows.
     let csv = std::fs::read_to_string(folder.0.join("out/history.csv")).expect("a history");
     let mut lines = csv.lines();

@@ -122,6 +122,7 @@ fn the_picture_of_the_extra_mode_is_that_of_the_main_job() {
             flown(Confluence::Static, 0.01),
         ],
         races: Vec::new(),
+        moving: Vec::new(),
         weight: f64::NAN,
     };
     let figures = figures(&study);
