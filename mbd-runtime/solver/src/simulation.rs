@@ -183,6 +183,7 @@ pub struct Simulation<T: Float> {
     pub(crate) options: Options,
     guess: Option<Vec<T>>,
     moved: Vec<Moved>,
+    singular_start: bool,
     /// Whether what is held has changed since the first stage of the next step was evaluated.
     stale: bool,
     /// What functions of time and state gave at the end of the last call; empty where that is not known.
@@ -206,6 +207,13 @@ impl<T: Float> Simulation<T> {
     #[must_use]
     pub fn start_moved(&self) -> &[Moved] {
         &self.moved
+    }
+
+    /// Whether the start is a singular position of the joints: one where rows repeat each other that do nowhere else, as of bars in one line. More
+    /// than one motion is possible from there, and which one a run takes is decided by rounding.
+    #[must_use]
+    pub fn starts_singular(&self) -> bool {
+        self.singular_start
     }
 
     /// The model that is run.

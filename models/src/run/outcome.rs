@@ -29,6 +29,8 @@ pub struct RunOutcome {
     pub ended_by: Option<String>,
     /// What the start moved so that the joints hold, the largest distance first.
     pub moved: Vec<Moved>,
+    /// Whether the start is a singular position of the joints.
+    pub singular_start: bool,
     /// Energy that the run made or lost; `None` where it cannot be told.
     pub imbalance: Option<Imbalance>,
     /// Momentum that the run made or lost; `None` where the ground holds something, or nothing moved.
@@ -97,7 +99,7 @@ pub(super) fn fly_on(
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
     let mut trajectory = Trajectory::new(model, sampling, CONTENT);
     let started = Instant::now();
-    let (mut time, mut moved) = (0.0, Vec::new());
+    let (mut time, mut moved, mut singular_start) = (0.0, Vec::new(), false);
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
     let mut fly = |mut simulation: Simulation<f64>| {
         let mut watch = |now: f64| {
@@ -107,6 +109,7 @@ pub(super) fn fly_on(
         let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
         time = simulation.time();
         moved = simulation.start_moved().to_vec();
+        singular_start = simulation.starts_singular();
         (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
         momentum = simulation.momentum_imbalance();
         stop.map(|stop| (simulation, stop))
@@ -129,6 +132,7 @@ pub(super) fn fly_on(
         time,
         error,
         moved,
+        singular_start,
         wall_s: started.elapsed().as_secs_f64(),
         trajectory,
     };

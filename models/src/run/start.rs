@@ -19,9 +19,22 @@ pub fn moved<'a>(plan: &RunPlan, outcome: &'a RunOutcome) -> Option<&'a Moved> {
     outcome.moved.iter().find(placed)
 }
 
-/// One sentence where a body that the declaration or the settings place starts somewhere else; `None` where all start where they were asked to.
+/// One sentence where a body that the declaration or the settings place starts somewhere else, and one where the start is singular; `None` where all
+/// start where they were asked to, and one motion follows.
 #[must_use]
 pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
+    let singular = outcome.singular_start.then(|| {
+        "warning: the start is a singular position of the joints (bars in one line, say): more than one motion is possible from there, and rounding decides \
+         which; begin beside it, `start: 1 deg` of a coordinate, or with a rate"
+            .to_owned()
+    });
+    let both = [displaced(scene, plan, outcome), singular];
+    let both: Vec<String> = both.into_iter().flatten().collect();
+    (!both.is_empty()).then(|| both.join("\n"))
+}
+
+/// One sentence where a body starts somewhere else than it is put.
+fn displaced(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
     let far = |moved: &&Moved| {
         let distance = moved.distance > FAR * size(scene, plan);
         plan.placed.contains(&moved.name) && (distance || moved.angle > ROTATED)
@@ -34,7 +47,7 @@ pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<St
         n => format!(" (and {} others)", n - 1),
     };
     Some(format!(
-        "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and the nearest place where they do is {} away, rotated by {}{others}; \
+        "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and it starts {} away, rotated by {}{others}; \
          give positions and attitudes that fit each other",
         worst.name,
         format_args!("{:.3e} m", worst.distance),

@@ -32,6 +32,8 @@ use crate::system::{System, WORKS};
 use crate::turned_back::TurnedBack;
 use crate::watch::Watch;
 
+/// Below this margin, the square of an angle between rows, a start is singular: rounding leaves 1e-20 there.
+const SINGULAR: f64 = 1e-14;
 /// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
 const LOOSE: f64 = 1e-5;
 
@@ -180,6 +182,7 @@ impl<T: Float> Simulation<T> {
             samplers: Vec::new(),
             given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
+            singular_start: false,
             events: Vec::with_capacity(256),
             changes,
         })
@@ -391,6 +394,8 @@ impl<T: Float> Simulation<T> {
         let displaced = self.displaced(&set[..nx]);
         self.moved.extend(displaced);
         assembled?;
+        self.singular_start =
+            self.system.projection.any() && self.system.fallback.margin < SINGULAR;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.begin_watch()?;
