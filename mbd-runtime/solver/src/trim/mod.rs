@@ -78,6 +78,8 @@ pub enum TrimError {
         counts: [usize; 2],
         /// The steps taken.
         iterations: usize,
+        /// Lines that are slack there, by name: what hangs on them has nothing that holds it.
+        slack: Vec<String>,
     },
     /// An input that there is not.
     UnknownInput {
@@ -112,14 +114,20 @@ impl std::fmt::Display for TrimError {
                 unit,
                 counts: [unknowns, residuals],
                 iterations,
+                slack,
             } => {
                 write!(
                     f,
                     "no balance found: `{worst}` keeps an acceleration of {residual:.3e} {unit} after {iterations} steps, with {unknowns} unknowns for {residuals} accelerations"
                 )?;
-                match unknowns < residuals {
-                    true => write!(f, ": fix fewer coordinates, or free an input"),
-                    false => write!(f, ": give a better guess, or fix less"),
+                match (unknowns < residuals, slack.is_empty()) {
+                    (true, _) => write!(f, ": fix fewer coordinates, or free an input"),
+                    (false, true) => write!(f, ": give a better guess, or fix less"),
+                    (false, false) => write!(
+                        f,
+                        ": `{}` is slack there, and what is slack holds nothing; give a guess at which it pulls",
+                        slack.join("`, `")
+                    ),
                 }
             }
             TrimError::UnknownInput { name, known } if known.is_empty() => {

@@ -364,6 +364,7 @@ impl Search {
                 unit: name.unit,
                 counts: [self.free.len() + self.inputs.len() + rest, n + rest],
                 iterations,
+                slack: self.slack(),
             });
         }
         let undecided = self.undecided(&space);
@@ -419,6 +420,14 @@ impl Search {
         self.advance(&moves, [&behind, &inputs], 0.0)?;
         let nodes = self.moment.nodes().to_vec();
         self.residual(Some(&nodes))
+    }
+
+    /// The lines that are slack here, by name.
+    fn slack(&mut self) -> Vec<String> {
+        let lines = self.moment.evaluate(Quantity::Lines, &[]);
+        let all = self.moment.scene().lines.iter().zip(lines.chunks(10));
+        let slack = all.filter(|(line, numbers)| line.kind.is_unilateral() && numbers[0] <= 0.0);
+        slack.map(|(line, _)| line.name.clone()).collect()
     }
 
     /// The unknowns along which nothing changes what accelerates.
