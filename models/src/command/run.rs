@@ -169,6 +169,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         return Ok(String::new());
     };
     let plans = plans(args, phases)?;
+    let mut warnings = phases.decided(&names(&args.set))?;
     let mut all = Vec::with_capacity(plans.len());
     for ((file, plan), next) in phases.files.iter().zip(&plans).zip(&phases.next) {
         let model = file.model(&plan.params);
@@ -182,7 +183,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
     let segments = fly_phases(&all, &plans, &mut ProgressLine::new());
     let folder = args.folder();
     let table = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
-    let (mut warnings, mut doubtful) = (Vec::new(), false);
+    let mut doubtful = false;
     for (segment, phase) in segments
         .iter()
         .filter_map(|segment| Some((segment, all.get(segment.phase)?)))
@@ -233,10 +234,6 @@ fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure
     }
     let first = phases.files.first().map(|file| file.settings.clone());
     let settings = with_flags(first.unwrap_or_default(), args)?;
-    let names = |given: &[String]| -> Vec<String> {
-        let parts = given.iter().filter_map(|written| written.split_once('='));
-        parts.map(|(name, _)| name.trim().to_owned()).collect()
-    };
     let given = GivenSettings {
         method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
         every: args.every.is_some(),
@@ -245,6 +242,12 @@ fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure
         inputs: names(&args.input),
     };
     phases.planned(&settings, &given)
+}
+
+/// The names that flags give a value.
+fn names(given: &[String]) -> Vec<String> {
+    let parts = given.iter().filter_map(|written| written.split_once('='));
+    parts.map(|(name, _)| name.trim().to_owned()).collect()
 }
 
 /// Runs a scene that flies alone.

@@ -369,3 +369,31 @@ fn both_forms_of_a_scene_name_the_same_file_and_map() {
     let [a, b] = [&stack, &third].map(|file| last(&flown(&folder, file, &[]), 1, "shield.x"));
     assert!((a - b).abs() < 1e-12, "{a} {b}");
 }
+
+#[test]
+fn a_param_that_a_map_decides_is_not_set_without_a_word() {
+    let folder = Folder::new("phases_decided");
+    let next = "{ then: scene \"next.mbd\", map: [push = 2 N] }";
+    let text = |own: &str| {
+        format!(
+            "model First {{ gravity: none; {own} point a {{ mass: 1 kg, start at [0, 0, 0] m }}
+             event cut = time rises 1 s {next} }}\n[run]\nuntil = \"2 s\"\n"
+        )
+    };
+    folder.file(
+        "next.mbd",
+        "model Next { gravity: none; param push = 1 N in 0 N ..= 9 N; point a { mass: 1 kg } load f on a = [push, 0 N, 0 N]; }",
+    );
+    let out = folder.0.join("out").display().to_string();
+    let fly = |own: &str| {
+        let first = folder.file("first.mbd", &text(own));
+        run(&["run", &first, "--set", "push=3 N", "--out", &out])
+    };
+    let told =
+        "`--set push` does not count in `Next`: the `map` of the event `cut` of `First` decides it";
+    let failure = fly("").unwrap_err();
+    assert!(failure.to_string().contains(told), "{failure}");
+    let own = "param push = 1 N in 0 N ..= 9 N; load f on a = [push, 0 N, 0 N];";
+    let flown = fly(own).unwrap();
+    assert!(flown.contains(told), "{flown}");
+}
