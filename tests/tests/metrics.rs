@@ -269,3 +269,34 @@ fn a_quantity_that_is_no_number_at_the_start_counts_where_it_is_one_and_what_nee
     let told = MissingMetric::NotANumber { time: 0.25 }.to_string();
     assert_eq!(told, "its quantity is not a number at 0.25 s");
 }
+
+#[test]
+fn the_least_of_what_is_never_negative_is_not_below_zero() {
+    // A line that is slack for a while, and the power of a damper, which is zero where the stone turns.
+    let scene = scene(
+        "model Bob {
+            gravity: [0, 0, -10] m/s^2;
+            point a { mass: 1 kg, start at [0, 0, 0] m velocity [0, 0, 3] m/s }
+            line rope from world to a { free_length: 0.3 m, stiffness: 700 N/m }
+            metric pull = min rope.tension;
+            metric power = min 3 N*s/m * dot(a.velocity, a.velocity);
+            metric loss = max -3 N*s/m * a.velocity.z^2;
+            metric lowest = min a.position.z;
+        }",
+    );
+    for options in [
+        Options::tsit5(1e-8),
+        Options::vern7(1e-6),
+        Options::rk4(0.01),
+    ] {
+        let (history, _) = recorded(&scene, options, (3.0, Sampling::Steps));
+        let told = history.metrics(&scene);
+        let value = |at: usize| told[at].value.expect("a value");
+        assert_eq!(value(0), 0.0, "{options:?}");
+        for at in [1, 2] {
+            let size = value(at) * if at == 1 { 1.0 } else { -1.0 };
+            assert!((0.0..1e-6).contains(&size), "{options:?}: {size}");
+        }
+        assert!(value(3) < -0.3);
+    }
+}

@@ -255,6 +255,8 @@ impl Measures {
                 polynomial: &Polynomial::constant(value),
                 times: [time; 2],
                 end: value,
+                values: [value; 2],
+                allowed: 0.0,
                 gap: (!value.is_finite()).then_some(time),
                 rough: false,
                 open: 0.0,
@@ -529,6 +531,12 @@ impl Measures {
             let gap = self.gap((half, *column, &polynomial), step, reader);
             let end = self.value_at(half, DEGREE, *column);
             let size = self.columns.get(*column).map_or(0.0, |known| known.size);
+            let stride = Polynomial::stride(count);
+            let values = (0..count).map(|place| self.value_at(half, place * stride, *column));
+            let nothing = [f64::INFINITY, f64::NEG_INFINITY];
+            let values = values.fold(nothing, |[least, most], value| {
+                [least.min(value), most.max(value)]
+            });
             let Some(sum) = self.sums.get_mut(index) else {
                 continue;
             };
@@ -544,6 +552,8 @@ impl Measures {
                 polynomial: &polynomial,
                 times,
                 end,
+                values,
+                allowed: polynomial.tail().max(step.tolerance * size),
                 gap,
                 rough,
                 open,

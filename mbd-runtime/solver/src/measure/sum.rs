@@ -39,6 +39,10 @@ pub(super) struct Part<'a> {
     pub times: [f64; 2],
     /// The quantity at its end.
     pub end: f64,
+    /// The least and the largest of the values that the polynomial goes through.
+    pub values: [f64; 2],
+    /// What the polynomial may be off by.
+    pub allowed: f64,
     /// When a value of the polynomial is not a number, where the metric needs it if possible [s].
     pub gap: Option<f64>,
     /// Whether the quantity is no polynomial there.
@@ -100,6 +104,8 @@ impl Sum {
             times: [begin, end],
             rough,
             open,
+            values: [least, most],
+            allowed,
             ..
         } = part;
         self.now = part.end;
@@ -138,11 +144,13 @@ impl Sum {
         self.span += high - low;
         let level = of.level.unwrap_or(f64::NAN);
         match of.take {
-            Take::Max => largest(polynomial, part, rough, |x| x, &mut self.extreme),
+            Take::Max => {
+                let found = largest(polynomial, part, rough, |x| x);
+                self.extreme = self.extreme.max(signed(found, most, allowed));
+            }
             Take::Min => {
-                let mut least = -self.extreme;
-                largest(polynomial, part, rough, |x| -x, &mut least);
-                self.extreme = -least;
+                let found = largest(polynomial, part, rough, |x| -x);
+                self.extreme = self.extreme.min(0.0 - signed(found, -least, allowed));
             }
             Take::Mean | Take::Integral => {
                 self.sum += 0.5 * width * polynomial.integral(part, |x| x);
@@ -277,15 +285,24 @@ fn above(polynomial: &Polynomial, level: f64, [low, high]: [f64; 2]) -> (f64, f6
     }
 }
 
-/// Raises what is the largest so far, as `of` counts; of a rough part by its values alone: a polynomial through a jump overshoots.
+/// The largest value of a polynomial, zero where it is above it by no more than its error and none of the values that it goes through is: the least of
+/// what is never negative, a tension or a square, is not below zero by rounding.
+fn signed(largest: f64, of_values: f64, allowed: f64) -> f64 {
+    match of_values <= 0.0 && largest > 0.0 && largest <= allowed {
+        true => 0.0,
+        false => largest,
+    }
+}
+
+/// The largest value, as `of` counts; of a rough part by its values alone: a polynomial through a jump overshoots.
 fn largest(
     polynomial: &Polynomial,
     [low, high]: [f64; 2],
     rough: bool,
     of: impl Fn(f64) -> f64,
-    so_far: &mut f64,
-) {
-    let mut see = |s: f64| *so_far = so_far.max(of(polynomial.at(s)));
+) -> f64 {
+    let mut so_far = f64::NAN;
+    let mut see = |s: f64| so_far = so_far.max(of(polynomial.at(s)));
     see(low);
     if rough {
         let points = polynomial.points();
@@ -293,4 +310,5 @@ fn largest(
     } else {
         polynomial.monotone([low, high], |[_, end]| see(end));
     }
+    so_far
 }
