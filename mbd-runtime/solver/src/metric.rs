@@ -34,6 +34,8 @@ pub enum MissingMetric {
     NotRecorded,
     /// The run stopped before its end.
     StoppedEarly,
+    /// The run did not come to its scene.
+    NotReached,
     /// The event did not happen.
     NoEvent,
     /// The level was not passed.
@@ -64,6 +66,7 @@ impl fmt::Display for MissingMetric {
                 "the history does not hold its quantity: record it with `Content::RESULTS` or `Content::ALL`"
             }
             MissingMetric::StoppedEarly => "the run stopped before its end",
+            MissingMetric::NotReached => "the run did not come to its scene",
             MissingMetric::NoEvent => {
                 "its event did not happen, or not between its `from` and `to`"
             }
@@ -110,20 +113,24 @@ impl Trajectory {
         let told = metrics.map(|metric| {
             let reader = MetricReader::new(metric, scene, self.names());
             let read = reader.and_then(|reader| self.measured(&reader));
-            let [value, unresolved] = match read {
-                Ok([value, unresolved]) => [Ok(value), Ok(unresolved)],
-                Err(missing) => [Err(missing); 2],
-            };
-            MetricValue {
-                name: metric.name.clone(),
-                doc: metric.doc.clone(),
-                take: metric.take,
-                unit: metric.unit(scene),
-                value,
-                unresolved: unresolved.unwrap_or(0.0),
-            }
+            MetricValue::new(metric, scene, read)
         });
         told.collect()
+    }
+}
+
+impl MetricValue {
+    /// A metric of a scene, as [`Trajectory::measured`] read it.
+    #[must_use]
+    pub fn new(metric: &Metric, scene: &Scene, read: Result<[f64; 2], MissingMetric>) -> Self {
+        MetricValue {
+            name: metric.name.clone(),
+            doc: metric.doc.clone(),
+            take: metric.take,
+            unit: metric.unit(scene),
+            value: read.map(|[value, _]| value),
+            unresolved: read.map_or(0.0, |[_, unresolved]| unresolved),
+        }
     }
 }
 

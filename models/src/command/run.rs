@@ -182,7 +182,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
     }
     let segments = fly_phases(&all, &plans, &mut ProgressLine::new());
     let folder = args.folder();
-    let table = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
+    let tables = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
     let mut doubtful = false;
     for (segment, phase) in segments
         .iter()
@@ -205,9 +205,10 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         let remarks = remarks.chain(&warnings);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
         let files = "report.html, history.csv, summary.json, and a folder a phase";
+        let tables: Vec<String> = tables.iter().map(ReportTable::text).collect();
         format!(
             "{remarks}{}\nwritten to {}: {files}; the error by a finer run is told of scenes that fly alone\n",
-            table.text(),
+            tables.join("\n"),
             folder.display()
         )
     };

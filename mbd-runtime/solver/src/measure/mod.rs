@@ -194,13 +194,14 @@ impl Measures {
         }
     }
 
-    /// Adds what a later part of the run was measured to be, by a history whose columns are in these places here.
-    pub(crate) fn add_part(&mut self, part: &Measures, places: &[usize]) {
+    /// Adds what a later part of the run was measured to be, by readers that are `whole` here.
+    pub(crate) fn add_part(
+        &mut self,
+        part: &Measures,
+        whole: &dyn Fn(&MetricReader) -> MetricReader,
+    ) {
         for ((reader, _), sum) in part.readers.iter().zip(&part.sums) {
-            let reader = MetricReader {
-                column: places.get(reader.column).copied().unwrap_or(0),
-                ..reader.clone()
-            };
+            let reader = whole(reader);
             let known = self.readers.iter().position(|(known, _)| *known == reader);
             match known.and_then(|at| self.sums.get_mut(at)) {
                 Some(own) => own.add_part(&reader, sum),
