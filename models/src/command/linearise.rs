@@ -4,15 +4,22 @@ use std::path::PathBuf;
 
 use clap::Args;
 use mbd_compiler::read_number;
+use mbd_runtime::nalgebra::DMatrix;
 use mbd_runtime::scene::{Dimension, Scene};
-use mbd_runtime::{Generic, Model, Simulation, StateSpace, Trimmed, trim};
+use mbd_runtime::{Generic, Model, Name, Simulation, StateSpace, Trimmed, trim};
 use models::report::ReportTable;
 use models::run::RunPlan;
+use serde_json::json;
 use toml::Value;
 
+use super::check::pretty;
 use super::failure::CommandFailure;
 use super::run::{Flag, SET, assign, assigned};
 use super::scene_file::SceneFile;
+
+/// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
+const MOMENT: f64 = 1e-3;
+const NOTED: f64 = 1e-2;
 
 /// Where and in which coordinates.
 #[derive(Args, Debug)]
@@ -31,6 +38,9 @@ pub struct LineariseArgs {
     /// A param with another value, `riser_k=50kN/m`; may be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// A, B, C, D with the names of their rows and columns, and the eigenvalues, as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Linearises a scene and tells its coordinates and eigenvalues.
@@ -56,7 +66,11 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     let guesses = guesses.collect::<Result<Vec<_>, _>>()?;
     if !args.trim {
         let space = run.linearise(&along).map_err(|e| invalid(&e))?;
-        return Ok(told(&space, "start"));
+        if args.json {
+            return json_of(&space);
+        }
+        let note = changing(&mut run, &space, &along);
+        return Ok(format!("{}{}", told(&space, "start"), note));
     }
     let begun = trim(&model).begin_at(&run);
     let begun = along.iter().fold(begun, |it, name| it.along(name));
@@ -64,6 +78,9 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         .iter()
         .fold(begun, |it, (name, value)| it.guess(name, *value));
     let rest = guessed.solve().map_err(|e| invalid(&e))?;
+    if args.json {
+        return json_of(&rest.space);
+    }
     Ok(format!(
         "{}\n{}",
         told_rest(&rest),
@@ -90,6 +107,55 @@ fn number(scene: &Scene, written: &str) -> Result<(String, f64), CommandFailure>
     match fits || value == 0.0 {
         true => Ok((name.to_owned(), value)),
         false => Err(wrong("give it in the unit of its coordinate, deg or rad of an angle, m of a slide or a position".into())),
+    }
+}
+
+/// The matrices by rows, with names and units, and the eigenvalues.
+fn json_of(space: &StateSpace) -> Result<String, CommandFailure> {
+    let names = |list: &[Name]| -> Vec<_> {
+        let each = list.iter();
+        each.map(|one| json!({ "name": one.name, "unit": one.unit }))
+            .collect()
+    };
+    let rows = |matrix: &DMatrix<f64>| -> Vec<Vec<f64>> {
+        let rows = matrix.row_iter();
+        rows.map(|row| row.iter().copied().collect()).collect()
+    };
+    let vibrations = space.vibrations();
+    let eigenvalues: Vec<_> = vibrations
+        .iter()
+        .map(|one| {
+            json!({ "real": one.real, "imaginary": one.imaginary, "hertz": one.hertz(), "damping": one.damping(),
+                "shape": one.shape, "participation": one.participation })
+        })
+        .collect();
+    pretty(&json!({
+        "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs),
+        "a": rows(&space.a), "b": rows(&space.b), "c": rows(&space.c), "d": rows(&space.d),
+        "accelerations": space.accelerations.as_slice(), "eigenvalues": eigenvalues,
+    }))
+}
+
+/// What is said where the linear system is another one a moment later, as with coordinates that turn with a part that spins: its eigenvalues are no
+/// frequencies of the motion.
+fn changing(run: &mut Simulation<f64>, space: &StateSpace, along: &[&str]) -> String {
+    let sizes = space.vibrations().into_iter().map(|one| one.frequency());
+    let fastest = sizes.fold(0.0, f64::max);
+    let moment = MOMENT / fastest;
+    let later = run
+        .run(run.time() + moment)
+        .ok()
+        .and_then(|_| run.linearise(along).ok());
+    let Some(later) = later.filter(|later| later.a.shape() == space.a.shape()) else {
+        return String::new();
+    };
+    let change = (&later.a - &space.a).norm() / (MOMENT * space.a.norm());
+    match change > NOTED {
+        true => format!(
+            "\nNote: along the motion this linear system changes, by {:.2} of itself while its fastest mode turns by a radian: its eigenvalues hold at this instant and are no frequencies of the motion. Coordinates that do not turn with a part that spins (`--along`), or a rest (`--trim`), may give one that stays.\n",
+            change
+        ),
+        false => String::new(),
     }
 }
 
@@ -139,9 +205,16 @@ fn told(space: &StateSpace, place: &str) -> String {
         .column("Im λ", "rad/s")
         .column("moves most", "");
     for one in space.vibrations() {
-        let size = |share: &[f64; 2]| share[0].hypot(share[1]);
-        let shares = one.shape.iter().take(coordinates).enumerate();
-        let most = shares.max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)));
+        let share = |index: usize| one.participation.get(index).copied().unwrap_or(0.0);
+        // A coordinate takes part with its rate, which stands behind all coordinates.
+        let shares = (0..count).filter_map(|index| match index {
+            index if index < coordinates => {
+                Some((index, share(index) + share(coordinates + index)))
+            }
+            index if index < 2 * coordinates => None,
+            index => Some((index, share(index))),
+        });
+        let most = shares.max_by(|(_, a), (_, b)| a.total_cmp(b));
         let most = most.and_then(|(index, _)| space.states.get(index));
         vibrations.push([
             one.hertz().into(),

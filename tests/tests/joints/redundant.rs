@@ -5,6 +5,7 @@ use mbd_scene::joints::{JointLaw, Rigid};
 use mbd_scene::{AngularVelocity, Layout, Model, Quantity, Scene};
 use nalgebra::Vector3;
 use tests::agreement::agrees;
+use tests::declared::read;
 use tests::linkage::{Linkage, bricard, planar, plane};
 use tests::mechanism::evaluate;
 
@@ -196,4 +197,81 @@ fn welds_that_agree_are_one_weld() {
         linkage.join(law, [None, Some(body)], Vector3::zeros(), Vector3::x());
     }
     assert_eq!(count(&linkage.scene), [12, 6, 0]);
+}
+
+/// A Peaucellier linkage, whose tip runs along x = (0.5² − 0.3²)/0.5 = 0.32 m, as it is put with its crank at −20 deg. Where its arms lie on each other,
+/// the linkage has one freedom more.
+fn peaucellier(coordinates: &str, latch: &str) -> Scene {
+    let [arm, side, crank] = [0.5_f64, 0.3, 0.25];
+    let angle = 20.0_f64.to_radians();
+    let b = [crank + crank * angle.cos(), -crank * angle.sin()];
+    let far = b[0].hypot(b[1]);
+    let (direction, open) = (
+        b[1].atan2(b[0]),
+        ((arm * arm + far * far - side * side) / (2.0 * arm * far)).acos(),
+    );
+    let knee = [1.0, -1.0].map(|s| {
+        let angle: f64 = direction + s * open;
+        [arm * angle.cos(), arm * angle.sin()]
+    });
+    let tip = b.map(|x| x * (arm * arm - side * side) / (far * far));
+    let bar = |name: &str, mass: f64, [p, q]: [[f64; 2]; 2]| {
+        let half = 0.5 * (q[0] - p[0]).hypot(q[1] - p[1]);
+        let turn = -(q[1] - p[1]).atan2(q[0] - p[0]);
+        let [x, z] = [0, 1].map(|k| 0.5 * (p[k] + q[k]));
+        format!(
+            "body {name} {{ mass: {mass} kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2,
+               frame a at [-{half:?}, 0, 0] m, frame b at [{half:?}, 0, 0] m,
+               start at [{x:?}, 0, {z:?}] m rotated rpy(0, {turn:?} rad, 0) }}\n"
+        )
+    };
+    let bodies = [
+        bar("crank", 0.2, [[crank, 0.0], b]),
+        bar("arm0", 0.5, [[0.0; 2], knee[0]]),
+        bar("arm1", 0.5, [[0.0; 2], knee[1]]),
+        bar("in0", 0.3, [knee[0], b]),
+        bar("in1", 0.3, [knee[1], b]),
+        bar("out0", 0.3, [knee[0], tip]),
+        bar("out1", 0.3, [knee[1], tip]),
+    ];
+    read(&format!(
+        "model Peaucellier {{ gravity: [0, 0, -9.81] m/s^2; coordinates: {coordinates}; planar: xz;
+           world {{ frame o at [0, 0, 0] m, frame c at [{crank}, 0, 0] m }}
+           {}
+           joint j0: hinge from world.c to crank.a {{ axis: y }}
+           joint ja0: hinge from world.o to arm0.a {{ axis: y }}
+           joint ja1: hinge from world.o to arm1.a {{ axis: y }}
+           joint ji0: hinge from arm0.b to in0.a {{ axis: y }}
+           joint ji1: hinge from arm1.b to in1.a {{ axis: y }}
+           joint jo0: hinge from arm0.b to out0.a {{ axis: y }}
+           joint jo1: hinge from arm1.b to out1.a {{ axis: y }}
+           joint k0: hinge from crank.b to in0.b {{ axis: y }}
+           joint k1: hinge from crank.b to in1.b {{ axis: y }}
+           joint p: hinge from out0.b to out1.b {{ axis: y }}
+           {latch}
+           output x = out0.b.position.x; }}",
+        bodies.concat()
+    ))
+}
+
+#[test]
+fn a_linkage_that_collapses_elsewhere_keeps_all_its_rows_and_draws_its_line() {
+    // A latch is one row more for a while, and no reason to look for an assembly that moves while it holds.
+    let latch =
+        "event cut = time rises 0.2 s { lock: j0 } event go = time rises 0.3 s { free: j0 }";
+    for coordinates in ["absolute", "relative"] {
+        for latch in ["", latch] {
+            let scene = peaucellier(coordinates, latch);
+            let lost = Layout::new(&scene).redundancy.lost();
+            assert_eq!(lost, 0, "{coordinates} {latch}");
+            let model = Generic::<f64>::with_defaults(scene).expect("a valid scene");
+            let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+            for end in [0.0, 0.1, 0.25, 0.4] {
+                run.run(end).expect("a run");
+                let mut x = [0.0];
+                run.evaluate(Quantity::Outputs, &mut x).expect("outputs");
+                assert!((x[0] - 0.32).abs() < 1e-10, "{coordinates} {latch}: {x:?}");
+            }
+        }
+    }
 }

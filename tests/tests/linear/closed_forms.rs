@@ -306,3 +306,52 @@ fn a_motor_with_its_current_as_a_state_has_the_matrices_and_the_steady_speed_of_
         assert!(bare.accelerations.amax() < 1e-12, "{}", bare.accelerations);
     }
 }
+
+#[test]
+fn eigenvalues_that_lie_symmetrically_about_zero_are_found() {
+    // m ẍ = k x + c ẏ, m ÿ = k y − c ẋ with k = 50, c = 10: λ² ± i c λ = k has λ = ±5 ± 5 i, where shifts of the plain iteration stand still.
+    let model = generic(read(
+        "model Whirl { gravity: none;
+           point a { mass: 1 kg }
+           load f on a = [50 N/m * a.position.x + 10 kg/s * a.velocity.y,
+                          50 N/m * a.position.y - 10 kg/s * a.velocity.x, 0 N]; }",
+    ));
+    let space = linearise(&model, 0.0, &[0.0; 6], &[]).expect("a linear system");
+    let found = space.vibrations();
+    // √ of rounding: z moves freely.
+    let mut whirl: Vec<[f64; 2]> = found
+        .iter()
+        .filter(|one| one.frequency() > 1e-3)
+        .map(|one| [one.real, one.imaginary])
+        .collect();
+    assert_eq!(found.len(), 4, "{found:?}");
+    whirl.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert_close(&whirl.concat(), &[-5.0, 5.0, 5.0, 5.0], 1e-12, 0.0, "whirl");
+}
+
+#[test]
+fn states_that_nothing_else_feels_take_part_in_their_own_eigenvalues_alone() {
+    let model = generic(read(
+        "model Lag { gravity: none;
+           point a { mass: 1 kg }
+           joint p: point_on_line from world to a { axis: x, stiffness: 100 N/m, damping: 1 N*s/m }
+           state seen = 0 m/s { rate: 1 m/s^2 * sin(7 rad/s * time) }
+           state lag = 0 m { rate: (a.position.x - lag) / (10 s) } }",
+    ));
+    let space = linearise(&model, 0.0, &[0.0; 8], &[]).expect("a linear system");
+    let found = space.vibrations();
+    let rates: Vec<f64> = found.iter().map(|one| one.frequency()).collect();
+    assert_close(&rates, &[0.0, 0.1, 10.0], 1e-12, 0.0, "|λ|");
+    for (one, name) in found.iter().zip(["seen", "lag"]) {
+        let own = space.state(name).expect("a state");
+        assert_close(&one.participation[own..=own], &[1.0], 1e-9, 0.0, name);
+    }
+    // The slide and its rate take part alike.
+    assert_close(
+        &found[2].participation[..2],
+        &[0.5, 0.5],
+        1e-9,
+        0.0,
+        "slide",
+    );
+}

@@ -2,8 +2,23 @@
 
 use crate::plan::{Topology, relative};
 use crate::redundancy;
+use crate::starts::{declared_parts, place_declared};
 use crate::tree::lay_axes;
 use crate::{Carrying, Coordinates, Layout, Order, Place, Plan, Redundancy, RowSet, Scene};
+
+/// The state at which a scene in absolute coordinates is declared to start, its params at their defaults; `None` where it says nothing of it.
+fn begun(scene: &Scene) -> Option<Vec<f64>> {
+    if scene.starts.parts.is_empty() && scene.starts.coordinates.is_empty() {
+        return None;
+    }
+    let layout = places(scene);
+    let params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let mut state = vec![0.0; layout.nx()];
+    layout.quaternions().for_each(|qw| state[qw] = 1.0);
+    declared_parts(scene, &layout, &params, &mut state);
+    place_declared(scene, &layout, (&params, 0.0), &[], &[], &mut state).ok()?;
+    Some(state)
+}
 
 impl Layout {
     /// Lays out a scene and plans its solution: finds the rows of its joints that repeat others ([`Redundancy`]: a search at random states
@@ -12,11 +27,12 @@ impl Layout {
     pub fn new(scene: &Scene) -> Self {
         let layout = places(scene);
         let redundancy = match &layout.tree {
-            None => redundancy::find(scene, &layout, None),
+            None => redundancy::find(scene, &layout, None, || begun(scene)),
             Some(tree) => {
                 // Rows repeat each other whatever the coordinates.
                 let absolute = scene.in_coordinates(Coordinates::Absolute);
-                redundancy::find(&absolute, &places(&absolute), Some(tree))
+                let begun = || begun(&absolute);
+                redundancy::find(&absolute, &places(&absolute), Some(tree), begun)
             }
         };
         layout.with(scene, redundancy, None)

@@ -22,6 +22,8 @@ const ITERATIONS: usize = 60;
 const STALL: usize = 8;
 /// The largest turn of one iteration [rad].
 const TURN: f64 = 0.5;
+/// How far a state beside the declared start is from it, in parts of the length.
+const BESIDE: f64 = 0.1;
 /// A loop is closed when its rows are below this part of the length.
 const CLOSED: f64 = 1e-11;
 
@@ -63,7 +65,7 @@ pub struct LinearisedState {
     pub motors: Vec<MotorRow>,
     /// Per link, the rows of its joint and how they hold the part it places.
     pub links: Vec<(Vec<JointRow>, Hold)>,
-    /// Speeds that the rows of the closing joints leave, less those of a group that moves freely as a whole.
+    /// Speeds that the rows of the closing joints leave that always hold, less those of a group that moves freely as a whole.
     pub freedoms: usize,
     /// Rank of the rows of the closing joints.
     pub rank: usize,
@@ -81,8 +83,12 @@ struct Assembly<'a> {
     random: SplitMix64,
 }
 
-/// Looks for consistent states of a group. Fewer than asked for where its loops do not close.
-pub fn states(scene: &Scene, layout: &Layout, group: &LoopGroup) -> Vec<LinearisedState> {
+/// Looks for consistent states of a group, the first beside a state of the scene, where one is given. Fewer than asked for where its loops do not close.
+pub fn states(
+    (scene, layout): (&Scene, &Layout),
+    group: &LoopGroup,
+    begun: Option<&[f64]>,
+) -> Vec<LinearisedState> {
     let configuration = Configuration::new(scene, layout);
     let joints = group.links.iter().map(|link| link.joint);
     let arms = joints
@@ -108,6 +114,10 @@ pub fn states(scene: &Scene, layout: &Layout, group: &LoopGroup) -> Vec<Linearis
         random: SplitMix64(0x9e37_79b9_7f4a_7c15),
     };
     let mut found = Vec::new();
+    if let Some(begun) = begun {
+        let closed = assembly.place_beside(begun);
+        found.extend(closed.and_then(|()| assembly.linearise()));
+    }
     for attempt in 0..ATTEMPTS {
         if found.len() == STATES {
             break;
@@ -159,6 +169,20 @@ impl Assembly<'_> {
             self.configuration.place(link.to, position, &axes);
         }
         self.correct()
+    }
+
+    /// Puts every part where a state has it, and moves on a little: at a start rows may stand as they nowhere else do.
+    fn place_beside(&mut self, state: &[f64]) -> Option<()> {
+        self.configuration.take(state);
+        self.correct()?;
+        self.close()?;
+        let (matrix, _) = self.gaps()?;
+        let length = self.length;
+        let step = DVector::from_fn(matrix.ncols(), |_, _| {
+            BESIDE * length * self.random.number()
+        });
+        self.advance(&step)?;
+        self.close()
     }
 
     fn pose(&self, part: Part) -> Pose<f64> {
@@ -444,12 +468,18 @@ impl Assembly<'_> {
         let count = motions.first().map_or(0, DMatrix::ncols);
         let as_a_whole = self.root_speeds();
         let rank = crate::redundancy::choice::rank(closing.iter().flatten());
+        // What events lock or detach holds for a while only.
+        let always = group.closing.iter().zip(&closing).filter(|(joint, _)| {
+            let slots = self.layout.joints.get(**joint);
+            slots.is_none_or(|slots| slots.switch.is_none())
+        });
+        let always = crate::redundancy::choice::rank(always.flat_map(|(_, rows)| rows));
         Some(LinearisedState {
             closing,
             closing_rows,
             motors,
             links,
-            freedoms: count.saturating_sub(rank + as_a_whole),
+            freedoms: count.saturating_sub(always + as_a_whole),
             rank,
         })
     }

@@ -44,6 +44,24 @@ impl<'a> Configuration<'a> {
         configuration
     }
 
+    /// Puts every part where a state has it.
+    pub fn take(&mut self, state: &[f64]) {
+        if state.len() != self.state.len() {
+            return;
+        }
+        self.state.copy_from_slice(state);
+        let (nq, directions) = (self.layout.nq, self.layout.directions);
+        for v in self.state.iter_mut().skip(nq) {
+            *v = 0.0;
+        }
+        for (motion, slots) in self.motions.iter_mut().zip(&self.layout.bodies) {
+            if let Some(slots) = slots {
+                *motion =
+                    BodyMotion::read(&self.state, *slots, nq, directions, AngularVelocity::Body);
+            }
+        }
+    }
+
     /// Where a part is: position and axes in the world.
     pub fn pose(&self, part: Part) -> (Vector3<f64>, Matrix3<f64>) {
         match part {

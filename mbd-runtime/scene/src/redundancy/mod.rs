@@ -14,7 +14,8 @@
 //! tree never lose any. A joint that loses rows and those whose rows they repeat carry a self-stress: forces in balance that move nothing,
 //! so their reactions are not unique.
 //!
-//! Assemblies of one scene can differ in rank (a parallelogram with a third bar moves; crossed, it is a truss): those that move count.
+//! Assemblies of one scene can differ in rank (a parallelogram with a third bar moves; crossed, it is a truss): those that move count. Of these the ones
+//! that hold most do (a Peaucellier linkage whose arms lie on each other has one freedom more): one is looked for beside the declared start.
 //! Parameters are taken at their defaults; a start elsewhere is checked by the run.
 
 mod assembly;
@@ -29,17 +30,23 @@ pub use planar::{Apart, in_plane};
 use crate::{Layout, Redundancy, Scene, Tree};
 
 /// Finds the repeated rows of a scene laid out in absolute coordinates. Without a loop there are none, and nothing is searched. The joints of a
-/// tree, where one is given, lose none.
+/// tree, where one is given, lose none. `begun` is asked for a state at which the declaration starts, where there are loops.
 #[must_use]
-pub(crate) fn find(scene: &Scene, layout: &Layout, tree: Option<&Tree>) -> Redundancy {
+pub(crate) fn find(
+    scene: &Scene,
+    layout: &Layout,
+    tree: Option<&Tree>,
+    begun: impl FnOnce() -> Option<Vec<f64>>,
+) -> Redundancy {
     let groups = tree::groups(layout, tree);
     let mut found = Redundancy {
         loops: groups.iter().map(|group| group.closing.len()).sum(),
         closed: true,
         ..Redundancy::default()
     };
+    let begun = (!groups.is_empty()).then(begun).flatten();
     for group in &groups {
-        let states = assembly::states(scene, layout, group);
+        let states = assembly::states((scene, layout), group, begun.as_deref());
         found.closed &= !states.is_empty();
         let (repeats, held) = choice::repeats(group, &states);
         found.repeats.extend(repeats);

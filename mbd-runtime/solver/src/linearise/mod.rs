@@ -19,6 +19,7 @@ pub(crate) mod moment;
 mod networks;
 mod rows;
 mod space;
+mod vibration;
 
 use std::fmt;
 
@@ -29,8 +30,9 @@ pub(crate) use jacobian::Jacobian;
 pub use matrix::Matrix;
 use networks::NetworkElimination;
 use rows::{Evaluator, ThroughRows};
+pub use space::StateSpace;
 pub(crate) use space::motors_follow;
-pub use space::{StateSpace, Vibration};
+pub use vibration::Vibration;
 
 use crate::error::StepError;
 use crate::slopes::{Effective, Slopes};

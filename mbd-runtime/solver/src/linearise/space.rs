@@ -40,40 +40,6 @@ pub struct StateSpace {
     pub accelerations: DVector<f64>,
 }
 
-/// An eigenvalue of A and how the scene moves with it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Vibration {
-    /// Real part [1/s]: negative where it dies out.
-    pub real: f64,
-    /// Imaginary part [rad/s], ≥ 0: of a conjugate pair one is listed.
-    pub imaginary: f64,
-    /// Per state real and imaginary part of its share, the largest being 1.
-    pub shape: Vec<[f64; 2]>,
-}
-
-impl Vibration {
-    /// |λ| [rad/s]: the frequency without damping of an oscillation.
-    #[must_use]
-    pub fn frequency(&self) -> f64 {
-        self.real.hypot(self.imaginary)
-    }
-
-    /// The frequency at which it is seen to oscillate, Im λ/2π [Hz].
-    #[must_use]
-    pub fn hertz(&self) -> f64 {
-        self.imaginary / std::f64::consts::TAU
-    }
-
-    /// −Re λ/|λ|: 0 without damping, 1 from critical damping on, negative where it grows; 0 for λ = 0.
-    #[must_use]
-    pub fn damping(&self) -> f64 {
-        match self.frequency() {
-            frequency if frequency > 0.0 => -self.real / frequency,
-            _ => 0.0,
-        }
-    }
-}
-
 impl StateSpace {
     /// The frequency response C (iω − A)⁻¹ B + D at ω [rad/s], n_o × n_u: what each output does, in amplitude and phase, per unit of a
     /// harmonic input. `None` where iω is an eigenvalue, or ω is no number.
@@ -244,63 +210,6 @@ impl StateSpace {
     #[must_use]
     pub fn output(&self, name: &str) -> Option<usize> {
         self.outputs.iter().position(|known| known.name == name)
-    }
-
-    /// The eigenvalues of A with their shapes, slowest first; of each conjugate pair the one with Im λ > 0.
-    #[must_use]
-    pub fn vibrations(&self) -> Vec<Vibration> {
-        if self.a.is_empty() || self.a.iter().any(|x| !x.is_finite()) {
-            return Vec::new();
-        }
-        let scale = self.a.norm().max(f64::MIN_POSITIVE);
-        let mut found: Vec<Vibration> = self
-            .a
-            .complex_eigenvalues()
-            .iter()
-            .filter(|value| value.im >= 0.0)
-            .map(|value| Vibration {
-                real: value.re,
-                imaginary: value.im,
-                shape: self.shape(*value, scale),
-            })
-            .collect();
-        let key = |one: &Vibration| [one.frequency(), one.real];
-        found.sort_by(|a, b| {
-            let [a, b] = [key(a), key(b)];
-            a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
-        });
-        found
-    }
-
-    /// The eigenvector of an eigenvalue, by two inverse iterations beside it; its largest component is 1.
-    fn shape(&self, value: Complex<f64>, scale: f64) -> Vec<[f64; 2]> {
-        let n = self.a.nrows();
-        // Beside the eigenvalue by some rounding units, so that the matrix can be inverted.
-        let beside = value + Complex::new(1e-13 * scale, 0.0);
-        let shifted = DMatrix::from_fn(n, n, |i, j| {
-            let own = if i == j { beside } else { Complex::default() };
-            Complex::new(self.a[(i, j)], 0.0) - own
-        });
-        let factor = shifted.lu();
-        let mut shape = DVector::from_fn(n, |k, _| Complex::new(1.0 + 0.37 * k as f64, 0.0));
-        for _ in 0..3 {
-            let Some(next) = factor.solve(&shape) else {
-                break;
-            };
-            let largest = next.iter().fold(Complex::new(0.0, 0.0), |most, x| {
-                if x.norm_sqr() > most.norm_sqr() {
-                    *x
-                } else {
-                    most
-                }
-            });
-            let size = largest.norm_sqr();
-            if size == 0.0 || !size.is_finite() {
-                break;
-            }
-            shape = next.map(|x| x / largest);
-        }
-        shape.iter().map(|x| [x.re, x.im]).collect()
     }
 }
 

@@ -106,3 +106,29 @@ fn linearise_tells_coordinates_and_frequencies_of_a_ready_scene() {
     let text = run(&["linearise", "linkage", "--trim"]).unwrap();
     assert!(text.contains("about the rest"), "{text}");
 }
+#[test]
+fn linearise_gives_matrices_and_says_where_they_change_along_the_motion() {
+    let told = run(&["linearise", "double_pendulum", "--json"]).unwrap();
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let count = told["states"].as_array().expect("names").len();
+    let a = told["a"].as_array().expect("rows");
+    assert!(a.len() == count && a.iter().all(|row| row.as_array().unwrap().len() == count));
+    assert!(told["eigenvalues"].as_array().unwrap().len() >= count / 2);
+    // A disc that spins on a universal joint: angles of the fork stay, those that turn with the disc do not.
+    let folder = Folder::new("linearise_spinning");
+    let file = folder.file(
+        "disc.mbd",
+        "model Disc { gravity: none;
+           body fork { mass: 0.1 kg, inertia: diag(1, 1, 1) g*m^2 }
+           body disc { mass: 1 kg, inertia: diag(0.02, 0.02, 0.035) kg*m^2 }
+           joint u: universal from world to fork.com { axes: [x, y], angle1: { stiffness: 50 N*m }, angle2: { stiffness: 50 N*m } }
+           joint spin: hinge from fork.com to disc.com { axis: z, start_rate: 100 rad/s } }",
+    );
+    let stays = run(&["linearise", &file]).unwrap();
+    assert!(!stays.contains("Note:"), "{stays}");
+    let turns = run(&["linearise", &file, "--along", "disc.turn_x"]).unwrap();
+    assert!(
+        turns.contains("are no frequencies of the motion"),
+        "{turns}"
+    );
+}
