@@ -198,6 +198,9 @@ mod tests {
         line upper from world to knot { free_length: 1 m, stiffness: 1 kN/m }
         line lower from knot to bob { free_length: 1 m, stiffness: 1 kN/m }
         load blow on bob = wind * 1 kg/s;
+        body gate { mass: 2.0 kg, inertia: diag(0.2, 0.2, 0.2) kg*m^2 }
+        joint latch: hinge from world to gate.com { axis: y }
+        event shut = latch.angle rises 1 rad { lock: latch }
     ";
 
     #[test]
@@ -206,6 +209,7 @@ mod tests {
         let scene = read("").scene.expect("a scene");
         let all = asked(&scene);
         assert!(all.len() > 60, "{}", all.len());
+        assert!(all.iter().any(|one| one.name == "latch.angle.lock.torque"));
         let outputs: Vec<String> = all
             .iter()
             .enumerate()

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Content, Options, Sampling, Simulation, Stop, Trajectory};
+use mbd_runtime::{Content, MissingMetric, Options, Sampling, Simulation, Stop, Trajectory};
 
 const OSCILLATOR: &str = "model Osc {
     gravity: none;
@@ -218,5 +218,85 @@ fn a_jump_of_what_is_measured_is_enclosed_and_noise_costs_no_run() {
             (found - exact).abs() < 1e-7,
             "{name}: {found} instead of {exact}"
         );
+    }
+}
+
+#[test]
+fn a_quantity_that_is_no_number_at_the_start_counts_where_it_is_one_and_what_needs_it_says_when() {
+    // x = t², v = 2 t: x/v is 0/0 at the start from rest, 1/v infinite, then t/2 and 1/(2 t).
+    let scene = scene(
+        "model Rest {
+            gravity: none;
+            point a { mass: 1 kg, start at [0, 0, 0] m }
+            load f on a = [2 N, 0 N, 0 N];
+            event stopped = time rises 5 s;
+            event at_once = a.position.x rises 1e-6 m;
+            metric last = final a.position.x / a.velocity.x;
+            metric early = final a.position.x / a.velocity.x { to: 1 ms };
+            metric later = max a.position.x / a.velocity.x { from: 1 s };
+            metric inverse = mean 1 m/s / a.velocity.x { from: 10 ms };
+            metric first = value a.position.x / a.velocity.x { at: at_once };
+            metric whole = max a.position.x / a.velocity.x;
+            metric never = time_of stopped;
+            metric above = first_above a.position.x { level: 1 km };
+            metric behind = mean a.position.x { from: 3 s };
+        }",
+    );
+    let mean = (2.0_f64 / 0.01).ln() / 2.0 / 1.99;
+    let exact = [
+        ("last", Ok(1.0)),
+        ("early", Ok(5e-4)),
+        ("later", Ok(1.0)),
+        ("inverse", Ok(mean)),
+        ("first", Ok(5e-4)),
+        ("whole", Err(MissingMetric::NotANumber { time: 0.0 })),
+        ("never", Err(MissingMetric::NoEvent)),
+        ("above", Err(MissingMetric::NotPassed)),
+        ("behind", Err(MissingMetric::NothingInWindow)),
+    ];
+    for options in [Options::tsit5(1e-10), Options::rk4(0.5)] {
+        let (history, _) = recorded(&scene, options, (2.0, Sampling::Steps));
+        for (metric, (name, exact)) in history.metrics(&scene).iter().zip(exact) {
+            assert_eq!(metric.name, name);
+            match (metric.value, exact) {
+                (Ok(found), Ok(exact)) => {
+                    assert!((found - exact).abs() < 1e-8, "{name}: {found} for {exact}")
+                }
+                (found, exact) => assert_eq!(found, exact, "{name}"),
+            }
+        }
+    }
+    let told = MissingMetric::NotANumber { time: 0.25 }.to_string();
+    assert_eq!(told, "its quantity is not a number at 0.25 s");
+}
+
+#[test]
+fn the_least_of_what_is_never_negative_is_not_below_zero() {
+    // A line that is slack for a while, and the power of a damper, which is zero where the stone turns.
+    let scene = scene(
+        "model Bob {
+            gravity: [0, 0, -10] m/s^2;
+            point a { mass: 1 kg, start at [0, 0, 0] m velocity [0, 0, 3] m/s }
+            line rope from world to a { free_length: 0.3 m, stiffness: 700 N/m }
+            metric pull = min rope.tension;
+            metric power = min 3 N*s/m * dot(a.velocity, a.velocity);
+            metric loss = max -3 N*s/m * a.velocity.z^2;
+            metric lowest = min a.position.z;
+        }",
+    );
+    for options in [
+        Options::tsit5(1e-8),
+        Options::vern7(1e-6),
+        Options::rk4(0.01),
+    ] {
+        let (history, _) = recorded(&scene, options, (3.0, Sampling::Steps));
+        let told = history.metrics(&scene);
+        let value = |at: usize| told[at].value.expect("a value");
+        assert_eq!(value(0), 0.0, "{options:?}");
+        for at in [1, 2] {
+            let size = value(at) * if at == 1 { 1.0 } else { -1.0 };
+            assert!((0.0..1e-6).contains(&size), "{options:?}: {size}");
+        }
+        assert!(value(3) < -0.3);
     }
 }

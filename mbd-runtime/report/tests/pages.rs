@@ -99,7 +99,7 @@ fn metrics_of_a_run_stand_on_its_page_and_say_why_they_have_no_value() {
     // v²/2g.
     assert!((values[0].value.expect("a value") - 500.0).abs() < 1e-9);
     assert_eq!(values[0].unit, "cm");
-    assert_eq!(values[1].value, Err(MissingMetric::NoValue));
+    assert_eq!(values[1].value, Err(MissingMetric::NoEvent));
     // At the event, whatever rows there are.
     assert!((values[2].value.expect("a value") - 5.0).abs() < 1e-12);
     for text in [

@@ -28,25 +28,55 @@ pub struct MetricValue {
 }
 
 /// Why a history does not tell a metric.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MissingMetric {
     /// The quantity is in no column, or nobody asked for it before the run.
     NotRecorded,
     /// The run stopped before its end.
     StoppedEarly,
-    /// The event did not happen, the level was not passed, nothing determines the quantity, or nothing of the run lies in the window.
-    NoValue,
+    /// The run did not come to its scene.
+    NotReached,
+    /// The event did not happen.
+    NoEvent,
+    /// The level was not passed.
+    NotPassed,
+    /// Nothing of the run lies in the window.
+    NothingInWindow,
+    /// The quantity is not a number where the metric needs it: 0/0, or nothing determines it.
+    NotANumber {
+        /// When first [s].
+        time: f64,
+    },
+    /// It is beyond the largest number: the square of 1e200.
+    TooLarge,
+    /// The run was taken back to before what had been measured.
+    TakenBack,
 }
 
 impl fmt::Display for MissingMetric {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            MissingMetric::NotANumber { time } => {
+                // Nine decimals, as errors tell times, without those that say nothing.
+                let time = format!("{time:.9}");
+                let time = time.trim_end_matches('0').trim_end_matches('.');
+                return write!(f, "its quantity is not a number at {time} s");
+            }
             MissingMetric::NotRecorded => {
                 "the history does not hold its quantity: record it with `Content::RESULTS` or `Content::ALL`"
             }
             MissingMetric::StoppedEarly => "the run stopped before its end",
-            MissingMetric::NoValue => {
-                "its event did not happen, its level was not passed, nothing of the run lies between its `from` and `to`, or its quantity has no value there"
+            MissingMetric::NotReached => "the run did not come to its scene",
+            MissingMetric::NoEvent => {
+                "its event did not happen, or not between its `from` and `to`"
+            }
+            MissingMetric::NotPassed => {
+                "its level was not passed, or not between its `from` and `to`"
+            }
+            MissingMetric::NothingInWindow => "nothing of the run lies between its `from` and `to`",
+            MissingMetric::TooLarge => "it is beyond the largest number",
+            MissingMetric::TakenBack => {
+                "the run was taken back to before what had been measured"
             }
         })
     }
@@ -83,21 +113,24 @@ impl Trajectory {
         let told = metrics.map(|metric| {
             let reader = MetricReader::new(metric, scene, self.names());
             let read = reader.and_then(|reader| self.measured(&reader));
-            let [value, unresolved] = match read {
-                Ok([value, unresolved]) if value.is_finite() => [Ok(value), Ok(unresolved)],
-                Ok(_) => [Err(MissingMetric::NoValue); 2],
-                Err(missing) => [Err(missing); 2],
-            };
-            MetricValue {
-                name: metric.name.clone(),
-                doc: metric.doc.clone(),
-                take: metric.take,
-                unit: metric.unit(scene),
-                value,
-                unresolved: unresolved.unwrap_or(0.0),
-            }
+            MetricValue::new(metric, scene, read)
         });
         told.collect()
+    }
+}
+
+impl MetricValue {
+    /// A metric of a scene, as [`Trajectory::measured`] read it.
+    #[must_use]
+    pub fn new(metric: &Metric, scene: &Scene, read: Result<[f64; 2], MissingMetric>) -> Self {
+        MetricValue {
+            name: metric.name.clone(),
+            doc: metric.doc.clone(),
+            take: metric.take,
+            unit: metric.unit(scene),
+            value: read.map(|[value, _]| value),
+            unresolved: read.map_or(0.0, |[_, unresolved]| unresolved),
+        }
     }
 }
 
@@ -120,6 +153,14 @@ impl MetricReader {
     /// Whether it hangs on the quantity at nothing but the last instant of a run.
     pub(crate) fn is_of_the_end(&self) -> bool {
         self.take == Take::Final && self.window[1] == f64::INFINITY
+    }
+
+    /// From when and up to when it hangs on the quantity [s].
+    pub(crate) fn span(&self) -> [f64; 2] {
+        match self.take {
+            Take::Final => [self.window[1]; 2],
+            _ => self.window,
+        }
     }
 
     /// Whether it hangs on the quantity before that.

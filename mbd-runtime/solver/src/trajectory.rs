@@ -195,14 +195,13 @@ impl Trajectory {
         }
     }
 
-    /// The value of a metric that this history measures, and what it may be off by because the quantity was not resolved, both in its unit; not a number
-    /// where it has no value.
+    /// The value of a metric that this history measures, and what it may be off by because the quantity was not resolved, both in its unit.
     ///
     /// # Errors
-    /// [`MissingMetric::NotRecorded`]: it is not measured.
+    /// It is not measured, or has no value: [`MissingMetric`].
     pub fn measured(&self, reader: &MetricReader) -> Result<[f64; 2], MissingMetric> {
         let value = self.measures.value(reader);
-        value.ok_or(MissingMetric::NotRecorded)
+        value.unwrap_or(Err(MissingMetric::NotRecorded))
     }
 
     /// When the recorded run ended [s], whether there is a row or not; not a number where it did not come to an end.

@@ -116,6 +116,47 @@ impl Phases {
         planned.collect()
     }
 
+    /// One sentence a param that was given by `--set` and that the map of an event decides.
+    ///
+    /// # Errors
+    /// Such a param that nothing but maps reaches: what was given does nothing.
+    pub fn decided(&self, given: &[String]) -> Result<Vec<String>, CommandFailure> {
+        let has = |file: &SceneFile, name: &str| {
+            let mut params = file.scene.params.iter();
+            params.any(|param| param.name == name)
+        };
+        let mut told = Vec::new();
+        for name in given {
+            let mut reached = self.files.first().is_some_and(|first| has(first, name));
+            let mut decided = Vec::new();
+            for (file, next) in self.files.iter().zip(&self.next) {
+                for (event, next) in file.scene.events.iter().zip(next) {
+                    let next = next.and_then(|next| self.files.get(next));
+                    let Some(next) = next.filter(|next| has(next, name)) else {
+                        continue;
+                    };
+                    let declared = event.actions.next.iter();
+                    let mut map = declared.flat_map(|declared| &declared.map);
+                    if map.any(|mapped| mapped.name == *name) {
+                        decided.push(format!(
+                            "`--set {name}` does not count in `{}`: the `map` of the event `{}` of `{}` decides it",
+                            next.scene.name, event.name, file.scene.name
+                        ));
+                    } else {
+                        reached = true;
+                    }
+                }
+            }
+            if !reached && let Some(first) = decided.first() {
+                return Err(CommandFailure::Usage(format!(
+                    "{first}; change it there, or leave it out of the `map`"
+                )));
+            }
+            told.extend(decided.iter().map(|text| format!("warning: {text}")));
+        }
+        Ok(told)
+    }
+
     /// They for many runs: the one that begins, and those that go on.
     ///
     /// # Errors

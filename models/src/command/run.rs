@@ -169,6 +169,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         return Ok(String::new());
     };
     let plans = plans(args, phases)?;
+    let mut warnings = phases.decided(&names(&args.set))?;
     let mut all = Vec::with_capacity(plans.len());
     for ((file, plan), next) in phases.files.iter().zip(&plans).zip(&phases.next) {
         let model = file.model(&plan.params);
@@ -181,8 +182,8 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
     }
     let segments = fly_phases(&all, &plans, &mut ProgressLine::new());
     let folder = args.folder();
-    let table = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
-    let (mut warnings, mut doubtful) = (Vec::new(), false);
+    let tables = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
+    let mut doubtful = false;
     for (segment, phase) in segments
         .iter()
         .filter_map(|segment| Some((segment, all.get(segment.phase)?)))
@@ -204,9 +205,10 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         let remarks = remarks.chain(&warnings);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
         let files = "report.html, history.csv, summary.json, and a folder a phase";
+        let tables: Vec<String> = tables.iter().map(ReportTable::text).collect();
         format!(
             "{remarks}{}\nwritten to {}: {files}; the error by a finer run is told of scenes that fly alone\n",
-            table.text(),
+            tables.join("\n"),
             folder.display()
         )
     };
@@ -233,10 +235,6 @@ fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure
     }
     let first = phases.files.first().map(|file| file.settings.clone());
     let settings = with_flags(first.unwrap_or_default(), args)?;
-    let names = |given: &[String]| -> Vec<String> {
-        let parts = given.iter().filter_map(|written| written.split_once('='));
-        parts.map(|(name, _)| name.trim().to_owned()).collect()
-    };
     let given = GivenSettings {
         method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
         every: args.every.is_some(),
@@ -245,6 +243,12 @@ fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure
         inputs: names(&args.input),
     };
     phases.planned(&settings, &given)
+}
+
+/// The names that flags give a value.
+fn names(given: &[String]) -> Vec<String> {
+    let parts = given.iter().filter_map(|written| written.split_once('='));
+    parts.map(|(name, _)| name.trim().to_owned()).collect()
 }
 
 /// Runs a scene that flies alone.

@@ -49,6 +49,7 @@ struct RunNumbers<'a> {
     error_estimate: Option<ErrorEstimate<'a>>,
     rounding_relative: f64,
     freedoms: usize,
+    freedoms_held: usize,
     rows: usize,
     rows_kept: usize,
     rows_strategy: u64,
@@ -145,7 +146,8 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
             relative: it.relative,
         }),
         rounding_relative: outcome.rounding,
-        freedoms: layout.freedoms(),
+        freedoms: layout.freedoms_at_start(),
+        freedoms_held: layout.freedoms(),
         rows: layout.nc,
         rows_kept: layout.rank(),
         rows_strategy: statistics.rows_strategy,
@@ -223,7 +225,12 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         rows.push(("located switches", Cell::Count(statistics.switches)));
     }
     if layout.nc > 0 {
-        rows.push(("freedoms", layout.freedoms().into()));
+        let [start, held] = [layout.freedoms_at_start(), layout.freedoms()];
+        let freedoms: Cell = match start == held {
+            true => start.into(),
+            false => format!("{start}, {held} while all locks and joints hold").into(),
+        };
+        rows.push(("freedoms", freedoms));
         rows.push(("rows of the joints", layout.nc.into()));
         rows.push((
             "rows that repeat others",

@@ -266,6 +266,16 @@ pub fn event_at_time(at: Region, time: &str) -> LexemeMessage {
     )
 }
 
+pub fn clause_behind_braces(at: Region, spec: &ItemWord, sign: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{sign}` stands before the braces: `{} … {sign} … {{ … }}`",
+            spec.word
+        ),
+    )
+}
+
 pub fn repeated_clause(at: Region, clause: &str, first: Region) -> LexemeMessage {
     LexemeMessage::new(at, format!("`{clause}` is given twice")).also(first, "first given here")
 }

@@ -348,7 +348,7 @@ impl Resolver<'_> {
         Some((rows != identity).then_some(rows))
     }
 
-    /// `diag(…) unit`, or `full { … } unit (matrix elements)`; `(unchecked)` behind it lets through moments that no rigid body has. They must be
+    /// `diag(…) unit`, or `full { … } unit (matrix elements)` with the unit before or behind the brackets; `(unchecked)` behind it lets through moments that no rigid body has. They must be
     /// positive all the same, or nothing could be computed. Hands back whether that was said, too.
     fn inertia(
         &mut self,
@@ -417,6 +417,10 @@ impl Resolver<'_> {
         let fields = self.fields(&block, ELEMENTS);
         let unit = self.trailing_unit(cursor)?;
         let products = self.sign_of_products(cursor, at)?;
+        let unit = match unit {
+            Some(unit) => Some(unit),
+            None => self.trailing_unit(cursor)?,
+        };
         let mut elements = Vec::new();
         for (k, word) in ELEMENTS.iter().enumerate() {
             let element = match fields.value(word) {

@@ -61,6 +61,36 @@ impl Resolver<'_> {
         }
     }
 
+    /// What the lock of a coordinate puts on the child, `pin.angle.lock.torque`: nothing while it is free. The lock is made where it is named first, and
+    /// an event has to close it.
+    fn lock_quantity(
+        &mut self,
+        (joint, index): (usize, usize),
+        rest: &[PathStep],
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        let (owner, coordinate) = self.scene.coordinate(joint, index)?;
+        let owner = format!("{}.{}.lock", owner.name, coordinate.name);
+        let known = quantities::JOINT_QUANTITIES;
+        let Some((step, after)) = rest.split_first() else {
+            return self.fail(say::without_quantity(at, &owner, "lock", known));
+        };
+        let reaction: (fn(usize) -> Formula, _) = match step.word.text.as_str() {
+            "force" => (Formula::ReactionForce, units::FORCE),
+            "torque" => (Formula::ReactionTorque, units::TORQUE),
+            word => {
+                let report = say::unknown_quantity(step.word.at.into(), &owner, word, known);
+                return self.fail(report);
+            }
+        };
+        self.follows(scope, step, &owner)?;
+        let lock = self.lock_of(joint, index, at);
+        self.asked_of_locks.push((lock, at));
+        let (formula, dimension) = reaction;
+        self.tail(Typed::of(formula(lock), true, dimension, at), after)
+    }
+
     /// A coordinate of a joint, its rates, or what the joint and its motor do.
     pub fn joint_quantity(
         &mut self,
@@ -106,6 +136,15 @@ impl Resolver<'_> {
             return self.fail(say::no_coordinates(at, owner, law.keyword()));
         }
         let word = step.word.text.as_str();
+        let held = measured.iter().position(|c| c.name == word);
+        if let (Some(index), Some(("lock", what))) = (
+            held,
+            after
+                .split_first()
+                .map(|(step, what)| (step.word.text.as_str(), what)),
+        ) {
+            return self.lock_quantity((joint, index), what, at, scope);
+        }
         let reaction = match word {
             "force" => Some((Formula::ReactionForce(joint), units::FORCE)),
             "torque" => Some((Formula::ReactionTorque(joint), units::TORQUE)),

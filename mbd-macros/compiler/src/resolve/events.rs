@@ -27,7 +27,6 @@ impl Resolver<'_> {
         for instance in self.of("event") {
             self.poison(Named::Event(instance.slot), |this| this.event(&instance));
         }
-        self.unlocked();
     }
 
     fn event(&mut self, instance: &Instance<'_>) -> Option<()> {

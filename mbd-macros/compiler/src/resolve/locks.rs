@@ -45,15 +45,25 @@ impl Resolver<'_> {
         all
     }
 
-    /// Tells of coordinates that events free and none locks.
+    /// Tells of coordinates that events free, or whose locks are asked for, and none locks.
     pub(super) fn unlocked(&mut self) {
-        for (lock, at) in std::mem::take(&mut self.freed) {
+        let mut named = self.bad.iter();
+        let mut asked = std::mem::take(&mut self.asked_of_locks);
+        if named.any(|named| matches!(named, Named::Event(_))) {
+            // What an event with a mistake of its own would lock is not known.
+            asked.clear();
+        }
+        let freed = std::mem::take(&mut self.freed).into_iter();
+        let say: [fn(Region, &str) -> _; 2] = [say::freed_never_locked, say::asked_never_locked];
+        let freed = freed.map(|one| (one, say[0]));
+        let asked = asked.into_iter().map(|one| (one, say[1]));
+        for ((lock, at), say) in freed.chain(asked) {
             let what = Detachable::Joint(lock);
             let locks = |attach: &Vec<Detachable>| attach.contains(&what);
             let mut events = self.scene.events.iter();
             if !events.any(|event| locks(&event.actions.attach)) {
                 let name = self.scene.locked(what).unwrap_or_default();
-                self.messages.push(say::freed_never_locked(at, &name));
+                self.messages.push(say(at, &name));
             }
         }
     }
@@ -123,7 +133,7 @@ impl Resolver<'_> {
     }
 
     /// The lock of a coordinate, by its number among the joints; it is made where it is named first.
-    fn lock_of(&mut self, joint: usize, index: usize, at: Region) -> usize {
+    pub(super) fn lock_of(&mut self, joint: usize, index: usize, at: Region) -> usize {
         let law = JointLaw::Lock(Lock {
             couples: [(joint, index)],
         });

@@ -137,6 +137,8 @@ pub struct Resolver<'a> {
     pub whole: bool,
     /// Locks that events free, and where.
     pub freed: Vec<(usize, Region)>,
+    /// Locks whose force or torque is asked for, and where.
+    pub asked_of_locks: Vec<(usize, Region)>,
     /// Where events name scenes that go on.
     pub going: Vec<NextSceneRegion>,
     /// Points whose model is declared.
@@ -191,6 +193,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.outputs();
     resolver.events();
     resolver.metrics();
+    resolver.unlocked();
     resolver.states_in_radians();
     resolver.detached_starts();
     resolver.origin(model);
@@ -230,6 +233,7 @@ impl<'a> Resolver<'a> {
             known: ResolvedSoFar::Numbers,
             whole: true,
             freed: Vec::new(),
+            asked_of_locks: Vec::new(),
             going: Vec::new(),
             chosen: BTreeSet::new(),
             si: false,

@@ -53,8 +53,16 @@ impl Typed {
         self.angle != 0 || half_turns != 0.0 && whole
     }
 
+    /// Whether it is 2π, a turn in radians, without a unit.
+    pub fn is_a_turn(&self, scene: &Scene) -> bool {
+        let known = fold::known(&self.formula, scene, false).and_then(|known| known.scalar());
+        let turn = std::f64::consts::TAU;
+        let of_no_unit = self.angle == 0 && self.dimension.is_none_or(|it| it == units::NONE);
+        of_no_unit && known.is_some_and(|number| (number.abs() - turn).abs() < 1e-9 * turn)
+    }
+
     /// Whether it is an angle, or the rate of one.
-    fn is_in_radians(&self) -> bool {
+    pub fn is_in_radians(&self) -> bool {
         self.angle == 1
     }
 }

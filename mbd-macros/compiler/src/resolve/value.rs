@@ -400,17 +400,19 @@ impl Resolver<'_> {
         {
             return self.fail(say::not_finite(at));
         }
+        // An angle over 2π, as over a turn, is a number of turns.
+        let per_turn = divide && a.is_in_radians() && b.is_a_turn(&self.scene);
         let formula = self.apply(function, vec![a.formula, b.formula], at)?;
         Some(Typed {
             bare: bare.then(|| shown(&formula)).flatten(),
             formula,
             vector: a.vector || b.vector,
             dimension,
-            angle: a.angle.saturating_add(if divide {
-                b.angle.saturating_neg()
-            } else {
-                b.angle
-            }),
+            angle: match divide {
+                _ if per_turn => 0,
+                true => a.angle.saturating_sub(b.angle),
+                false => a.angle.saturating_add(b.angle),
+            },
             turns,
             at,
         })

@@ -1,7 +1,7 @@
 //! Items and fields: split into keyword, name, clauses and braces. After a mistake reading goes on at the next item.
 
 use super::model::docs;
-use super::words::{self, ItemWord};
+use super::words::{self, Clause, ItemWord};
 use super::{ClauseValue, Cursor, Item, NameSyntax, ValueSyntax, Word};
 use crate::lexeme::{Bracket, LexemeIndex, LexemeKind, Region};
 use crate::messages::{LexemeMessage, Messages, similar, syntax as say};
@@ -225,6 +225,10 @@ fn rest<'a>(
             }
             item.block = items(Cursor::new(block), true, messages);
             item.broken |= item.block.iter().any(|field| field.broken);
+            let mut ahead = *cursor;
+            if let Some((sign, at)) = clause(&mut ahead, spec).filter(|_| !inside) {
+                return Err(say::clause_behind_braces(at, spec, sign));
+            }
             cursor.sign(if inside { ',' } else { ';' });
             return needed(item, spec);
         } else {
@@ -353,8 +357,13 @@ fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
         Some(LexemeKind::Sign(';')) => true,
         Some(LexemeKind::Word(word)) => {
             let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
-            let named = words::find(word, inside).is_some_and(|spec| spec.named);
+            let spec = words::find(word, inside);
+            let named = spec.is_some_and(|spec| spec.named);
+            let begins =
+                |sign: &Clause| matches!(next, Some(LexemeKind::Word(word)) if word == sign.sign);
+            let unnamed = spec.is_some_and(|spec| inside && spec.clauses.iter().any(begins));
             (named && matches!(next, Some(LexemeKind::Word(_))))
+                || unnamed
                 || (inside && matches!(next, Some(LexemeKind::Sign(':'))))
                 || (inside && begins_outside(cursor))
         }

@@ -169,10 +169,19 @@ impl Layout {
         self.joints.iter().map(|slots| slots.kept.len()).sum()
     }
 
-    /// Freedoms: speeds that the joints leave.
+    /// Freedoms: speeds that the joints leave, where all locks hold and no joint is detached.
     #[must_use]
     pub fn freedoms(&self) -> usize {
         self.nv.saturating_sub(self.rank())
+    }
+
+    /// Freedoms at the start, where no lock holds, nor a joint that is detached then.
+    #[must_use]
+    pub fn freedoms_at_start(&self) -> usize {
+        let all = self.joints.iter().enumerate();
+        let held = all.filter(|(joint, _)| self.starts_joined(*joint));
+        let rank: usize = held.map(|(_, slots)| slots.kept.len()).sum();
+        self.nv.saturating_sub(rank)
     }
 
     /// Length of the state.

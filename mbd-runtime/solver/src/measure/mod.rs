@@ -13,9 +13,9 @@ mod polynomial;
 mod sum;
 
 use crate::error::StepError;
-use crate::metric::MetricReader;
+use crate::metric::{MetricReader, MissingMetric};
 use polynomial::{DEGREE, POINTS, Polynomial};
-use sum::Sum;
+use sum::{Part, Sum};
 
 /// Writes the columns at a part of a step, 0 … 1.
 type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a;
@@ -49,10 +49,10 @@ pub(crate) struct Measures {
 /// The same metrics with the same values, to the bit.
 impl PartialEq for Measures {
     fn eq(&self, other: &Self) -> bool {
-        let values = |measures: &Self| -> Vec<u64> {
+        let values = |measures: &Self| -> Vec<Option<u64>> {
             let all = measures.readers.iter().zip(&measures.sums);
-            let values = all.map(|((reader, _), sum)| sum.value(reader.take).to_bits());
-            values.collect()
+            let values = all.map(|((reader, _), sum)| sum.value(reader.take).ok());
+            values.map(|value| value.map(f64::to_bits)).collect()
         };
         self.readers == other.readers && values(self) == values(other)
     }
@@ -178,11 +178,12 @@ impl Measures {
         self.kept.0 = f64::NAN;
     }
 
-    /// The value of a metric; `None` where it is not measured.
-    pub(crate) fn value(&self, reader: &MetricReader) -> Option<[f64; 2]> {
+    /// The value of a metric and what it may be off by; `None` where it is not measured.
+    pub(crate) fn value(&self, reader: &MetricReader) -> Option<Result<[f64; 2], MissingMetric>> {
         let mut all = self.readers.iter().zip(&self.sums);
         let (_, sum) = all.find(|((known, _), _)| known == reader)?;
-        Some([sum.value(reader.take), sum.open(reader.take)])
+        let value = sum.value(reader.take);
+        Some(value.map(|value| [value, sum.open(reader.take)]))
     }
 
     /// An event, at the last instant that was measured.
@@ -193,13 +194,14 @@ impl Measures {
         }
     }
 
-    /// Adds what a later part of the run was measured to be, by a history whose columns are in these places here.
-    pub(crate) fn add_part(&mut self, part: &Measures, places: &[usize]) {
+    /// Adds what a later part of the run was measured to be, by readers that are `whole` here.
+    pub(crate) fn add_part(
+        &mut self,
+        part: &Measures,
+        whole: &dyn Fn(&MetricReader) -> MetricReader,
+    ) {
         for ((reader, _), sum) in part.readers.iter().zip(&part.sums) {
-            let reader = MetricReader {
-                column: places.get(reader.column).copied().unwrap_or(0),
-                ..reader.clone()
-            };
+            let reader = whole(reader);
             let known = self.readers.iter().position(|(known, _)| *known == reader);
             match known.and_then(|at| self.sums.get_mut(at)) {
                 Some(own) => own.add_part(&reader, sum),
@@ -226,7 +228,8 @@ impl Measures {
         if self.kept.0 == time {
             self.sums.copy_from_slice(&self.kept.1);
         } else {
-            self.sums.iter_mut().for_each(Sum::spoil);
+            let all = self.sums.iter_mut();
+            all.for_each(|sum| sum.spoil(MissingMetric::TakenBack));
         }
         self.until = time;
     }
@@ -242,15 +245,24 @@ impl Measures {
         {
             let all = self.readers.iter().zip(&mut self.sums);
             let of_the_end = all.filter(|((reader, _), _)| reader.is_of_the_end());
-            of_the_end.for_each(|(_, sum)| sum.spoil());
+            of_the_end.for_each(|(_, sum)| sum.spoil(MissingMetric::NotANumber { time }));
             return Err(error);
         }
         let first = DEGREE * self.columns.len();
         let values = self.values.get(first..).unwrap_or_default();
         for ((reader, column), sum) in self.readers.iter().zip(&mut self.sums) {
             let value = values.get(*column).copied().unwrap_or(f64::NAN);
-            let polynomial = Polynomial::constant(value);
-            sum.add(reader, &polynomial, [time; 2], (false, 0.0));
+            let part = Part {
+                polynomial: &Polynomial::constant(value),
+                times: [time; 2],
+                end: value,
+                values: [value; 2],
+                allowed: 0.0,
+                gap: (!value.is_finite()).then_some(time),
+                rough: false,
+                open: 0.0,
+            };
+            sum.add(reader, part);
         }
         (self.until, self.held) = (time, time);
         Ok(())
@@ -283,8 +295,8 @@ impl Measures {
                     false => Resolving::Here(2),
                 };
                 self.set_state(Half::WHOLE, column, state);
-                self.see(Half::WHOLE, 0, column);
-                self.see(Half::WHOLE, DEGREE, column);
+                self.see((Half::WHOLE, 0), step.time, column);
+                self.see((Half::WHOLE, DEGREE), end, column);
             }
             self.look_inside(Half::WHOLE, step, at)?;
             self.resolve(Half::WHOLE, step, at)?;
@@ -317,10 +329,17 @@ impl Measures {
         }
     }
 
-    /// Sees the size of a column at a point of a half.
-    fn see(&mut self, half: Half, point: usize, column: usize) {
+    /// Sees the size of a column at a point of a half, where a metric counts: what is infinite before a window leaves nothing in it unresolved.
+    fn see(&mut self, (half, point): (Half, usize), time: f64, column: usize) {
         let value = self.value_at(half, point, column);
-        if let Some(column) = self.columns.get_mut(column) {
+        let counts = |_: &Sum, reader: &MetricReader| {
+            let [from, to] = reader.window;
+            (from..=to).contains(&time)
+        };
+        if value.is_finite()
+            && self.any_sum(column, counts)
+            && let Some(column) = self.columns.get_mut(column)
+        {
             column.size = column.size.max(value.abs());
         }
     }
@@ -361,8 +380,42 @@ impl Measures {
         let known = self.columns.get(column).copied().unwrap_or_default();
         let allowed = (step.tolerance * known.size).max(2.0 * known.noise);
         let times = step.times(half.part);
+        if !polynomial.tail().is_finite() {
+            // A gap is cut off where it lies before or behind what a metric needs.
+            return self.any_sum(column, |sum, reader| {
+                let [from, to] = reader.span();
+                let cuts = [from, to].map(|time| times[0] < time && time < times[1]);
+                let gap = self.gap((half, column, polynomial), step, reader);
+                cuts.contains(&true)
+                    && sum.looks_inside(reader, times)
+                    && gap.is_some_and(|gap| gap < from || to < gap)
+            });
+        }
         let hangs = |sum: &Sum, reader: &MetricReader| sum.hangs_on(reader, times, polynomial);
         polynomial.error() > allowed && self.any_sum(column, hangs)
+    }
+
+    /// When a column has a value over a half that is not a number: where a metric needs it, if there is such a time [s].
+    fn gap(
+        &self,
+        (half, column, polynomial): (Half, usize, &Polynomial),
+        step: MeasuredStep,
+        reader: &MetricReader,
+    ) -> Option<f64> {
+        let [begin, end] = step.times(half.part);
+        let [from, to] = reader.span();
+        let stride = Polynomial::stride(polynomial.points().count());
+        let places = Polynomial::places().into_iter().enumerate();
+        let own = places.filter(|(point, _)| point % stride == 0);
+        let gaps = own.filter(|(point, _)| !self.value_at(half, *point, column).is_finite());
+        let mut times = gaps.map(|(_, place)| match place {
+            1.0 => end,
+            place => begin + place * (end - begin),
+        });
+        let first = times.next()?;
+        let needed = |time: &f64| (from..=to).contains(time);
+        let mut all = std::iter::once(first).chain(times);
+        Some(all.find(needed).unwrap_or(first))
     }
 
     /// Evaluates columns inside a half whose ends are known until each is resolved, or all its points are.
@@ -384,10 +437,12 @@ impl Measures {
             let places = Polynomial::places().into_iter().enumerate();
             let new = places.filter(|(point, _)| point % stride == 0 && point % before != 0);
             for (point, place) in new {
-                at(low + place * (high - low), self.row(half, point))?;
+                let part = low + place * (high - low);
+                at(part, self.row(half, point))?;
+                let time = step.time + part * step.size;
                 for column in all.clone() {
                     if self.state(half, column) == Resolving::Further {
-                        self.see(half, point, column);
+                        self.see((half, point), time, column);
                     }
                 }
             }
@@ -474,7 +529,15 @@ impl Measures {
                 continue;
             };
             let polynomial = self.polynomial(half, *column, count);
+            let gap = self.gap((half, *column, &polynomial), step, reader);
+            let end = self.value_at(half, DEGREE, *column);
             let size = self.columns.get(*column).map_or(0.0, |known| known.size);
+            let stride = Polynomial::stride(count);
+            let values = (0..count).map(|place| self.value_at(half, place * stride, *column));
+            let nothing = [f64::INFINITY, f64::NEG_INFINITY];
+            let values = values.fold(nothing, |[least, most], value| {
+                [least.min(value), most.max(value)]
+            });
             let Some(sum) = self.sums.get_mut(index) else {
                 continue;
             };
@@ -486,7 +549,17 @@ impl Measures {
                 true => polynomial.tail(),
                 false => 0.0,
             };
-            sum.add(reader, &polynomial, times, (rough, open));
+            let part = Part {
+                polynomial: &polynomial,
+                times,
+                end,
+                values,
+                allowed: polynomial.tail().max(step.tolerance * size),
+                gap,
+                rough,
+                open,
+            };
+            sum.add(reader, part);
         }
     }
 }

@@ -3,7 +3,7 @@
 use mbd_scene::metrics::Take;
 
 use super::polynomial::Polynomial;
-use crate::metric::MetricReader;
+use crate::metric::{MetricReader, MissingMetric};
 
 /// What is known of a metric up to an instant.
 #[derive(Clone, Copy, Debug)]
@@ -22,11 +22,33 @@ pub(super) struct Sum {
     last: f64,
     /// The quantity at the last instant that was looked at, in the window or not.
     now: f64,
-    /// Whether anything of the window was seen, and whether the quantity had no value in it.
+    /// Whether anything of the window was seen.
     seen: bool,
-    undefined: bool,
+    /// Why it has no value, whatever else was seen.
+    missing: Option<MissingMetric>,
     /// What parts that stayed unresolved leave open of the value.
     open: f64,
+}
+
+/// A part of the run.
+#[derive(Clone, Copy)]
+pub(super) struct Part<'a> {
+    /// The quantity over it.
+    pub polynomial: &'a Polynomial,
+    /// When it begins and ends [s].
+    pub times: [f64; 2],
+    /// The quantity at its end.
+    pub end: f64,
+    /// The least and the largest of the values that the polynomial goes through.
+    pub values: [f64; 2],
+    /// What the polynomial may be off by.
+    pub allowed: f64,
+    /// When a value of the polynomial is not a number, where the metric needs it if possible [s].
+    pub gap: Option<f64>,
+    /// Whether the quantity is no polynomial there.
+    pub rough: bool,
+    /// What the polynomial is then off by.
+    pub open: f64,
 }
 
 impl Sum {
@@ -39,7 +61,7 @@ impl Sum {
         last: f64::NAN,
         now: f64::NAN,
         seen: false,
-        undefined: false,
+        missing: None,
         open: 0.0,
     };
 
@@ -75,22 +97,39 @@ impl Sum {
         !enough && self.looks_inside(of, times)
     }
 
-    /// A part of the run between two times; where it stayed `rough` the quantity is no polynomial, but for an error of `open`.
-    pub(super) fn add(
-        &mut self,
-        of: &MetricReader,
-        polynomial: &Polynomial,
-        [begin, end]: [f64; 2],
-        (rough, open): (bool, f64),
-    ) {
-        self.now = polynomial.at(1.0);
+    /// A part of the run.
+    pub(super) fn add(&mut self, of: &MetricReader, part: Part<'_>) {
+        let Part {
+            polynomial,
+            times: [begin, end],
+            rough,
+            open,
+            values: [least, most],
+            allowed,
+            ..
+        } = part;
+        self.now = part.end;
         let (low, high) = (of.window[0].max(begin), of.window[1].min(end));
         if low > high || matches!(of.take, Take::Value | Take::TimeOf) {
             return;
         }
-        if !polynomial.tail().is_finite() {
-            (self.seen, self.undefined) = (true, true);
+        if of.take == Take::Final && high == end {
+            // The last instant alone counts, whatever was before.
+            let missing = MissingMetric::NotANumber { time: end };
+            self.missing = (!part.end.is_finite()).then_some(missing);
+            (self.last, self.seen) = (part.end, true);
             return;
+        }
+        if let Some(time) = part.gap {
+            let found = self.first.is_finite() && of.take == Take::FirstAbove;
+            if !found && self.missing.is_none() {
+                self.missing = Some(MissingMetric::NotANumber { time });
+            }
+            self.seen = true;
+            return;
+        }
+        if of.take == Take::Final {
+            self.missing = None;
         }
         let width = end - begin;
         // A time as a place on the polynomial, and a part of it in seconds.
@@ -105,11 +144,13 @@ impl Sum {
         self.span += high - low;
         let level = of.level.unwrap_or(f64::NAN);
         match of.take {
-            Take::Max => largest(polynomial, part, rough, |x| x, &mut self.extreme),
+            Take::Max => {
+                let found = largest(polynomial, part, rough, |x| x);
+                self.extreme = self.extreme.max(signed(found, most, allowed));
+            }
             Take::Min => {
-                let mut least = -self.extreme;
-                largest(polynomial, part, rough, |x| -x, &mut least);
-                self.extreme = -least;
+                let found = largest(polynomial, part, rough, |x| -x);
+                self.extreme = self.extreme.min(0.0 - signed(found, -least, allowed));
             }
             Take::Mean | Take::Integral => {
                 self.sum += 0.5 * width * polynomial.integral(part, |x| x);
@@ -162,9 +203,12 @@ impl Sum {
         if later.seen {
             self.last = later.last;
         }
+        self.missing = match of.take {
+            Take::Final if later.seen => later.missing,
+            _ => self.missing.or(later.missing),
+        };
         self.now = later.now;
         self.seen |= later.seen;
-        self.undefined |= later.undefined;
         self.open = match of.take {
             Take::Max | Take::Min => self.open.max(later.open),
             _ => self.open + later.open,
@@ -179,17 +223,31 @@ impl Sum {
         }
     }
 
-    /// Its value; NaN where there is none.
-    pub(super) fn value(&self, take: Take) -> f64 {
+    /// Its value.
+    pub(super) fn value(&self, take: Take) -> Result<f64, MissingMetric> {
+        let of_an_event = matches!(take, Take::TimeOf | Take::Value);
+        let value = self.number(take);
+        match self.missing {
+            Some(missing) => Err(missing),
+            None if value.is_finite() => Ok(value),
+            None if of_an_event && self.first.is_nan() => Err(MissingMetric::NoEvent),
+            None if of_an_event => Err(MissingMetric::NotANumber { time: self.first }),
+            None if !self.seen => Err(MissingMetric::NothingInWindow),
+            None if take == Take::FirstAbove => Err(MissingMetric::NotPassed),
+            None => Err(MissingMetric::TooLarge),
+        }
+    }
+
+    /// The number that was seen; not finite where there is none.
+    fn number(&self, take: Take) -> f64 {
         let over_span = |alone: f64| match self.span > 0.0 {
             true => self.sum / self.span,
             false => alone,
         };
         match take {
-            Take::TimeOf | Take::FirstAbove if self.undefined => f64::NAN,
             Take::TimeOf | Take::FirstAbove => self.first,
             Take::Value => self.at_event,
-            _ if !self.seen || self.undefined => f64::NAN,
+            _ if !self.seen => f64::NAN,
             Take::Max | Take::Min => self.extreme,
             Take::Final => self.last,
             Take::Mean => over_span(self.last),
@@ -210,9 +268,9 @@ impl Sum {
         }
     }
 
-    /// Forgets what cannot be told any more.
-    pub(super) fn spoil(&mut self) {
-        (self.seen, self.undefined) = (true, true);
+    /// Forgets what cannot be told any more, for this reason.
+    pub(super) fn spoil(&mut self, why: MissingMetric) {
+        self.missing = Some(why);
         (self.first, self.at_event) = (f64::NAN, f64::NAN);
     }
 }
@@ -227,15 +285,24 @@ fn above(polynomial: &Polynomial, level: f64, [low, high]: [f64; 2]) -> (f64, f6
     }
 }
 
-/// Raises what is the largest so far, as `of` counts; of a rough part by its values alone: a polynomial through a jump overshoots.
+/// The largest value of a polynomial, zero where it is above it by no more than its error and none of the values that it goes through is: the least of
+/// what is never negative, a tension or a square, is not below zero by rounding.
+fn signed(largest: f64, of_values: f64, allowed: f64) -> f64 {
+    match of_values <= 0.0 && largest > 0.0 && largest <= allowed {
+        true => 0.0,
+        false => largest,
+    }
+}
+
+/// The largest value, as `of` counts; of a rough part by its values alone: a polynomial through a jump overshoots.
 fn largest(
     polynomial: &Polynomial,
     [low, high]: [f64; 2],
     rough: bool,
     of: impl Fn(f64) -> f64,
-    so_far: &mut f64,
-) {
-    let mut see = |s: f64| *so_far = so_far.max(of(polynomial.at(s)));
+) -> f64 {
+    let mut so_far = f64::NAN;
+    let mut see = |s: f64| so_far = so_far.max(of(polynomial.at(s)));
     see(low);
     if rough {
         let points = polynomial.points();
@@ -243,4 +310,5 @@ fn largest(
     } else {
         polynomial.monotone([low, high], |[_, end]| see(end));
     }
+    so_far
 }

@@ -105,6 +105,16 @@ impl Joined {
         own.collect()
     }
 
+    /// How histories with the columns here tell what the history of a model, by its index, measures by this reader; the reverse of [`Joined::readers`].
+    #[must_use]
+    pub fn reader(&self, model: usize, reader: &MetricReader) -> MetricReader {
+        let places = self.places.get(model).map_or(&[][..], Vec::as_slice);
+        MetricReader {
+            column: places.get(reader.column).copied().unwrap_or(0),
+            ..reader.clone()
+        }
+    }
+
     /// The parts of a run, each the history of a model by its index, as one; what a model has not is not a number in its rows. Metrics
     /// that they measure ([`Joined::readers`]) are those of the whole run.
     #[must_use]
@@ -136,7 +146,8 @@ impl Joined {
             joined.columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
             let all = joined.columns.iter_mut();
             all.for_each(|column| column.resize(before + rows, f64::NAN));
-            joined.measures.add_part(&part.measures, places);
+            let whole = |reader: &MetricReader| self.reader(*model, reader);
+            joined.measures.add_part(&part.measures, &whole);
             joined.events.extend(part.events.iter().cloned());
             joined.statistics = joined.statistics.and(part.statistics);
             if part.sampling != Sampling::Steps {

@@ -153,3 +153,40 @@ fn a_setting_that_cannot_be_used_is_told_by_check_and_run_with_its_line() {
     assert!(!typed.to_string().contains("m.mbd:7"), "{typed}");
     run(&["check", &file("tolerance = 1e-6")]).unwrap();
 }
+
+#[test]
+fn a_lock_that_holds_for_a_while_takes_no_freedom_at_the_start() {
+    let folder = Folder::new("checks_locked");
+    let scene = folder.file(
+        "locked.mbd",
+        "model Locked {
+            gravity: none;
+            body arm { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+            joint pin: hinge from world to arm.com { axis: z, start_rate: 1 rad/s }
+            event held = time rises 1 s { lock: pin }
+            event freed = time rises 2 s { free: pin }
+        }
+        [run]
+        until = \"3 s\"
+        ",
+    );
+    let out = folder.0.join("out").display().to_string();
+    let flown = run(&["run", &scene, "--out", &out]).unwrap();
+    let freedoms = flown.lines().find(|line| line.contains("freedoms"));
+    let told = freedoms.is_some_and(|line| line.contains("1, 0 while all locks and joints hold"));
+    assert!(told, "{flown}");
+    for command in ["run", "check"] {
+        let more: &[&str] = if command == "run" {
+            &["--out", &out]
+        } else {
+            &[]
+        };
+        let text = run(&[&[command, scene.as_str(), "--json"], more].concat()).unwrap();
+        let told: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(
+            [&told["freedoms"], &told["freedoms_held"]],
+            [1, 0],
+            "{command}"
+        );
+    }
+}

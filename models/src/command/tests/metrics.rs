@@ -187,3 +187,41 @@ fn a_run_tells_its_metrics_on_the_terminal() {
         assert!(told.contains(name), "{name}: {told}");
     }
 }
+
+#[test]
+fn the_torque_of_a_latch_is_a_metric_a_guard_and_a_name() {
+    let folder = Folder::new("metrics_latch");
+    // Gravity pulls by m g r = 9.81 N m about the pin where the arm is level, held by the lock.
+    let text = "model Latch {
+        gravity: [0, 0, -9.81] m/s^2;
+        let effort = norm(pin.angle.lock.torque);
+        body arm { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1, 0, 0] m }
+        joint pin: hinge from world to arm.root { axis: y }
+        event caught = time rises 1 ms { lock: pin, acts: once }
+        event loaded = norm(pin.angle.lock.torque) rises 5 N*m;
+        metric held = final effort;
+        metric most = max abs(pin.angle.lock.torque.y);
+        output side = pin.angle.lock.force;
+    }
+    [run]
+    until = \"1 s\"
+    ";
+    for family in ["absolute", "relative"] {
+        let own = format!("gravity: [0, 0, -9.81] m/s^2; coordinates: {family};");
+        let text = text.replace("gravity: [0, 0, -9.81] m/s^2;", &own);
+        let text = text.replace("    [run]", "[run]");
+        let scene = folder.file("latch.mbd", &text);
+        let out = folder.0.join("out").display().to_string();
+        let told = run(&["run", &scene, "--json", "--out", &out]).unwrap();
+        let told: Value = serde_json::from_str(&told).unwrap();
+        for name in ["held", "most"] {
+            let found = told["metrics"][name].as_f64().unwrap();
+            assert!((found - 9.81).abs() < 1e-4, "{family} {name}: {found}");
+        }
+        let toml = run(&["convert", &scene]).unwrap();
+        let document = folder.file("latch.toml", &toml);
+        let text = run(&["convert", &document, "--to", "mbd"]).unwrap();
+        let back = folder.file("back.mbd", &text);
+        assert_eq!(run(&["convert", &back]).unwrap(), toml);
+    }
+}

@@ -369,3 +369,91 @@ fn both_forms_of_a_scene_name_the_same_file_and_map() {
     let [a, b] = [&stack, &third].map(|file| last(&flown(&folder, file, &[]), 1, "shield.x"));
     assert!((a - b).abs() < 1e-12, "{a} {b}");
 }
+
+#[test]
+fn a_param_that_a_map_decides_is_not_set_without_a_word() {
+    let folder = Folder::new("phases_decided");
+    let next = "{ then: scene \"next.mbd\", map: [push = 2 N] }";
+    let text = |own: &str| {
+        format!(
+            "model First {{ gravity: none; {own} point a {{ mass: 1 kg, start at [0, 0, 0] m }}
+             event cut = time rises 1 s {next} }}\n[run]\nuntil = \"2 s\"\n"
+        )
+    };
+    folder.file(
+        "next.mbd",
+        "model Next { gravity: none; param push = 1 N in 0 N ..= 9 N; point a { mass: 1 kg } load f on a = [push, 0 N, 0 N]; }",
+    );
+    let out = folder.0.join("out").display().to_string();
+    let fly = |own: &str| {
+        let first = folder.file("first.mbd", &text(own));
+        run(&["run", &first, "--set", "push=3 N", "--out", &out])
+    };
+    let told =
+        "`--set push` does not count in `Next`: the `map` of the event `cut` of `First` decides it";
+    let failure = fly("").unwrap_err();
+    assert!(failure.to_string().contains(told), "{failure}");
+    let own = "param push = 1 N in 0 N ..= 9 N; load f on a = [push, 0 N, 0 N];";
+    let flown = fly(own).unwrap();
+    assert!(flown.contains(told), "{flown}");
+}
+
+#[test]
+fn metrics_are_told_of_the_whole_run() {
+    let folder = Folder::new("phases_metrics");
+    // Up by 20 m/s from the ground; the second scene begins where 1 s is over, at 15 m and 10 m/s.
+    let first = folder.file(
+        "up.mbd",
+        "model Up {
+            gravity: [0, 0, -10] m/s^2;
+            point stone { mass: 1 kg, start at [0, 0, 0] m velocity [0, 0, 20] m/s }
+            event on_high = time rises 1 s { then: scene \"down.mbd\" }
+            metric top = max stone.position.z;
+            metric way = integral norm(stone.velocity);
+            metric first = time_of on_high;
+            metric speed = max norm(stone.velocity);
+        }
+[run]
+until = \"3 s\"
+",
+    );
+    folder.file(
+        "down.mbd",
+        "model Down {
+            gravity: [0, 0, -10] m/s^2;
+            point stone { mass: 1 kg }
+            metric top = max stone.position.z;
+            metric way = integral norm(stone.velocity);
+            metric last = final stone.position.z;
+            metric speed = min norm(stone.velocity);
+        }",
+    );
+    let summary = flown(&folder, &first, &[]);
+    let exact = [
+        ("top", 20.0),
+        ("way", 25.0),
+        ("first", 1.0),
+        ("speed", 20.0),
+        ("last", 15.0),
+        ("speed (2)", 0.0),
+    ];
+    for (name, exact) in exact {
+        let found = summary["metrics"][name].as_f64().unwrap_or(f64::NAN);
+        assert!((found - exact).abs() < 1e-4, "{name}: {found}");
+    }
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&["run", &first, "--out", &out]).unwrap();
+    let page = std::fs::read_to_string(format!("{out}/report.html")).unwrap();
+    for text in [told, page] {
+        assert!(
+            text.contains("Metrics") && text.contains("speed (2)"),
+            "{text}"
+        );
+    }
+    // A run that ends before tells what it did not come to.
+    let told = run(&["run", &first, "--until", "0.5", "--out", &out]).unwrap();
+    assert!(
+        told.contains("`last` has no value: the run did not come to its scene"),
+        "{told}"
+    );
+}

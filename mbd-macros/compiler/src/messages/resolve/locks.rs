@@ -70,3 +70,12 @@ pub fn freed_never_locked(at: Region, coordinate: &str) -> LexemeMessage {
         ),
     )
 }
+
+pub fn asked_never_locked(at: Region, coordinate: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "no event locks `{coordinate}`, so that there is no lock to ask: write `lock: {coordinate}` in an event"
+        ),
+    )
+}

@@ -242,7 +242,7 @@ pub fn turns_wanted(at: Region, what: &str) -> LexemeMessage {
 pub fn radians_in_turns(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
-        "`Hz` counts turns, and this is an angular rate: write `in rpm` or `in rad/s`, or divide by a turn, `/ (360 deg)`, before `in Hz`",
+        "`Hz` counts turns, and this is an angular rate: write `in rpm` or `in rad/s`, or divide by a turn, `/ (360 deg)` or `/ (2 * pi)`, before `in Hz`",
     )
 }
 
