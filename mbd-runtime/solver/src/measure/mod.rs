@@ -15,7 +15,7 @@ mod sum;
 use crate::error::StepError;
 use crate::metric::{MetricReader, MissingMetric};
 use polynomial::{DEGREE, POINTS, Polynomial};
-use sum::{Part, Sum};
+use sum::{MeasuredPart, Sum};
 
 /// Writes the columns at a part of a step, 0 … 1.
 type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a;
@@ -252,7 +252,7 @@ impl Measures {
         let values = self.values.get(first..).unwrap_or_default();
         for ((reader, column), sum) in self.readers.iter().zip(&mut self.sums) {
             let value = values.get(*column).copied().unwrap_or(f64::NAN);
-            let part = Part {
+            let part = MeasuredPart {
                 polynomial: &Polynomial::constant(value),
                 times: [time; 2],
                 end: value,
@@ -549,7 +549,7 @@ impl Measures {
                 true => polynomial.tail(),
                 false => 0.0,
             };
-            let part = Part {
+            let part = MeasuredPart {
                 polynomial: &polynomial,
                 times,
                 end,

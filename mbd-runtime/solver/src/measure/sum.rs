@@ -32,7 +32,7 @@ pub(super) struct Sum {
 
 /// A part of the run.
 #[derive(Clone, Copy)]
-pub(super) struct Part<'a> {
+pub(super) struct MeasuredPart<'a> {
     /// The quantity over it.
     pub polynomial: &'a Polynomial,
     /// When it begins and ends [s].
@@ -98,8 +98,8 @@ impl Sum {
     }
 
     /// A part of the run.
-    pub(super) fn add(&mut self, of: &MetricReader, part: Part<'_>) {
-        let Part {
+    pub(super) fn add(&mut self, of: &MetricReader, part: MeasuredPart<'_>) {
+        let MeasuredPart {
             polynomial,
             times: [begin, end],
             rough,
