@@ -416,7 +416,7 @@ pub(super) fn unwritten(error: &std::io::Error) -> CommandFailure {
 }
 
 fn written(outcome: &RunOutcome, folder: &Path) -> String {
-    let speed = if outcome.wall_s > 0.0 {
+    let speed = if outcome.time > 0.0 && outcome.wall_s > 0.0 {
         format!(
             "{:.0} simulated seconds a second; ",
             outcome.time / outcome.wall_s
