@@ -84,6 +84,11 @@ impl<T: Float> Simulation<T> {
             self.margins.before.copy_from_slice(&self.margins.now);
             (earlier, low) = (low, high);
         }
+        if declares && self.margins.are_at_value() {
+            // It passes right behind this step, which is not to see that.
+            self.make_step_before(step)?;
+            self.look_at_end(step)?;
+        }
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(None)
     }
@@ -198,8 +203,13 @@ impl<T: Float> Simulation<T> {
 
     /// Redoes the step with another size, unless it was the last attempt, and returns the smallest chosen margin at its end.
     pub(crate) fn redo(&mut self, size: f64) -> Result<f64, StepError> {
-        if self.attempted != size {
-            self.make_step(size)?;
+        let declared = !self.only_elements();
+        let sees_later = declared && self.system.latest == f64::INFINITY;
+        if self.attempted != size || sees_later {
+            match declared {
+                true => self.make_step_before(size)?,
+                false => self.make_step(size)?,
+            }
             let counters = &mut self.system.counters;
             counters.redone = counters.redone.saturating_add(1);
         }
