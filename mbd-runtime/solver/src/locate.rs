@@ -499,6 +499,36 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
+    /// The margins of declared events whose guards are of time alone.
+    pub(crate) fn clocks(&self) -> Vec<usize> {
+        let scene = self.system.model.scene();
+        let of_time = |index: usize| {
+            let event = self.margins.event_of(index);
+            let event = event.and_then(|event| scene.events.get(event));
+            event.is_some_and(|event| scene.is_of_time(&event.guard))
+        };
+        let declared = self.margins.declared().map(|(index, _)| index);
+        declared.filter(|index| of_time(*index)).collect()
+    }
+
+    /// What hangs on time alone and starts at its value comes from where it was before: `time rises t0` passes in a run from t0.
+    pub(crate) fn settle_clocks(&mut self, clocks: &[usize]) -> Result<(), StepError> {
+        if clocks.is_empty() {
+            return Ok(());
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        let guards = self.scratch.get(..self.guards).unwrap_or(&[]).to_vec();
+        self.look_ahead(-TOGETHER)?;
+        let earlier = self.scratch.get(..self.guards).unwrap_or(&[]);
+        self.margins
+            .settle_sides(&|index| clocks.contains(&index), &guards, earlier);
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        self.margins.start.copy_from_slice(&self.margins.now);
+        Ok(())
+    }
+
     /// Reads the margins where the rates of now lead in a time [s].
     pub(crate) fn look_ahead(&mut self, ahead: f64) -> Result<(), StepError> {
         self.inside.copy_from_slice(&self.state);
