@@ -1,7 +1,7 @@
 //! Events are found where they happen: inside a step whether they act or not, at the end of a run, and not at a start that is at their value.
 
 use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
-use mbd_runtime::{Generic, Happening, Model, Options, Simulation, Stop};
+use mbd_runtime::{Generic, Happening, Mode, Model, Options, Simulation, Stop};
 
 /// A stone along z with this start, 10 m/s² of gravity, and these items.
 fn stone(start: &str, items: &str) -> String {
@@ -165,5 +165,39 @@ fn an_event_at_the_end_of_a_run_counts_once() {
     for until in [5.0, 5.0, 5.5, 9.0] {
         run.run(until).expect("a run that ends");
         assert_eq!(run.events().len(), 1);
+    }
+}
+
+/// What a line without damping does is told alike, whatever rounding makes of its pull and its stretch, which are one there.
+#[test]
+fn an_undamped_line_is_taut_and_slack_by_turns() {
+    for k in [7.3e4, 9.1e4, 1e5, 1.23e5, 2.7e6] {
+        let text = format!(
+            "model Cord {{
+                gravity: [0, 0, -9.81] m/s^2;
+                world {{ frame up at [0, 0, 2] m }}
+                point ball {{ mass: 1 kg, start at [0, 0, 1] m }}
+                line cord from world.up to ball {{ free_length: 2 m, stiffness: {k} N/m }}
+            }}"
+        );
+        let scene = read_text(&text).scene.expect("a scene");
+        let model = Interpreted::<f64>::new(scene, &[]).expect("no params");
+        for options in [
+            Options::tsit5(1e-8),
+            Options::vern7(1e-9),
+            Options::rk4(1e-4),
+        ] {
+            let mut run = Simulation::new(&model, options).expect("a model that runs");
+            run.run(4.0).expect("a run that ends");
+            let modes = run.events().iter().filter_map(|event| match event.what {
+                Happening::Switch(_, mode) => Some(mode),
+                Happening::Declared(_) => None,
+            });
+            let modes: Vec<Mode> = modes.collect();
+            assert_eq!(modes.len(), 8, "{k} {options:?} {modes:?}");
+            for pair in modes.chunks(2) {
+                assert_eq!(pair, [Mode::Active, Mode::Slack], "{k} {options:?}");
+            }
+        }
     }
 }

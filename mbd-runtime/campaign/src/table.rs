@@ -77,11 +77,15 @@ pub fn column(path: &Path, name: &str) -> Result<(Vec<f64>, String), String> {
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let header = lines.next().map_or_else(Vec::new, |(_, line)| cells(line));
     let headings: Vec<(&str, &str)> = header.iter().map(|it| name_and_unit(it.trim())).collect();
-    let Some(at) = headings.iter().position(|(heading, _)| *heading == name) else {
+    // As the file spells it, or without the unit.
+    let is_it =
+        |(own, (heading, _)): (&String, &(&str, &str))| *heading == name || own.trim() == name;
+    let Some(at) = header.iter().zip(&headings).position(is_it) else {
         let names: Vec<&str> = headings.iter().map(|(name, _)| *name).collect();
         let near = mbd_runtime::scene::similar::did_you_mean(name, names.iter().copied());
+        let stop = if near.is_empty() { "." } else { "" };
         return Err(format!(
-            "{file} has no column `{name}`{near} It has: {}",
+            "{file} has no column `{name}`{near}{stop} It has: {}",
             names.join(", ")
         ));
     };

@@ -72,7 +72,8 @@ impl Mode {
         match self {
             Mode::Detached => Mode::Detached,
             Mode::Slack | Mode::Free => Mode::Active,
-            Mode::Active if stretch <= tolerance && stretch <= pull => Mode::Slack,
+            // Stretch and pull of an undamped line are the same but for rounding: what is not stretched is slack.
+            Mode::Active if stretch <= tolerance => Mode::Slack,
             Mode::Active => Mode::Idle,
             Mode::Idle if pull >= -tolerance && stretch > 0.0 => Mode::Active,
             Mode::Idle => Mode::Slack,
@@ -133,6 +134,9 @@ mod tests {
         assert_eq!(Mode::Active.margin(s, 1e-3, true), 1e-3);
         assert_eq!(Mode::Active.next(s, -1e-8, t), Mode::Idle);
         assert_eq!(Mode::Active.next(-1e-8, 1e-3, t), Mode::Slack);
+        // Without damping rounding alone is between the two.
+        assert_eq!(Mode::Active.next(1e-17, -2e-17, t), Mode::Slack);
+        assert_eq!(Mode::Active.next(-2e-17, -3e-17, t), Mode::Slack);
         assert_eq!(Mode::Slack.margin(-0.1, 0.0, true), 0.1);
         assert_eq!(Mode::Slack.next(1e-8, 1e-3, t), Mode::Active);
         assert_eq!(Mode::Idle.margin(0.2, -2e-3, true), 2e-3);

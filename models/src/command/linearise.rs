@@ -10,7 +10,7 @@ use mbd_runtime::{
     Content, Generic, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory, Trimmed,
     trim,
 };
-use models::report::ReportTable;
+use models::report::{ReportTable, significant};
 use models::run::RunPlan;
 use serde_json::json;
 use toml::Value;
@@ -87,7 +87,11 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         if args.json {
             return json_of(&space, None);
         }
-        let note = changing(&mut run, &space, &along);
+        let here = row_of(&mut run).map_err(|e| invalid(&e))?;
+        let note = match turning(&here, &space) {
+            note if note.is_empty() => changing(&mut run, &space, &along),
+            note => note,
+        };
         return Ok(format!("{}{}", told(&space, "start"), note));
     }
     let begun = trim(&model).begin_at(&run);
@@ -112,10 +116,11 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         false => "steady motion",
     };
     Ok(format!(
-        "{}\n{}\n{}",
+        "{}\n{}\n{}{}",
         told_rest(&rest, place),
         told_there(&there),
-        told(&rest.space, place)
+        told(&rest.space, place),
+        turning(&there, &rest.space)
     ))
 }
 
@@ -126,6 +131,11 @@ fn there(run: &mut Simulation<f64>, rest: &Trimmed) -> Result<Trajectory, RunErr
     if !rest.nodes.is_empty() {
         run.set_nodes(&rest.nodes)?;
     }
+    row_of(run)
+}
+
+/// Everything that a history holds of a run where it stands.
+fn row_of(run: &mut Simulation<f64>) -> Result<Trajectory, RunError> {
     let model = run.model().clone();
     let content = Content {
         energy: false,
@@ -216,6 +226,47 @@ fn json_of(
         "a": rows(&space.a), "b": rows(&space.b), "c": rows(&space.c), "d": rows(&space.d),
         "accelerations": space.accelerations.as_slice(), "eigenvalues": eigenvalues,
     }))
+}
+
+/// What is said where turns are measured about axes that turn themselves: frequencies are those seen from there.
+fn turning(here: &Trajectory, space: &StateSpace) -> String {
+    let sizes: Vec<f64> = space
+        .vibrations()
+        .iter()
+        .map(|one| one.frequency())
+        .collect();
+    let fastest = sizes.iter().copied().fold(0.0, f64::max);
+    let own = sizes.into_iter().filter(|size| *size > 1e-6 * fastest);
+    let slowest = own.fold(f64::INFINITY, f64::min);
+    let mut notes: Vec<String> = Vec::new();
+    for (owner, _) in space
+        .states
+        .iter()
+        .filter_map(|state| state.name.split_once(".turn_"))
+    {
+        let rate = |axis: char| {
+            let names = ["omega_body", "omega"].map(|kind| format!("{owner}.{kind}_{axis}"));
+            let mut columns = names.iter().filter_map(|name| here.column(name)?.first());
+            columns.next().copied().unwrap_or(0.0)
+        };
+        let rate = ['x', 'y', 'z']
+            .map(rate)
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt();
+        let note = format!("`{owner}`, at {} rad/s", significant(rate, 4));
+        if rate > 0.0 && rate > NOTED * slowest.min(f64::MAX) && !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    match notes.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\nNote: turns are about axes that turn with {}. Frequencies are those seen from there, and where forces do not turn with it the linear system changes along the motion and its eigenvalues are no frequencies of the motion. With `angular_velocity: world;` turns are about axes that stay.\n",
+            notes.join(" and ")
+        ),
+    }
 }
 
 /// What is said where the linear system is another one a moment later, as with coordinates that turn with a part that spins: its eigenvalues are no

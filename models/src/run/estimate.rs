@@ -1,5 +1,6 @@
 //! The error of a run: by a second, finer one, and by the energy that it made or lost.
 
+use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::{Formula, Function, Scene};
 use mbd_runtime::{Model, Sampling, Simulation, Trajectory};
 
@@ -19,18 +20,20 @@ const LARGE: f64 = 0.01;
 /// The error of the quantity that is off most, of its own size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// Its column.
+    /// Its column, or the name of a metric.
     pub column: String,
+    /// Whether it is a metric: one number of the run.
+    pub is_metric: bool,
     /// Its unit.
     pub unit: String,
-    /// Its error, the root of the mean square over the run [its unit].
+    /// Its error, of a column the root of the mean square over the run [its unit].
     pub error: f64,
     /// The same over the largest value of the column, or over a millionth of the largest of its unit, where that is more; torques are of the unit of
     /// energies here, and forces of that over the largest length.
     pub relative: f64,
 }
 
-/// Flies the plan again with finer steps, and compares outputs and lines, or where there are none the motion of bodies and points.
+/// Flies the plan again with finer steps, and compares metrics, outputs and lines, or where there are none of these the motion of bodies and points.
 pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> Option<Estimate> {
     let rows = rows(first);
     let times: Vec<f64> = rows
@@ -38,8 +41,13 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         .filter_map(|row| first.times().get(*row))
         .copied()
         .collect();
-    let until = *times.last()?;
-    let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT).measure(model, &[]);
+    let last = *times.last()?;
+    let until = if first.end().is_finite() {
+        first.end().max(last)
+    } else {
+        last
+    };
+    let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT);
     let mut run = Simulation::new(model, plan.options.finer()?).ok()?;
     plan.begin(&mut run).ok()?;
     run.record(until, &mut finer).ok()?;
@@ -87,11 +95,37 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         let scale = scale(&name.unit, *size);
         (scale > NOTHING).then(|| Estimate {
             column: name.name.clone(),
+            is_metric: false,
             unit: name.unit.clone(),
             error: deviation.rms,
             relative: deviation.rms / scale,
         })
     });
+    let metrics = first.metrics(model.scene());
+    let metrics = metrics.iter().zip(finer.metrics(model.scene()));
+    let metrics = metrics.filter_map(|(here, finer)| {
+        let (here_value, value) = (here.value.ok()?, finer.value.ok()?);
+        let error = (value - here_value).abs();
+        // What is taken over time is measured by the time, times what it is taken of, where that is known.
+        let scale = match here.take {
+            Take::TimeOf | Take::TimeAbove | Take::FirstAbove => {
+                value.abs().max(SMALL_PART * until)
+            }
+            Take::Integral => {
+                let of = here.unit.strip_suffix(" s").unwrap_or_default();
+                value.abs().max(SMALL_PART * until * largest(of))
+            }
+            _ => scale(&here.unit, value.abs()),
+        };
+        (scale > NOTHING).then(|| Estimate {
+            column: here.name.clone(),
+            is_metric: true,
+            unit: here.unit.clone(),
+            error,
+            relative: error / scale,
+        })
+    });
+    let estimates = estimates.chain(metrics);
     estimates.max_by(|a, b| a.relative.total_cmp(&b.relative))
 }
 
@@ -149,8 +183,9 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
     let by_rounding = Some(outcome.rounding).filter(|part| *part > 1e-3);
     let doubts = [
         by_estimate.map(|it| {
+            let of = if it.is_metric { "its value" } else { "its largest value" };
             format!(
-                "`{}` is off by about {:.1e} {}, {:.1} % of its largest value: {change}; where that does not help, the motion is chaotic over this time",
+                "`{}` is off by about {:.1e} {}, {:.1} % of {of}: {change}; where that does not help, the motion is chaotic over this time",
                 it.column,
                 it.error,
                 it.unit,

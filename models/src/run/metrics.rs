@@ -20,6 +20,8 @@ pub fn metrics(scene: &Scene, outcome: &RunOutcome) -> Vec<MetricValue> {
 /// One sentence a metric whose window reaches beyond the end of the run [s], the one that is planned or the one it came to.
 #[must_use]
 pub fn windows(scene: &Scene, until: f64) -> Vec<String> {
+    // An end that an event made has rounding in its last digits.
+    let until = format!("{until:.11e}").parse().unwrap_or(until);
     let told = scene.runs.metrics.iter().filter_map(|metric| {
         let name = &metric.name;
         match (metric.from, metric.to) {

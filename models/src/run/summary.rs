@@ -222,7 +222,10 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         rows.push(("Newton iterations a solve, most", most));
     }
     if !scene.lines.is_empty() || !scene.events.is_empty() {
-        rows.push(("located switches", Cell::Count(statistics.switches)));
+        rows.push((
+            "located slack/taut switches",
+            Cell::Count(statistics.switches),
+        ));
     }
     if layout.nc > 0 {
         let [start, held] = [layout.freedoms_at_start(), layout.freedoms()];
@@ -292,9 +295,13 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
             "" => String::new(),
             unit => format!(" {unit}"),
         };
-        let off = format!("`{}`, {:.1e}{unit} (rms)", estimate.column, estimate.error);
+        let (how, of) = match estimate.is_metric {
+            true => ("", "the same over its value"),
+            false => (" (rms)", "the same over its largest value"),
+        };
+        let off = format!("`{}`, {:.1e}{unit}{how}", estimate.column, estimate.error);
         rows.push(("off most, by a second, finer run", off.into()));
-        rows.push(("the same over its largest value", estimate.relative.into()));
+        rows.push((of, estimate.relative.into()));
     }
     let mut table = ReportTable::new("Run")
         .column("what", "")

@@ -28,7 +28,11 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
             floating.entry(root).or_default().push(body);
         }
     }
-    for bodies in floating.into_values() {
+    let points = 0..resolver.scene.points.len();
+    let points: Vec<usize> = points
+        .map(|point| groups.root(1 + bodies + point))
+        .collect();
+    for (root, bodies) in floating {
         let names: Vec<&str> = bodies
             .iter()
             .filter_map(|&body| resolver.scene.bodies.get(body))
@@ -37,6 +41,7 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
         let first = bodies.first().map(|&body| Named::Body(body));
         let declared = first.and_then(|first| resolver.declared.get(&first));
         let report = match (declared, names.as_slice()) {
+            (Some(&at), [only]) if points.contains(&root) => say::on_points(at, only),
             (Some(&at), [only]) => say::floating(at, only),
             (Some(&at), [_, _, ..]) => say::floating_together(at, &names),
             _ => continue,

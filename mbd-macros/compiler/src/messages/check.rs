@@ -31,6 +31,16 @@ pub fn floating(at: Region, body: &str) -> LexemeMessage {
     )
 }
 
+pub fn on_points(at: Region, body: &str) -> LexemeMessage {
+    let free = free(body);
+    LexemeMessage::new(
+        at,
+        format!(
+            "body `{body}` is held by points alone, which fly: say that it does, too, by `{free}`"
+        ),
+    )
+}
+
 pub fn lone_index(at: Region, kind: &str, word: &str, count: i64) -> LexemeMessage {
     LexemeMessage::new(
         at,

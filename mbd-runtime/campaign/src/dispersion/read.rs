@@ -266,7 +266,13 @@ impl DispersionReader<'_> {
         let (values, unit) =
             table::column(&folder.join(file), column).map_err(|text| self.wrong(text))?;
         let factor = match unit.as_str() {
-            "" => 1.0,
+            "" if self.known.unit.is_empty() => 1.0,
+            "" => {
+                return Err(self.wrong(format!(
+                    "column `{column}` of {file} has no unit: write one behind its name there, `{column} [{}]`",
+                    self.known.unit
+                )));
+            }
             given => {
                 let measured = |unit: &str| read_number(&format!("1 {unit}")).ok();
                 let fits = |unit: &Unit| {

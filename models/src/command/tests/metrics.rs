@@ -225,3 +225,37 @@ fn the_torque_of_a_latch_is_a_metric_a_guard_and_a_name() {
         assert_eq!(run(&["convert", &back]).unwrap(), toml);
     }
 }
+
+/// What hangs on a root of a quantity may be off by far more than the quantity: x = sin t is above 0.99999 m for 2 acos(0.99999) s a turn.
+#[test]
+fn the_error_of_a_metric_is_told_as_that_of_an_output() {
+    let folder = Folder::new("metric_error");
+    let scene = folder.file(
+        "graze.mbd",
+        "model Graze { gravity: none; point p { mass: 1 kg, start velocity [1, 0, 0] m/s }
+            load k on p = -1 N/m * p.position; let x = p.position.x; output px = x;
+            metric dwell = time_above x { level: 0.99999 m, to: 6 s }; }
+         [run]\nuntil = \"7 s\"\n",
+    );
+    let out = folder.0.join("out").display().to_string();
+    let exact = 2.0 * 0.99999_f64.acos();
+    let dwell = || {
+        let summary = std::fs::read_to_string(format!("{out}/summary.json")).unwrap();
+        let summary: Value = serde_json::from_str(&summary).unwrap();
+        let told = &summary["error_estimate"];
+        let off = (summary["metrics"]["dwell"].as_f64().unwrap() - exact).abs();
+        (off, told["column"].clone(), told["rms"].as_f64().unwrap())
+    };
+    let error = run(&["run", &scene, "--tol", "1e-4", "--out", &out]).unwrap_err();
+    assert_eq!(error.code(), 3, "{error}");
+    assert!(
+        error.to_string().contains("`dwell` is off by about"),
+        "{error}"
+    );
+    let (off, column, told) = dwell();
+    assert_eq!(column, "dwell");
+    assert!(off < 3.0 * told && told < 3.0 * off, "{off} {told}");
+    let text = run(&["run", &scene, "--tol", "1e-10", "--out", &out]).unwrap();
+    assert!(!text.contains("warning"), "{text}");
+    assert!(dwell().0 < 1e-6);
+}

@@ -124,6 +124,25 @@ fn linearise_gives_matrices_and_says_where_they_change_along_the_motion() {
            joint u: universal from world to fork.com { axes: [x, y], angle1: { stiffness: 50 N*m }, angle2: { stiffness: 50 N*m } }
            joint spin: hinge from fork.com to disc.com { axis: z, start_rate: 100 rad/s } }",
     );
+    // A free disc on springs: about its own axes, which spin, and about those of the world, where precession and nutation are seen as they are.
+    for (about, noted, frequency) in [("body", true, "57.45"), ("world", false, "107.4")] {
+        let file = folder.file(
+            "free_disc.mbd",
+            &format!(
+                "model Free {{ gravity: none; angular_velocity: {about};
+                   body disc {{ mass: 1 kg, inertia: diag(0.01, 0.01, 0.02) kg*m^2, start angular_velocity [0, 0, 50] rad/s }}
+                   joint free: free from world to disc.com;
+                   load tilt on disc = cross(disc.z, [0, 0, 1]) * 8 N*m; }}"
+            ),
+        );
+        let told = run(&["linearise", &file]).unwrap();
+        assert_eq!(
+            told.contains("turn with `disc`, at 50.00 rad/s"),
+            noted,
+            "{told}"
+        );
+        assert!(told.contains(frequency), "{told}");
+    }
     let stays = run(&["linearise", &file]).unwrap();
     assert!(!stays.contains("Note:"), "{stays}");
     let turns = run(&["linearise", &file, "--along", "disc.turn_x"]).unwrap();
