@@ -474,11 +474,12 @@ fn forces(out: &mut String, index: usize, joint: &Joint, scene: &Scene) {
             let _ = writeln!(out, "\n[joint.{}.{}]", key(&joint.name), coordinate.name);
         }
         if let Some(start) = start {
-            let given = [(&START, &start.value), (&START_RATE, &start.rate)];
-            for (field, formula) in given {
-                if let Some(formula) = formula {
-                    entry(out, field.name, &text(formula, scene));
-                }
+            if let Some(value) = &start.value {
+                let about = if start.about { "about " } else { "" };
+                entry(out, START.name, &format!("{about}{}", text(value, scene)));
+            }
+            if let Some(rate) = &start.rate {
+                entry(out, START_RATE.name, &text(rate, scene));
             }
         }
         let Some(forces) = forces else { continue };
