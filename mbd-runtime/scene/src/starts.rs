@@ -23,7 +23,10 @@ impl Arguments<f64> {
             state: state.to_vec(),
             nodes: vec![0.0; 3 * layout.nodes.len()],
             effective: vec![0.0; 2 * layout.effective_lines],
-            hold: layout.start_detached().map(hold).collect(),
+            // What locks hold is not said: that is where their coordinates are.
+            hold: (layout.start_detached().map(hold))
+                .take(layout.holds() - layout.locks)
+                .collect(),
             inputs: layout.default_inputs(scene),
             ..Arguments::default()
         }

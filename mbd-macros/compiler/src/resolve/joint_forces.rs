@@ -14,7 +14,7 @@ use super::joints::LawFields;
 use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed, fold};
 use crate::lexeme::Bracket;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::words::ABOUT;
+use crate::syntax::words::{ABOUT, AT_START};
 use crate::syntax::{Cursor, Item, ValueSyntax, foreign, unit};
 use crate::units;
 
@@ -77,7 +77,7 @@ impl Resolver<'_> {
         let blocks = self.blocks(item, &measured)?;
         let mut given: Vec<GivenFields<'_, '_>> = vec![GivenFields::new(); measured.len()];
         for (fields, block) in given.iter_mut().zip(&blocks) {
-            for field in block {
+            for field in block.iter().filter(|field| field.word.text != AT_START) {
                 let word = field_words().find(|word| *word == field.word.text);
                 self.give(fields, word, field)?;
             }
@@ -123,7 +123,7 @@ impl Resolver<'_> {
             }
         }
         self.scene.joints.get_mut(instance.slot)?.forces = entries?;
-        Some(())
+        self.locked_at_start(instance.slot, item, &blocks)
     }
 
     /// The fields in the blocks named after coordinates.
@@ -132,7 +132,7 @@ impl Resolver<'_> {
         item: &Item<'a>,
         measured: &[Coordinate],
     ) -> Option<Vec<Vec<Item<'a>>>> {
-        let known: Vec<&str> = field_words().collect();
+        let known: Vec<&str> = field_words().chain([AT_START]).collect();
         let mut blocks = Some(Vec::new());
         for coordinate in measured {
             let mut fields = item.block.iter();

@@ -716,7 +716,7 @@ impl Placement<'_> {
             self.u[joint][k] = rate;
             size = size.max((&gaps - without).amax());
         }
-        match said.len() > 1 && gaps.amax() > CONTRADICTION * size {
+        match !said.is_empty() && gaps.amax() > CONTRADICTION * size {
             true => Err(PlacementError::Rates {
                 joint: self.joint_of(gaps.iamax()),
             }),

@@ -130,7 +130,7 @@ impl<T: Float> Simulation<T> {
         for (slot, value) in state.iter_mut().zip(system.set_down(0.0, None, &start)) {
             *slot = value;
         }
-        system.count_turns_from_starts(&[], (0.0, &state));
+        system.remember_starts(&[], (0.0, &state));
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),
@@ -227,8 +227,7 @@ impl<T: Float> Simulation<T> {
             *to = from;
         }
         self.take_back_actions()?;
-        self.system
-            .count_turns_from_starts(&[], (time, &self.state));
+        self.system.remember_starts(&[], (time, &self.state));
         self.time = time;
         self.as_declared = false;
         self.started = false;
@@ -250,8 +249,7 @@ impl<T: Float> Simulation<T> {
             for (slot, value) in self.state.iter_mut().zip(start) {
                 *slot = value;
             }
-            self.system
-                .count_turns_from_starts(&[], (self.time, &self.state));
+            self.system.remember_starts(&[], (self.time, &self.state));
         }
     }
 
@@ -291,7 +289,7 @@ impl<T: Float> Simulation<T> {
         checked.map_err(|cause| self.failed(cause))?;
         self.put(self.time, None, &state)?;
         self.system
-            .count_turns_from_starts(&starts, (self.time, &self.state));
+            .remember_starts(&starts, (self.time, &self.state));
         let set = given.iter().map(|(name, said)| ((*name).to_owned(), *said));
         self.joints_set = set.collect();
         self.assembly = assembly;
@@ -314,7 +312,7 @@ impl<T: Float> Simulation<T> {
             given.iter().map(|(name, x)| (*name, (*x).into())).collect();
         let starts = self.joint_starts(&exact)?;
         self.system
-            .count_turns_from_starts(&starts, (self.time, &self.state));
+            .remember_starts(&starts, (self.time, &self.state));
         Ok(())
     }
 
