@@ -13,9 +13,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::evaluate::{Scratch, driven_coordinates, evaluate};
 use crate::laws::body::{BodyMotion, attitude_of};
-use crate::laws::branch;
 use crate::laws::ground::ground;
 use crate::laws::numbers::Numbers;
+use crate::laws::{branch, row_units};
 use crate::{
     AngularVelocity, Arguments, FrameMotion, Layout, Part, Place, PointSlots, Quantity, Relative,
     Scene, Twist,
@@ -645,40 +645,12 @@ impl Placement<'_> {
         Gap { size, joint, unit }
     }
 
-    /// The unit of a row: a length where it changes with the place of an end, or what the coordinate has that a coupling is written for.
-    fn unit_of(&mut self, joint: usize, row: usize, state: &mut [f64]) -> &'static str {
-        let law = &self.scene.joints[joint].law;
-        if let Some(&(of, index)) = law.couples().last() {
-            let coordinate = self.scene.joints.get(of);
-            let mut measured = coordinate.into_iter().flat_map(|of| of.law.measured());
-            let angle = measured.nth(index).is_some_and(|it| it.is_angle());
-            return if angle { "rad" } else { "m" };
-        }
-        let here = self.evaluated(Quantity::Constraint, state)[row];
-        let ends: Vec<Part> = self.layout.joints[joint]
-            .ends
-            .iter()
-            .copied()
-            .flatten()
-            .collect();
-        let mut shifted = state.to_vec();
-        for (end, axis) in ends
-            .into_iter()
-            .flat_map(|end| (0..3).map(move |axis| (end, axis)))
-        {
-            let Some(slots) = self.layout.own_slots(end) else {
-                continue;
-            };
-            let directions = self.layout.directions;
-            shifted.copy_from_slice(state);
-            let mut place = directions.linear(state, slots.q);
-            place[axis] += 1.0;
-            directions.write_linear(&mut shifted, slots.q, &place);
-            if (self.evaluated(Quantity::Constraint, &shifted)[row] - here).abs() > CLOSED {
-                return "m";
-            }
-        }
-        "rad"
+    /// The unit of a row of a joint.
+    fn unit_of(&self, joint: usize, row: usize, state: &[f64]) -> &'static str {
+        let place = self.here(state);
+        let units = row_units(self.scene, self.layout, &self.numbers, &place.at(), joint);
+        let first = self.layout.joints.get(joint).map_or(0, |slots| slots.row);
+        units.get(row.saturating_sub(first)).copied().unwrap_or("m")
     }
 
     /// Solves (3) for the rates: the smallest that do. Rates that are `said` and contradict each other by more than their digits are told.
@@ -745,11 +717,6 @@ impl Placement<'_> {
     /// Rows of all joints at these coordinates and speeds; nothing that a node decides.
     fn rows(&mut self, what: Quantity, state: &mut [f64]) -> DVector<f64> {
         self.walk(state);
-        self.evaluated(what, state)
-    }
-
-    /// A quantity at a state, as it is.
-    fn evaluated(&mut self, what: Quantity, state: &[f64]) -> DVector<f64> {
         let mut out = vec![0.0; self.layout.len(what)];
         let place = self.here(state);
         evaluate(
