@@ -12,7 +12,7 @@ use mbd_runtime::{
 };
 
 use crate::files::{make_folder, write_text};
-use crate::report::{Cell, Figure, Report, ReportTable, Series};
+use crate::report::{Cell, Figure, Report, ReportTable, Run, Series, Views};
 use crate::run::{PlanError, RunPlan, Settings};
 
 /// Something to race: a scene with its plan.
@@ -239,11 +239,16 @@ pub fn usual(race: &Race) -> f64 {
         .fold(0.0_f64, |most, x| most.max(x.abs()))
 }
 
-/// Writes `trade.csv`, `trade.svg` and `trade.html` into a folder.
+/// Writes `trade.csv`, `trade.svg` and `trade.html` into a folder; the page shows a run as it moves.
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub fn publish(race: &Race, (advice, unit): (&str, &str), folder: &Path) -> io::Result<()> {
+pub fn publish(
+    race: &Race,
+    (advice, unit): (&str, &str),
+    shown: &Run<'_>,
+    folder: &Path,
+) -> io::Result<()> {
     make_folder(folder)?;
     let table = table(race, unit);
     write_text(&folder.join("trade.csv"), &table.csv())?;
@@ -254,5 +259,6 @@ pub fn publish(race: &Race, (advice, unit): (&str, &str), folder: &Path) -> io::
         .paragraph(advice)
         .figure(&figure)
         .table(&table);
+    let report = Views::new(shown).with_motion(report);
     write_text(&folder.join("trade.html"), &report.html())
 }

@@ -275,6 +275,16 @@ def made(program, folder, scene, name):
     return page, None if os.path.exists(page) else run.stderr.strip()
 
 
+def summaries(program, folder):
+    """The pages of many runs, on which one of them moves."""
+    cases, many, trade = (os.path.join(folder, name) for name in ("cases.toml", "campaign", "trade"))
+    with open(cases, "w", encoding="utf-8") as to:
+        to.write('cases = 20\n[start]\nbob.vx = { dist = "uniform", low = "-1 m/s", high = "1 m/s" }\n[envelopes]\ncolumns = ["height"]\n')
+    for line in (["campaign", "swing", cases, "--out", many], ["report", many], ["trade", "swing", "--output", "height", "--out", trade]):
+        subprocess.run([program, *line], check=True, capture_output=True)
+    return [("campaign", os.path.join(many, "report.html")), ("trade", os.path.join(trade, "trade.html"))]
+
+
 def looked_at(browser, pages):
     """What fails of pages that are looked at one by one, as their runs end."""
     failed = []
@@ -329,6 +339,8 @@ def main():
                 compared = os.path.join(folder, "compare")
                 subprocess.run([program, "compare", "swing --tol 1e-3", "linkage", "--out", compared], check=True, capture_output=True)
                 failed += check(browser, "compare", os.path.join(compared, "compare.html"), False)[1]
+                for name, path in summaries(program, folder):
+                    failed += check(browser, name, path, False)[1]
                 failed += watched(browser, program, folder)
             if arguments.page:
                 failed += check(browser, "page", arguments.page, False)[1]

@@ -117,6 +117,38 @@ fn a_guard_that_starts_at_its_value_has_passed_nothing() {
     }
 }
 
+/// The limit of a delay that becomes short, which a sweep or a dispersion may reach.
+#[test]
+fn time_comes_from_before_the_start() {
+    for delay in ["0 s", "1e-13 s", "1e-9 s", "1e-3 s"] {
+        let items = format!(
+            "body ball {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+             joint held: rigid from world to ball.com;
+             event go = time rises {delay} {{ detach: held }}
+             event down = -time falls 0 s;
+             event twice = time crosses {delay};"
+        );
+        let text = stone("[0, 0, 0] m", &items);
+        for options in methods() {
+            let (events, _) = happened(&text, options, 2.0);
+            let found: Vec<usize> = events.iter().map(|it| it.1).collect();
+            let late = events.iter().filter(|it| it.0 > 1.1e-3);
+            assert_eq!(late.count(), 0, "{delay} {options:?} {events:?}");
+            assert!(
+                found.contains(&0) && found.contains(&2),
+                "{delay} {options:?} {events:?}"
+            );
+            let scene = read_text(&text).scene.expect("a scene");
+            let model = Interpreted::<f64>::new(scene, &[]).expect("no params");
+            let mut run = Simulation::new(&model, options).expect("a model that runs");
+            run.run(2.0).expect("a run that ends");
+            // z = −g t²/2 as if it had never been held.
+            let z = run.state()[2];
+            assert!((z + 20.0).abs() < 0.03, "{delay} {options:?} {z}");
+        }
+    }
+}
+
 #[test]
 fn an_event_at_the_end_of_a_run_counts_once() {
     let text = stone("[0, 0, 0] m", "event done = time rises 5 s;");

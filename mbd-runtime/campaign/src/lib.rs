@@ -40,7 +40,6 @@ pub use failure::Failure;
 pub use footprint::{Footprint, FootprintStatistics};
 pub use manifest::{Manifest, ResultColumn, ResultOptions};
 pub use metric::{CampaignMetric, Metrics, Requirement};
-pub use page::Page;
 pub use results::{CaseRow, Results};
 pub use summary::{
     CONFIDENCE, CampaignSummary, Failures, MetricDriver, PARTS, RequirementVerdict, Told,

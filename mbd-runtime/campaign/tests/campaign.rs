@@ -555,6 +555,11 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
         ),
         ("low = \"4 kN/m\"", "low = \"7 kN/m\"", "must be below"),
         (
+            "low = \"4 kN/m\", high = \"6 kN/m\"",
+            "low = \"-10 %\", high = \"10 %\"",
+            "write `low = \"90 %\"`, `high = \"110 %\"`",
+        ),
+        (
             "low = \"-2 m/s\"",
             "low = \"10 %\"",
             "the nominal value, which is zero",

@@ -422,6 +422,8 @@ fn a_page_is_written_without_histories_that_cannot_be_flown_again_and_that_is_to
             .expect("a page")
             .contains(">missing<")
     );
+    let page = fs::read_to_string(out.join("report.html")).expect("a page");
+    assert!(page.contains("The nominal is not shown as it moves, because"));
     // Of another campaign no history is flown.
     folder.file("dispersions.toml", &FILE.replace("seed = 11", "seed = 12"));
     let error = reported(&out).expect_err("another campaign");

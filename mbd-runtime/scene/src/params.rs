@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::joints::{FILTER, JointForceField, NUMBERS, STOP_ORDER, STOPS, in_order};
 use crate::laws::{Numbers, constant, start_of};
-use crate::{Float, Formula, PointKind, Scene};
+use crate::{Float, Formula, PointKind, Scene, Unit};
 
 /// A parameter value that cannot be run.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,8 @@ pub enum ParamError {
         value: f64,
         /// The declared range [SI].
         range: [f64; 2],
+        /// The unit in which it is declared, and told.
+        unit: Unit,
     },
     /// A number that the params give is not physical.
     NotPhysical {
@@ -56,16 +58,27 @@ impl fmt::Display for ParamError {
                 param,
                 value,
                 range: [low, high],
-            } => write!(
-                f,
-                "param `{param}` is {value}, outside its declared range {low} ..= {high} (SI units): change the value or widen the range in the declaration"
-            ),
+                unit,
+            } => {
+                let [value, low, high] = [value, low, high].map(|x| in_unit(*x, unit));
+                write!(
+                    f,
+                    "param `{param}` is {value}, outside its declared range {low} ..= {high}: change the value or widen the range in the declaration"
+                )
+            }
             ParamError::NotPhysical { what, value, rule } => write!(
                 f,
                 "`{what}` is {value} with these params; it must be {rule}"
             ),
         }
     }
+}
+
+/// A number in SI in a unit, without the digits that its conversion leaves.
+fn in_unit(value: f64, unit: &Unit) -> String {
+    let value = value / unit.factor;
+    let rounded = format!("{value:.11e}").parse().unwrap_or(value);
+    format!("{rounded} {}", unit.text).trim_end().to_owned()
 }
 
 impl std::error::Error for ParamError {}
@@ -105,6 +118,7 @@ pub fn checked_numbers<T: Float>(scene: &Scene, params: &[T]) -> Result<Numbers<
                 param,
                 value,
                 range,
+                unit: declared.unit.clone(),
             });
         }
     }

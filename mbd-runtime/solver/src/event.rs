@@ -446,6 +446,15 @@ impl Margins {
         self.acts() && self.watched.iter().filter(declared).count() > 1
     }
 
+    /// Whether a declared event is at its value at the last look, and was not before.
+    pub(crate) fn are_at_value(&self) -> bool {
+        let declared = self.declared();
+        declared.into_iter().any(|(index, _)| {
+            let at = |list: &[f64]| list.get(index).copied();
+            at(&self.now) == Some(0.0) && at(&self.start).is_some_and(|start| start > 0.0)
+        })
+    }
+
     /// How many declared events have passed at the last look.
     pub(crate) fn happened(&self) -> usize {
         let declared = self.watched.iter().zip(&self.now);

@@ -94,9 +94,7 @@ fn finite(efforts: Vec<f64>, accelerations: Vec<f64>) -> Result<Efforts, Lineari
             efforts,
             accelerations,
         }),
-        false => Err(LinearisationError::NotFinite {
-            what: Quantity::Residual,
-        }),
+        false => Err(LinearisationError::not_finite(Quantity::Residual)),
     }
 }
 
@@ -107,8 +105,7 @@ impl SceneMoment {
         if nc == 0 {
             let mass = self.evaluate(Quantity::MassMatrix, &[]);
             let factor = DMatrix::from_row_slice(nv, nv, &mass).cholesky();
-            let what = Quantity::MassMatrix;
-            let factor = factor.ok_or(LinearisationError::NotFinite { what })?;
+            let factor = factor.ok_or(LinearisationError::not_finite(Quantity::MassMatrix))?;
             return Ok(factor.solve(forces));
         }
         let mut rows = self.evaluate(Quantity::Factor, &[]);

@@ -84,6 +84,11 @@ impl<T: Float> Simulation<T> {
             self.margins.before.copy_from_slice(&self.margins.now);
             (earlier, low) = (low, high);
         }
+        if declares && self.margins.are_at_value() {
+            // It passes right behind this step, which is not to see that.
+            self.make_step_before(step)?;
+            self.look_at_end(step)?;
+        }
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(None)
     }
@@ -198,8 +203,13 @@ impl<T: Float> Simulation<T> {
 
     /// Redoes the step with another size, unless it was the last attempt, and returns the smallest chosen margin at its end.
     pub(crate) fn redo(&mut self, size: f64) -> Result<f64, StepError> {
-        if self.attempted != size {
-            self.make_step(size)?;
+        let declared = !self.only_elements();
+        let sees_later = declared && self.system.latest == f64::INFINITY;
+        if self.attempted != size || sees_later {
+            match declared {
+                true => self.make_step_before(size)?,
+                false => self.make_step(size)?,
+            }
             let counters = &mut self.system.counters;
             counters.redone = counters.redone.saturating_add(1);
         }
@@ -483,6 +493,36 @@ impl<T: Float> Simulation<T> {
             let later = self.scratch.get(..self.guards).unwrap_or(&[]);
             self.margins.settle_sides(of, &guards, later);
         }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        self.margins.start.copy_from_slice(&self.margins.now);
+        Ok(())
+    }
+
+    /// The margins of declared events whose guards are of time alone.
+    pub(crate) fn clocks(&self) -> Vec<usize> {
+        let scene = self.system.model.scene();
+        let of_time = |index: usize| {
+            let event = self.margins.event_of(index);
+            let event = event.and_then(|event| scene.events.get(event));
+            event.is_some_and(|event| scene.is_of_time(&event.guard))
+        };
+        let declared = self.margins.declared().map(|(index, _)| index);
+        declared.filter(|index| of_time(*index)).collect()
+    }
+
+    /// What hangs on time alone and starts at its value comes from where it was before: `time rises t0` passes in a run from t0.
+    pub(crate) fn settle_clocks(&mut self, clocks: &[usize]) -> Result<(), StepError> {
+        if clocks.is_empty() {
+            return Ok(());
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        let guards = self.scratch.get(..self.guards).unwrap_or(&[]).to_vec();
+        self.look_ahead(-TOGETHER)?;
+        let earlier = self.scratch.get(..self.guards).unwrap_or(&[]);
+        self.margins
+            .settle_sides(&|index| clocks.contains(&index), &guards, earlier);
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)?;
         self.margins.start.copy_from_slice(&self.margins.now);

@@ -98,6 +98,8 @@ pub(crate) struct System<T: Float> {
     pub fallback: Fallback,
     /// The laws themselves, once something asked for them.
     pub(crate) laws: Option<Laws>,
+    /// Stages are not evaluated at a later time than this [s].
+    pub latest: f64,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
     /// Derivatives of the rates, for a method that asks for them.
@@ -142,6 +144,7 @@ impl<T: Float> System<T> {
         let defaults = layout.default_inputs(model.scene());
         let held: Vec<T> = defaults.into_iter().map(T::from_f64).collect();
         System {
+            latest: f64::INFINITY,
             unsupplied: controls.is_empty() && layout.needs_caller(),
             controls,
             nodes: Nodes::new(layout),

@@ -6,7 +6,10 @@ use clap::Args;
 use mbd_compiler::read_number;
 use mbd_runtime::nalgebra::DMatrix;
 use mbd_runtime::scene::{Dimension, Scene};
-use mbd_runtime::{Generic, Model, Name, Simulation, StateSpace, Trimmed, trim};
+use mbd_runtime::{
+    Content, Generic, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory, Trimmed,
+    trim,
+};
 use models::report::ReportTable;
 use models::run::RunPlan;
 use serde_json::json;
@@ -35,6 +38,15 @@ pub struct LineariseArgs {
     /// Where a coordinate of the rest begins that is looked for, `boom.angle=-20deg`; may be repeated [default: the start].
     #[arg(long = "guess", value_name = "NAME=VALUE", requires = "trim")]
     guess: Vec<String>,
+    /// A coordinate of the rest that stays at a value, `boom.angle=-20deg`; may be repeated.
+    #[arg(long = "fix", value_name = "NAME=VALUE", requires = "trim")]
+    fix: Vec<String>,
+    /// A coordinate that goes on at a constant rate where all others rest, `plane.x=55m/s` of a steady flight; may be repeated.
+    #[arg(long = "rate", value_name = "NAME=VALUE", requires = "trim")]
+    rate: Vec<String>,
+    /// An input that is looked for, `thrust`, `wind.x`; may be repeated [default: inputs stay as they are].
+    #[arg(long = "free", value_name = "INPUT", requires = "trim")]
+    free: Vec<String>,
     /// A param with another value, `riser_k=50kN/m`; may be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -62,56 +74,118 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     plan.begin(&mut run).map_err(|e| invalid(&e))?;
     run.start().map_err(|e| invalid(&e))?;
     let along: Vec<&str> = args.along.iter().map(String::as_str).collect();
-    let guesses = args.guess.iter().map(|guess| number(model.scene(), guess));
-    let guesses = guesses.collect::<Result<Vec<_>, _>>()?;
+    let numbers = |flag, list: &[String]| -> Result<Vec<_>, CommandFailure> {
+        let each = list.iter();
+        each.map(|written| number(model.scene(), flag, written))
+            .collect()
+    };
+    let guesses = numbers(GUESS, &args.guess)?;
+    let fixed = numbers(FIX, &args.fix)?;
+    let rates = numbers(RATE, &args.rate)?;
     if !args.trim {
         let space = run.linearise(&along).map_err(|e| invalid(&e))?;
         if args.json {
-            return json_of(&space);
+            return json_of(&space, None);
         }
         let note = changing(&mut run, &space, &along);
         return Ok(format!("{}{}", told(&space, "start"), note));
     }
     let begun = trim(&model).begin_at(&run);
     let begun = along.iter().fold(begun, |it, name| it.along(name));
-    let guessed = guesses
+    let asked = args.free.iter().fold(begun, |it, name| it.free_input(name));
+    let asked = guesses
         .iter()
-        .fold(begun, |it, (name, value)| it.guess(name, *value));
-    let rest = guessed.solve().map_err(|e| invalid(&e))?;
+        .fold(asked, |it, (name, value)| it.guess(name, *value));
+    let asked = fixed
+        .iter()
+        .fold(asked, |it, (name, value)| it.fix(name, *value));
+    let asked = rates
+        .iter()
+        .fold(asked, |it, (name, value)| it.rate(name, *value));
+    let rest = asked.solve().map_err(|e| invalid(&e))?;
+    let there = there(&mut run, &rest).map_err(|e| invalid(&e))?;
     if args.json {
-        return json_of(&rest.space);
+        return json_of(&rest.space, Some((&rest, &there)));
     }
+    let place = match rates.is_empty() {
+        true => "rest",
+        false => "steady motion",
+    };
     Ok(format!(
-        "{}\n{}",
-        told_rest(&rest),
-        told(&rest.space, "rest")
+        "{}\n{}\n{}",
+        told_rest(&rest, place),
+        told_there(&there),
+        told(&rest.space, place)
     ))
 }
 
+/// Everything that a history holds of a rest: one row of it.
+fn there(run: &mut Simulation<f64>, rest: &Trimmed) -> Result<Trajectory, RunError> {
+    run.set_inputs(&rest.inputs)?;
+    run.set_state(run.time(), &rest.state)?;
+    if !rest.nodes.is_empty() {
+        run.set_nodes(&rest.nodes)?;
+    }
+    let model = run.model().clone();
+    let content = Content {
+        energy: false,
+        ..Content::ALL
+    };
+    let mut row = Trajectory::new(&*model, Sampling::Steps, content);
+    run.record(run.time(), &mut row)?;
+    Ok(row)
+}
+
+/// Names, units and values of the row of a rest; what its constraints are off by is no part of it.
+fn columns(there: &Trajectory) -> impl Iterator<Item = (&Name, f64)> {
+    let all = there.names().iter().filter_map(|name| {
+        let value = there.column(&name.name)?.first().copied()?;
+        Some((name, value))
+    });
+    all.filter(|(name, _)| name.name != "time" && !name.name.contains("_drift"))
+}
+
+const GUESS: Flag = ("--guess", "pin.angle=30deg");
+const FIX: Flag = ("--fix", "pin.angle=30deg");
+const RATE: Flag = ("--rate", "plane.x=55m/s");
+
 /// A coordinate and its number, as they are written: with its unit, where it is not zero.
-fn number(scene: &Scene, written: &str) -> Result<(String, f64), CommandFailure> {
-    const GUESS: Flag = ("--guess", "pin.angle=30deg");
-    let wrong = |why: String| CommandFailure::Usage(format!("--guess `{written}`: {why}"));
-    let (name, value) = assigned(GUESS, written)?;
+fn number(scene: &Scene, flag: Flag, written: &str) -> Result<(String, f64), CommandFailure> {
+    let wrong = |why: String| CommandFailure::Usage(format!("{} `{written}`: {why}", flag.0));
+    let (name, value) = assigned(flag, written)?;
     let (value, unit) = read_number(value).map_err(wrong)?;
+    let as_rate = flag == RATE;
     let of_joint = |(joint, number, is_rate): (usize, usize, bool)| {
         let coordinate = scene.joints.get(joint)?.law.coordinate(number)?;
         Some(Dimension {
             length: if coordinate.is_angle() { 0 } else { 2 },
-            time: if is_rate { -2 } else { 0 },
+            time: if is_rate || as_rate { -2 } else { 0 },
             ..Dimension::default()
         })
     };
-    let wanted = scene.joint_coordinate(name).and_then(of_joint);
+    // What is no coordinate of a joint is a position, or a turn, which a trim refuses by name.
+    let position = Dimension {
+        length: 2,
+        time: if as_rate { -2 } else { 0 },
+        ..Dimension::default()
+    };
+    let wanted = match scene.joint_coordinate(name) {
+        Some(found) => of_joint(found),
+        None => (!name.contains(".turn_")).then_some(position),
+    };
     let fits = !unit.text.is_empty() && wanted.is_none_or(|wanted| wanted == unit.dimension);
     match fits || value == 0.0 {
         true => Ok((name.to_owned(), value)),
+        false if as_rate => Err(wrong("give it in the unit of its rate, rad/s, deg/s or rpm of an angle, m/s of a slide or a position".into())),
         false => Err(wrong("give it in the unit of its coordinate, deg or rad of an angle, m of a slide or a position".into())),
     }
 }
 
-/// The matrices by rows, with names and units, and the eigenvalues.
-fn json_of(space: &StateSpace) -> Result<String, CommandFailure> {
+/// The matrices by rows, with names and units, and the eigenvalues; with the rest, if they are about one.
+fn json_of(
+    space: &StateSpace,
+    rest: Option<(&Trimmed, &Trajectory)>,
+) -> Result<String, CommandFailure> {
     let names = |list: &[Name]| -> Vec<_> {
         let each = list.iter();
         each.map(|one| json!({ "name": one.name, "unit": one.unit }))
@@ -129,8 +203,16 @@ fn json_of(space: &StateSpace) -> Result<String, CommandFailure> {
                 "shape": one.shape, "participation": one.participation })
         })
         .collect();
+    let rest = rest.map(|(rest, there)| {
+        let value = |(name, value): (&Name, f64)| json!({ "name": name.name, "unit": name.unit, "value": value });
+        json!({
+            "coordinates": rest.values().map(value).collect::<Vec<_>>(),
+            "there": columns(there).map(value).collect::<Vec<_>>(),
+            "undecided": rest.undecided,
+        })
+    });
     pretty(&json!({
-        "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs),
+        "rest": rest, "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs),
         "a": rows(&space.a), "b": rows(&space.b), "c": rows(&space.c), "d": rows(&space.d),
         "accelerations": space.accelerations.as_slice(), "eigenvalues": eigenvalues,
     }))
@@ -159,9 +241,29 @@ fn changing(run: &mut Simulation<f64>, space: &StateSpace, along: &[&str]) -> St
     }
 }
 
+/// Everything there.
+fn told_there(there: &Trajectory) -> String {
+    let mut table = ReportTable::new("There")
+        .column("column", "")
+        .column("unit", "")
+        .column("value", "");
+    for (name, value) in columns(there) {
+        table.push([
+            name.name.as_str().into(),
+            name.unit.as_str().into(),
+            value.into(),
+        ]);
+    }
+    table.text()
+}
+
 /// Where the rest is.
-fn told_rest(rest: &Trimmed) -> String {
-    let mut table = ReportTable::new("Rest")
+fn told_rest(rest: &Trimmed, place: &str) -> String {
+    let title = match place {
+        "rest" => "Rest",
+        _ => "Steady motion",
+    };
+    let mut table = ReportTable::new(title)
         .column("coordinate", "")
         .column("unit", "")
         .column("value", "");

@@ -268,7 +268,13 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     let warning = warning(&scene, &plan, &outcome);
     let doubt = doubt(&scene, &plan, &outcome);
     let warning = warning.into_iter().chain(doubt.clone()).chain(unmoved);
-    let warning = warning.chain(windows(&scene, plan.until));
+    // An event may have ended it before.
+    let end = plan.until.min(outcome.time);
+    let short = match outcome.error {
+        None => windows(&scene, end),
+        Some(_) => Vec::new(),
+    };
+    let warning = warning.chain(short);
     let warning: Vec<String> = warning.collect();
     let told = if args.json {
         for warning in &warning {
@@ -416,7 +422,7 @@ pub(super) fn unwritten(error: &std::io::Error) -> CommandFailure {
 }
 
 fn written(outcome: &RunOutcome, folder: &Path) -> String {
-    let speed = if outcome.wall_s > 0.0 {
+    let speed = if outcome.time > 0.0 && outcome.wall_s > 0.0 {
         format!(
             "{:.0} simulated seconds a second; ",
             outcome.time / outcome.wall_s

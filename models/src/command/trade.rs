@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use mbd_compiler::{mixes_turns, read_number};
+use models::progress::ProgressLine;
+use models::run::{RunPlan, fly, shown};
 use models::trade::{advice, publish, race, table, unit, usual};
 
 use super::failure::CommandFailure;
@@ -39,8 +41,10 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFail
     let unit = unit(&scene, &args.output);
     let within = args.within.as_deref();
     let within = within.map(|text| wanted(text, &unit)).transpose()?;
-    let race = race(&scene, &settings, &args.output, window)
-        .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", args.scene.display())))?;
+    let wrong = |error: &dyn std::fmt::Display| {
+        CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
+    };
+    let race = race(&scene, &settings, &args.output, window).map_err(|error| wrong(&error))?;
     let told = advice(&race, &unit, within.unwrap_or_else(|| usual(&race)));
     if advice_alone {
         return Ok(told + "\n");
@@ -49,7 +53,19 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFail
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
-    publish(&race, (&told, &unit), &folder).map_err(|error| unwritten(&error))?;
+    // It is shown, not judged.
+    let plan = RunPlan {
+        estimate: false,
+        ..RunPlan::new(&scene, &settings).map_err(|error| wrong(&error))?
+    };
+    let outcome = fly(&scene, &plan, &mut ProgressLine::silent()).map_err(|error| wrong(&error))?;
+    publish(
+        &race,
+        (&told, &unit),
+        &shown(&scene, &plan, &outcome),
+        &folder,
+    )
+    .map_err(|error| unwritten(&error))?;
     Ok(format!(
         "{}\n{told}\nwritten to {}: trade.html, trade.svg, trade.csv\n",
         table(&race, &unit).text(),

@@ -17,7 +17,7 @@ pub fn metrics(scene: &Scene, outcome: &RunOutcome) -> Vec<MetricValue> {
     told
 }
 
-/// One sentence a metric whose window reaches beyond the end of the run [s].
+/// One sentence a metric whose window reaches beyond the end of the run [s], the one that is planned or the one it came to.
 #[must_use]
 pub fn windows(scene: &Scene, until: f64) -> Vec<String> {
     let told = scene.runs.metrics.iter().filter_map(|metric| {

@@ -6,7 +6,7 @@ use std::path::Path;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
-use super::metrics::metrics;
+use super::metrics::{metrics, windows};
 use super::outcome::RunOutcome;
 use super::summary::{summary_json, table};
 use crate::report::{Report, ReportTable, Run, Views, gltf, metrics_table};
@@ -44,7 +44,8 @@ pub fn publish(
     report = report.section("The run").table(&table);
     let metrics = metrics_table(&metrics(scene, outcome));
     if !metrics.is_empty() {
-        report = report.table(&metrics);
+        let short = windows(scene, plan.until.min(outcome.time)).into_iter();
+        report = report.table(&short.fold(metrics.clone(), ReportTable::note));
     }
     if let Some(text) = not_unique(scene) {
         report = report.paragraph(&text);

@@ -181,7 +181,7 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
         "`until`: `2 m` has the wrong unit: expected s",
     );
     fails("[run]\nuntil = \"2\"", "needs a unit, such as s");
-    fails("[run]\nuntil = -1", "must be positive");
+    fails("[run]\nuntil = -1", "must not be negative");
     fails("[run]\nuntil = true", "expected a number, found boolean");
     fails("[run]\nuntil = nan", "finite");
     fails("[run]\nuntil = 1\nstep = 1\ntolerance = 1", "either a step");

@@ -5,7 +5,7 @@ use mbd_runtime::node::{Balance, BalanceEvaluation, BlockCholesky, NodeError, Ou
 use mbd_runtime::{Generic, Options, Simulation, StepError};
 use nalgebra::DMatrix;
 use tests::assert_close;
-use tests::networks::Kind;
+use tests::networks::{Kind, unsolved};
 use tests::random::Random;
 use tests::reference::{field, load, numbers};
 use tests::web::{Confluence, Tie, Web, WebBalance, WebLine};
@@ -262,32 +262,6 @@ fn confluences_agree_with_forty_digit_references() {
         }
     }
     assert_eq!(seen, 6);
-}
-
-/// Of `count` networks: how many found no balance and named two lines, how many named none, and the most steps a balance took.
-fn unsolved(random: &mut Random, count: usize, nodes: usize, stiff: f64) -> [usize; 3] {
-    let (mut named, mut unnamed, mut most) = (0, 0, 0);
-    for _ in 0..count {
-        let web = Kind::Uneven(stiff / 1e4).network(random, nodes);
-        let start: Vec<[f64; 3]> = web.loads.iter().map(|_| random.vector(2.0)).collect();
-        match web.solve(&start, Tolerance::inside_step()) {
-            Ok(found) => most = most.max(found.outcome.iterations()),
-            Err(NodeError::NotConverged { uneven, .. }) => match uneven {
-                Some(pair) => {
-                    assert_eq!(web.lines[pair.softest].stiffness, 1e4);
-                    assert_eq!(web.lines[pair.stiffest].stiffness, stiff);
-                    assert_eq!(pair.ratio, stiff / 1e4);
-                    named += 1;
-                }
-                None => unnamed += 1,
-            },
-            Err(other) => panic!("{other}"),
-        }
-    }
-    println!(
-        "{count} networks of {nodes} nodes, {stiff:e} N/m: {named} named, {unnamed} unnamed, at most {most} steps"
-    );
-    [named, unnamed, most]
 }
 
 #[test]

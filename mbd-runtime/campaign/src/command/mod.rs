@@ -182,7 +182,7 @@ pub fn gather(args: &GatherArgs) -> Result<String, Failure> {
 }
 
 /// Puts the results of a folder together, keeps the histories that the campaign file chooses, and writes the page: `report.html`. `reopen` gives the
-/// campaign of a source; it is asked where histories are missing.
+/// campaign of a source, of which the nominal and missing histories are flown again.
 ///
 /// # Errors
 /// Blocks are missing; a file cannot be written; requirements that are not shown. Where histories are missing that cannot be flown again the page is
@@ -196,15 +196,22 @@ pub fn report(
     let source = ResultSource::read(folder);
     let results = &gathered.results;
     let chosen = results.manifest.told.histories.of(results);
-    let kept = keep_histories(folder, results, &chosen, &|| {
-        let source = source.as_ref().map_err(Clone::clone)?;
-        Ok((reopen(source)?, source.command.clone()))
+    let opened = source.as_ref().map_err(Clone::clone).and_then(|source| {
+        let campaign = reopen(source)?;
+        campaign.manifest().find(folder)?;
+        Ok((campaign, source.command.as_str()))
     });
+    let kept = keep_histories(folder, results, &chosen, &opened);
+    let nominal = match &opened {
+        Ok((campaign, _)) => histories::flown_again((campaign, results), 0, folder),
+        Err(why) => Err(why.to_string()),
+    };
     let page = Page {
         folder,
         replay: source.as_ref().map_or("run FILE", |source| &source.command),
         envelopes: &gathered.envelopes,
         chosen: &chosen,
+        nominal: nominal.as_ref().map(|(_, parts)| parts.as_slice()),
     };
     let written = page.write(results, &gathered.summary);
     let pictures = written.map_err(|error| Failure::unwritten(&error))?;
@@ -229,26 +236,22 @@ fn keep_histories(
     folder: &Path,
     results: &Results,
     chosen: &[Chosen],
-    reopen: &dyn Fn() -> Result<(Campaign, String), Failure>,
+    opened: &Result<(Campaign, &str), Failure>,
 ) -> Result<(), Failure> {
     let missing = histories::missing(folder, results, chosen);
     if missing.is_empty() {
         return Ok(());
     }
-    let opened = reopen().and_then(|(campaign, command)| {
-        campaign.manifest().find(folder)?;
-        Ok((campaign, command))
-    });
-    let (campaign, command) = opened.map_err(|why| {
+    let (campaign, command) = opened.as_ref().map_err(|why| {
         Failure::Aborted(format!(
             "{} histories are missing, because the campaign cannot be flown again here: {why}",
             missing.len()
         ))
     })?;
     histories::write(
-        (&campaign, results),
+        (campaign, results),
         &missing,
-        (folder, &command),
+        (folder, command),
         all_cores(),
         &mut ProgressLine::new(),
     )

@@ -181,6 +181,20 @@ impl DispersionReader<'_> {
             self.needed("low", &self.written.low)?,
             self.needed("high", &self.written.high)?,
         ];
+        let percentage = |value: &Option<Value>| {
+            let text = value.as_ref()?.as_str()?.trim().strip_suffix('%')?;
+            text.trim().parse::<f64>().ok()
+        };
+        if let [Some(low), Some(high)] = [&self.written.low, &self.written.high].map(percentage)
+            && low < 100.0
+            && high < 100.0
+        {
+            return Err(self.wrong(format!(
+                "`low` and `high` are percent of the nominal value, and {low} % to {high} % of it does not contain it: for a spread about it write `low = \"{} %\"`, `high = \"{} %\"`; for what is meant, numbers with their unit",
+                100.0 + low,
+                100.0 + high
+            )));
+        }
         match ends {
             [low, high] if low < high => Ok(ends),
             [low, high] => Err(self.wrong(format!("`low` ({low}) must be below `high` ({high})"))),

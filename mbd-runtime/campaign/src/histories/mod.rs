@@ -10,14 +10,15 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, CasePart};
 use crate::failure::Failure;
 use crate::parquet;
 use crate::progress::ProgressLine;
-use crate::results::Results;
+use crate::results::{CaseRow, Results};
 use mbd_report::files;
 
 pub use choice::{Choice, Chosen};
+pub(crate) use page::with_motion;
 
 /// Their folder in a folder of results.
 const FOLDER: &str = "histories";
@@ -114,27 +115,39 @@ pub fn write(
     })
 }
 
+/// A case flown again: its row, and the scenes that its run came to.
+///
+/// # Errors
+/// There is no such case; what comes out is not the row that is there.
+pub(crate) fn flown_again(
+    (campaign, results): (&Campaign, &Results),
+    case: u64,
+    folder: &Path,
+) -> Result<(CaseRow, Vec<CasePart>), String> {
+    let (row, parts) = campaign
+        .replay_parts(case)
+        .map_err(|error| error.to_string())?;
+    let there = usize::try_from(case)
+        .ok()
+        .and_then(|case| results.rows.get(case));
+    let there = there.map(CaseRow::line).unwrap_or_default();
+    if there != row.line() {
+        return Err(format!(
+            "case {case} flown again is not its row in {}: other equations, or another kind of processor\n  there {there}\n  here  {}",
+            folder.display(),
+            row.line()
+        ));
+    }
+    Ok((row, parts))
+}
+
 fn write_one(
     (campaign, results): (&Campaign, &Results),
     chosen: &Chosen,
     (folder, replay): (&Path, &str),
 ) -> Result<(), Failure> {
     let case = chosen.case;
-    let invalid = |text: String| Failure::Invalid(text);
-    let (row, parts) = campaign
-        .replay_parts(case)
-        .map_err(|error| invalid(error.to_string()))?;
-    let there = usize::try_from(case)
-        .ok()
-        .and_then(|case| results.rows.get(case));
-    let there = there.map(crate::CaseRow::line).unwrap_or_default();
-    if there != row.line() {
-        return Err(invalid(format!(
-            "case {case} flown again is not its row in {}: other equations, or another kind of processor\n  there {there}\n  here  {}",
-            folder.display(),
-            row.line()
-        )));
-    }
+    let (row, parts) = flown_again((campaign, results), case, folder).map_err(Failure::Invalid)?;
     let history = campaign.whole(&parts);
     let pages = page::pages(campaign, (&row, &parts, &history), chosen, replay);
     let csv = folder.join(history_of(case));

@@ -1,6 +1,6 @@
 //! The page of a case: what it was, how it ended, its run; of a run that came to several scenes, the way it took, and a page of each.
 
-use mbd_report::{Cell, Report, ReportTable, Run, with_run};
+use mbd_report::{Cell, Report, ReportTable, Run, Views, with_run};
 use mbd_runtime::Trajectory;
 
 use super::choice::Chosen;
@@ -45,8 +45,7 @@ pub fn pages(
                 );
                 all.push((file, with_part(page, part)));
             }
-            let runs: Vec<Run<'_>> = parts.iter().map(shown).collect();
-            own = phases::with_histories(phases::with_motion(own, &runs), &told, history);
+            own = phases::with_histories(with_motion(own, parts), &told, history);
         }
     }
     all.push((page_of(row.case), own));
@@ -69,6 +68,15 @@ fn opening(title: String, row: &CaseRow, chosen: &Chosen) -> Report {
 /// What was flown in one scene.
 fn with_part(report: Report, part: &CasePart) -> Report {
     with_run(report, (&*part.model, &part.plan.options), &shown(part))
+}
+
+/// What was flown, as it moves.
+pub(crate) fn with_motion(report: Report, parts: &[CasePart]) -> Report {
+    let runs: Vec<Run<'_>> = parts.iter().map(shown).collect();
+    match runs.as_slice() {
+        [alone] => Views::new(alone).with_motion(report),
+        several => phases::with_motion(report, several),
+    }
 }
 
 fn shown(part: &CasePart) -> Run<'_> {

@@ -12,14 +12,15 @@ use std::path::Path;
 
 use mbd_report::{Cell, Figure, Report, ReportTable, files};
 
+use crate::campaign::CasePart;
 use crate::envelopes::Envelope;
-use crate::histories::Chosen;
+use crate::histories::{self, Chosen};
 use crate::results::Results;
 use crate::summary::{CONFIDENCE, CampaignSummary, Told};
 use spread::FootprintCurves;
 
 /// The page of a campaign, beside what its results say.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Page<'p> {
     /// The folder of results: pages of cases that are there are linked.
     pub folder: &'p Path,
@@ -29,6 +30,8 @@ pub struct Page<'p> {
     pub envelopes: &'p [Envelope],
     /// The cases whose histories are kept.
     pub chosen: &'p [Chosen],
+    /// The scenes that the nominal came to, or why it cannot be flown again here.
+    pub nominal: Result<&'p [CasePart], &'p String>,
 }
 
 impl Page<'_> {
@@ -84,6 +87,7 @@ impl Page<'_> {
         if !strongest.is_empty() {
             report = report.table(&strongest);
         }
+        report = self.moving(report);
         report = self.over_time(report);
         report = footprints(report, results);
         for told in &summary.metrics {
@@ -102,6 +106,17 @@ impl Page<'_> {
             .table(&dispersed(results))
             .paragraph("Case 0 is the nominal: it counts in no percentile. Any case is repeated, to the bit, by")
             .command(&format!("{} --case NUMBER", self.replay))
+    }
+
+    /// The nominal as it moves: what all of this is about.
+    fn moving(&self, report: Report) -> Report {
+        match self.nominal {
+            Ok([]) => report,
+            Ok(parts) => histories::with_motion(report, parts).paragraph("The nominal: case 0."),
+            Err(why) => report.section("Motion").paragraph(&format!(
+                "The nominal is not shown as it moves, because it cannot be flown again here: {why}"
+            )),
+        }
     }
 
     fn over_time(&self, report: Report) -> Report {

@@ -123,6 +123,16 @@ fn measured(
     }
 }
 
+/// The same, zero or above.
+pub(crate) fn not_negative(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> {
+    let number = number(setting, value, unit)?;
+    if number >= 0.0 {
+        Ok(number)
+    } else {
+        Err(wrong(setting, "must not be negative"))
+    }
+}
+
 /// The same, above zero.
 pub(crate) fn positive(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> {
     let number = number(setting, value, unit)?;

@@ -13,7 +13,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use super::names::{PlanError, flat, no_column, unknown, wrong};
-use super::number::{number, numbers as numbers_of, positive, zeros};
+use super::number::{not_negative, number, numbers as numbers_of, positive, zeros};
 use super::settings::Settings;
 
 /// Everything a run needs, in SI numbers.
@@ -68,17 +68,18 @@ impl RunPlan {
         (scene, layout): (&Scene, &Layout),
         settings: &Settings,
     ) -> Result<RunPlan, PlanError> {
-        let seconds = |name: &str, value: &Option<Value>| match value {
-            Some(value) => positive(name, value, "s").map(Some),
-            None => Ok(None),
-        };
-        let until = seconds("until", &settings.until)?.ok_or_else(|| {
+        let until = settings.until.as_ref().ok_or_else(|| {
             wrong(
                 "until",
                 "say when the run ends: `until = \"10 s\"` under [run], or `--until 10`",
             )
         })?;
-        let every = seconds("every", &settings.every)?;
+        // A run of no time shows where the scene begins.
+        let until = not_negative("until", until, "s")?;
+        let every = settings.every.as_ref();
+        let every = every
+            .map(|value| positive("every", value, "s"))
+            .transpose()?;
         let params = params(scene, &settings.params)?;
         let placed = placed(scene, &settings.start);
         let start = start((scene, layout), &params, &settings.start, &placed)?;

@@ -195,11 +195,23 @@ pub enum LinearisationError {
     },
     /// The model has another layout than this room was made for.
     OtherModel,
-    /// A partial derivative is not a number here: the model was generated without it, or the state has none.
+    /// The equations, or their derivatives, are no finite numbers at this state.
     NotFinite {
-        /// The derivative.
+        /// What was evaluated.
         what: Quantity,
+        /// The first number of the state whose rate is not finite, by name; empty where that is not known.
+        of: String,
     },
+}
+
+impl LinearisationError {
+    /// Something that is not finite, of which nobody knows whose it is.
+    pub(crate) fn not_finite(what: Quantity) -> Self {
+        LinearisationError::NotFinite {
+            what,
+            of: String::new(),
+        }
+    }
 }
 
 impl fmt::Display for LinearisationError {
@@ -236,10 +248,16 @@ impl fmt::Display for LinearisationError {
                 f,
                 "the model has another layout than the linearisation: make one with `Linearisation::new(model.layout())`"
             ),
-            LinearisationError::NotFinite { what } => write!(
-                f,
-                "{what:?} has no finite value here: emit it in the declaration, and look at the state"
-            ),
+            LinearisationError::NotFinite { what, of } => {
+                match of.as_str() {
+                    "" => write!(f, "{what:?} has")?,
+                    of => write!(f, "the rate of `{of}` has")?,
+                }
+                write!(
+                    f,
+                    " no finite value at this state: something divides by zero there, or takes the direction, the angle or the root of nothing"
+                )
+            }
         }
     }
 }
@@ -352,7 +370,7 @@ impl<T: Float> Linearisation<T> {
             for (of, matrix) in partials.each() {
                 if matrix.values.iter().any(|x| !x.is_finite()) {
                     let what = Quantity::Partial(of, by);
-                    return Err(LinearisationError::NotFinite { what });
+                    return Err(LinearisationError::not_finite(what));
                 }
             }
         }

@@ -8,6 +8,7 @@ use mbd_scene::{At, Float, JointStart, Layout, Model, Quantity, Scene, Variable,
 use nalgebra::DMatrix;
 
 use super::{Linearisation, LinearisationError};
+use crate::columns::state_names;
 use crate::displace::displace;
 use crate::generic::Generic;
 use crate::slopes::{Effective, Slopes};
@@ -155,11 +156,18 @@ impl SceneMoment {
     /// One that is not finite.
     pub(crate) fn rates(&mut self) -> Result<Vec<f64>, LinearisationError> {
         let rates = self.evaluate(Quantity::Derivative, &[]);
-        match rates.iter().all(|x| x.is_finite()) {
-            true => Ok(rates),
-            false => Err(LinearisationError::NotFinite {
-                what: Quantity::Derivative,
-            }),
+        match rates.iter().position(|x| !x.is_finite()) {
+            None => Ok(rates),
+            Some(at) => {
+                let names = state_names(&self.model.scene, &self.model.layout);
+                Err(LinearisationError::NotFinite {
+                    what: Quantity::Derivative,
+                    of: names
+                        .into_iter()
+                        .nth(at)
+                        .map_or_else(String::new, |name| name.name),
+                })
+            }
         }
     }
 

@@ -181,14 +181,13 @@ impl<T: Float> ThroughRows<T> {
     ) -> Result<(), LinearisationError> {
         let count = layout.len(Quantity::Factor);
         evaluator.evaluate(Quantity::Factor, at, &mut self.factor[..count]);
-        let not_finite = |what| LinearisationError::NotFinite { what };
         let factor = &self.factor[..count];
         let margin = factor.last().map_or(0.0, |margin| margin.to_f64());
         if margin.abs() < DEPENDENT.max(16.0 * T::EPSILON.to_f64()) {
             return Err(LinearisationError::DependentRows { margin });
         }
         if factor.iter().any(|x| !x.is_finite()) {
-            return Err(not_finite(Quantity::Factor));
+            return Err(LinearisationError::not_finite(Quantity::Factor));
         }
         self.solution.fill(T::zero());
         for _ in 0..2 {
@@ -206,7 +205,7 @@ impl<T: Float> ThroughRows<T> {
         }
         match self.solution.iter().all(|x| x.is_finite()) {
             true => Ok(()),
-            false => Err(not_finite(Quantity::Derivative)),
+            false => Err(LinearisationError::not_finite(Quantity::Derivative)),
         }
     }
 

@@ -48,7 +48,8 @@ impl<T: Float> Simulation<T> {
                 self.system.stay(start + span, &mut self.inside)?;
             }
             let state = (self.inside.as_slice(), self.scratch.as_mut_slice());
-            maker.pick(&mut self.system, (start + span, span), state, out)
+            let time = (start + span).min(self.system.latest);
+            maker.pick(&mut self.system, (time, span), state, out)
         };
         measures.step(step, &mut at)
     }

@@ -126,7 +126,7 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// The step is too long.
     pub(super) fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
-        let end = self.time + step;
+        let end = (self.time + step).min(self.system.latest);
         if self.watched {
             let rho = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
             if self.watch.sees(rho) {

@@ -440,7 +440,9 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.margins.turned_back.fill(TurnedBack::default());
         self.begin_margins(&mut |_| ())?;
-        self.settle_sides(&|_| true)?;
+        let clocks = self.clocks();
+        self.settle_sides(&|index| !clocks.contains(&index))?;
+        self.settle_clocks(&clocks)?;
         self.find_held_guards()?;
         self.begin_balance();
         self.begin_momentum();

@@ -50,6 +50,7 @@ impl<T: Float> System<T> {
 impl<T: Float> Rates<T> for System<T> {
     fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
+        let time = time.min(self.latest);
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
         let span = T::from_f64(span);

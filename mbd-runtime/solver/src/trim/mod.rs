@@ -12,7 +12,6 @@ mod search;
 
 use mbd_scene::Model;
 use mbd_scene::similar::did_you_mean;
-use nalgebra::DVector;
 
 use crate::Simulation;
 use crate::columns::Name;
@@ -59,7 +58,8 @@ pub struct Trimmed {
     /// Steps taken.
     pub iterations: usize,
     pub(super) names: Vec<Name>,
-    pub(super) values: DVector<f64>,
+    /// None of a turn in space, which is measured from here.
+    pub(super) values: Vec<Option<f64>>,
 }
 
 /// Why there is no trim.
@@ -147,6 +147,10 @@ impl std::fmt::Display for TrimError {
             TrimError::Open { gap } => write!(
                 f,
                 "the joints stay open by {gap:.1e} with these coordinates: fix fewer of them, or others"
+            ),
+            TrimError::Linearisation(cause @ LinearisationError::NotFinite { .. }) => write!(
+                f,
+                "{cause}; in a trim all rates are zero but those that are given: where the scene has no rest, give its rate"
             ),
             TrimError::Linearisation(cause) => write!(f, "{cause}"),
         }
@@ -301,15 +305,18 @@ impl<T: Scalar> Trim<'_, T> {
 }
 
 impl Trimmed {
-    /// Coordinates, their rates and inputs, with their values.
+    /// Coordinates, their rates and inputs, with their values. The turns in space that the linear system has as coordinates (`drone.turn_x`) are measured
+    /// from here, and are not among them: attitudes are those of the state.
     pub fn values(&self) -> impl Iterator<Item = (&Name, f64)> {
-        self.names.iter().zip(self.values.iter().copied())
+        let all = self.names.iter().zip(&self.values);
+        all.filter_map(|(name, value)| Some((name, (*value)?)))
     }
 
-    /// The value of a coordinate, its rate, or an input, by name.
+    /// The value of a coordinate, its rate, or an input, by name; `None` of a turn in space, too.
     #[must_use]
     pub fn value(&self, name: &str) -> Option<f64> {
-        let at = self.names.iter().position(|known| known.name == name)?;
-        self.values.get(at).copied()
+        let mut all = self.values();
+        all.find(|(known, _)| known.name == name)
+            .map(|(_, value)| value)
     }
 }

@@ -370,12 +370,16 @@ impl Search {
         let [values, rates] = self.chart.values(&mut self.moment);
         let (nq, nv) = (self.moment.layout().nq, self.moment.layout().nv);
         let behind = &self.moment.state[nq + nv..];
-        let all = values.iter().chain(rates.iter()).chain(behind);
-        let all: Vec<f64> = all.chain(&self.moment.inputs).copied().collect();
+        let values = self.chart.minimal.iter().zip(values.iter());
+        let values = values.map(|(own, value)| match own.source {
+            MinimalCoordinate::Turn { .. } => None,
+            _ => Some(*value),
+        });
+        let others = rates.iter().chain(behind).chain(&self.moment.inputs);
         let names = space.states.iter().chain(&space.inputs).cloned();
         Ok(Trimmed {
             names: names.collect(),
-            values: DVector::from_vec(all),
+            values: values.chain(others.copied().map(Some)).collect(),
             nodes: self.moment.nodes().to_vec(),
             state: self.moment.state,
             inputs: self.moment.inputs,

@@ -63,6 +63,9 @@ fn a_campaign_of_a_scene_is_run_in_shards_gathered_and_told_on_one_page() {
         "params: ",
         "by deciles of k",
         "--case ",
+        // It moves.
+        "The nominal: case 0.",
+        "mbd-data",
     ] {
         assert!(page.contains(part), "{part}");
     }

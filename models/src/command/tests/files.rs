@@ -119,3 +119,27 @@ fn a_file_in_another_encoding_is_answered_with_its_line() {
         "{told}"
     );
 }
+
+/// A run of no time shows where the scene begins, and says that it does.
+#[test]
+fn a_run_of_no_time_shows_the_start_alone() {
+    let folder = Folder::new("no_time");
+    let out = folder.0.display().to_string();
+    for method in ["tsit5", "rk4", "rodas5p", "rattle"] {
+        let told = run(&[
+            "run", "swing", "--until", "0", "--method", method, "--out", &out,
+        ])
+        .unwrap();
+        assert!(!told.contains("NaN") && !told.contains("inf"), "{told}");
+        assert!(!told.contains("simulated seconds a second"), "{told}");
+        let rows = std::fs::read_to_string(folder.0.join("history.csv")).unwrap();
+        assert_eq!(rows.lines().count(), 2, "{rows}");
+        let page = std::fs::read_to_string(folder.0.join("report.html")).unwrap();
+        assert!(page.contains("The history is one instant, 0 s: it does not move."));
+    }
+    let error = run(&["run", "swing", "--until=-1 s", "--out", &out]).unwrap_err();
+    assert!(
+        error.to_string().contains("must not be negative"),
+        "{error}"
+    );
+}

@@ -43,7 +43,7 @@ fn settings_that_no_run_can_hold_are_refused_before_it() {
     for (setting, what) in [
         ("every = \"1e-300 s\"", "`every`: asks for"),
         ("every = \"0 s\"", "`every`: must be positive"),
-        ("until = \"-1 s\"", "`until`: must be positive"),
+        ("until = \"-1 s\"", "`until`: must not be negative"),
         ("until = nan", "`until`: give it a finite value"),
         (
             "tolerance = \"1 s\"",

@@ -151,6 +151,29 @@ fn three_numbers_of_an_input_are_one_vector_or_three_texts() {
     }
 }
 
+/// The same of a run that an event ends.
+#[test]
+fn metrics_that_count_beyond_the_event_that_ends_the_run_are_told() {
+    let folder = Folder::new("window_and_event");
+    let out = folder.0.join("out").display().to_string();
+    let file = folder.file(
+        "stone.mbd",
+        "model Stone { gravity: [0, 0, -10] m/s^2; point stone { mass: 1 kg, start at [0, 0, 5] m }
+            event down = stone.position.z falls 0 m { then: stop }
+            metric fallen = integral stone.velocity.z { to: 3 s };
+            metric early = integral stone.velocity.z { to: 0.5 s }; }
+         [run]\nuntil = \"4 s\"\n",
+    );
+    let told = run(&["run", &file, "--out", &out]).unwrap();
+    let warning = "metric `fallen` counts up to 3 s, and the run ends at 1";
+    assert!(
+        told.contains(warning) && !told.contains("`early`"),
+        "{told}"
+    );
+    let page = std::fs::read_to_string(format!("{out}/report.html")).unwrap();
+    assert!(page.contains("counts up to 3 s, and the run ends at 1"));
+}
+
 #[test]
 fn metrics_that_count_beyond_the_end_of_the_run_are_told() {
     let folder = Folder::new("windows");

@@ -30,6 +30,8 @@ fn a_trade_says_what_meets_the_error_that_is_wanted() {
     for name in ["trade.csv", "trade.svg", "trade.html"] {
         assert!(folder.0.join("out").join(name).is_file(), "{name}");
     }
+    let page = std::fs::read_to_string(folder.0.join("out/trade.html")).unwrap();
+    assert!(page.contains("mbd-data"));
     // What is advised is as good as it was asked to be, and so is its repetition by itself.
     let alone = run(&[&["advise", file.as_str()], &asked[..4]].concat()).unwrap();
     let error = alone.split("error ").nth(1);

@@ -5,8 +5,8 @@ use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Clamp, Difference};
 use nalgebra::Vector3;
 
-use crate::random::Random;
 use crate::web::{Equilibrium, Tie, Web, WebLine};
+use laws::random::Random;
 
 /// What makes the networks of a family hard.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -280,4 +280,31 @@ impl Decided {
         }
         (force.norm() > 1e-9 * scale).then_some("not in balance")
     }
+}
+
+/// Of `count` networks whose lines are of 1e4 N/m and of `stiff`: how many found no balance and named two lines, how many named none, and the most steps a balance took.
+#[must_use]
+pub fn unsolved(random: &mut Random, count: usize, nodes: usize, stiff: f64) -> [usize; 3] {
+    let (mut named, mut unnamed, mut most) = (0, 0, 0);
+    for _ in 0..count {
+        let web = Kind::Uneven(stiff / 1e4).network(random, nodes);
+        let start: Vec<[f64; 3]> = web.loads.iter().map(|_| random.vector(2.0)).collect();
+        match web.solve(&start, Tolerance::inside_step()) {
+            Ok(found) => most = most.max(found.outcome.iterations()),
+            Err(NodeError::NotConverged { uneven, .. }) => match uneven {
+                Some(pair) => {
+                    assert_eq!(web.lines[pair.softest].stiffness, 1e4);
+                    assert_eq!(web.lines[pair.stiffest].stiffness, stiff);
+                    assert_eq!(pair.ratio, stiff / 1e4);
+                    named += 1;
+                }
+                None => unnamed += 1,
+            },
+            Err(other) => panic!("{other}"),
+        }
+    }
+    println!(
+        "{count} networks of {nodes} nodes, {stiff:e} N/m: {named} named, {unnamed} unnamed, at most {most} steps"
+    );
+    [named, unnamed, most]
 }

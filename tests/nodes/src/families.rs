@@ -2,8 +2,8 @@
 
 use mbd_runtime::node::{Outcome, Solver, Strategy, Tolerance};
 
-use crate::random::Random;
 use crate::web::{Confluence, Web, WebBalance};
+use laws::random::Random;
 
 /// What makes the problems of a family hard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,154 @@
+//! What jumps with the time jumps behind the step that ends on an event there: every method keeps its order, and nothing is off by a part of the jump.
+
+use mbd_compiler::Interpreted;
+
+use mbd_runtime::{
+    Batch, Case, Content, InLanes, Model, Options, Sampling, Scalar, Simulation, Trajectory, model,
+};
+
+model! {
+    /// A push forward and back; two masses, one of them on a spring.
+    pub model Pushed<T> {
+        gravity: none;
+        param switch = 1 s in 0.1 s ..= 5 s;
+        const k = 10 N/m;
+        point free { mass: 1 kg }
+        point tied { mass: 1 kg }
+        let push = if(time < switch, 1 N, if(time < 2 * switch, -1 N, 0 N));
+        load on_free on free = [push, 0 N, 0 N];
+        load on_tied on tied = [push, 0 N, 0 N] - k * tied.position;
+        event back = time rises switch;
+        event over = time rises 2 * switch;
+        output x = free.position.x;
+        output y = tied.position.x;
+        metric given = integral push;
+        metric forth = integral max(push, 0 N);
+    }
+}
+
+/// x and ẋ of both masses after the pushes, at a time.
+fn exact(switch: f64, time: f64) -> [f64; 4] {
+    let omega = 10.0_f64.sqrt();
+    // A step of the force at a time: (1 − cos ωt)/k.
+    let answer = |from: f64| {
+        let after = (time - from).max(0.0);
+        [
+            (1.0 - (omega * after).cos()) / 10.0,
+            omega * (omega * after).sin() / 10.0,
+        ]
+    };
+    let [on, back, off] = [0.0, switch, 2.0 * switch].map(answer);
+    let tied = [0, 1].map(|k| on[k] - 2.0 * back[k] + off[k]);
+    [switch * switch, 0.0, tied[0], tied[1]]
+}
+
+fn flown<T: Scalar>(model: &dyn Model<T>, options: Options, until: f64) -> [f64; 4] {
+    let mut run = Simulation::new(model, options).expect("a model that runs");
+    run.run(until).expect("a run that ends");
+    let state: Vec<f64> = run.state().iter().map(|x| x.to_f64()).collect();
+    [state[0], state[6], state[3], state[9]]
+}
+
+#[test]
+fn pushes_that_jump_with_the_time_leave_what_they_leave_in_closed_form() {
+    // Steps that end on the jump, to the bit or but for rounding, and steps that do not.
+    for switch in [1.0, 0.73] {
+        let params = PushedParams { switch };
+        let model = Pushed::new(params).expect("params in range");
+        let interpreted =
+            Interpreted::new(model.scene().clone(), &[switch]).expect("params in range");
+        let exact = exact(switch, 4.0);
+        // What is tied has the error of the method, 20 h⁴ of RK4; what is free has none.
+        for (options, within) in [
+            (Options::rk4(0.03), [1e-13, 2e-5]),
+            (Options::rk4(0.01), [1e-13, 2e-7]),
+            (Options::rk4(0.125), [1e-13, 5e-3]),
+            (Options::rk4(0.1), [1e-13, 2e-3]),
+            (Options::tsit5(1e-10), [1e-13, 1e-9]),
+            (Options::vern7(1e-10), [1e-13, 1e-9]),
+            (Options::rodas5p(1e-10), [1e-12, 1e-8]),
+            (Options::rattle(0.01), [1e-12, 1e-7]),
+        ] {
+            let one = flown::<f64>(&model, options, 4.0);
+            assert_eq!(one, flown::<f64>(&interpreted, options, 4.0), "{options:?}");
+            for (k, within) in [within[0], within[0], within[1], within[1]]
+                .iter()
+                .enumerate()
+            {
+                let off = (one[k] - exact[k]).abs();
+                println!("{switch} {} {k}: {off:.1e}", options.method.name());
+                assert!(off < *within, "{switch} {options:?} {k}: {one:?} {exact:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn integrals_of_what_jumps_are_those_of_both_sides() {
+    let model = Pushed::new(PushedParams { switch: 0.73 }).expect("params in range");
+    for options in [
+        Options::rk4(0.1),
+        Options::rk4(0.03),
+        Options::tsit5(1e-8),
+        Options::rodas5p(1e-8),
+    ] {
+        let mut run = Simulation::new(&model, options).expect("a model that runs");
+        let mut history = Trajectory::new(&model, Sampling::Every(0.5), Content::RESULTS);
+        run.record(4.0, &mut history).expect("a run that ends");
+        let metrics = history.metrics(model.scene());
+        let found: Vec<f64> = metrics
+            .iter()
+            .filter_map(|metric| metric.value.ok())
+            .collect();
+        assert_eq!(found.len(), 2, "{metrics:?}");
+        assert!(
+            found[0].abs() < 1e-12 && (found[1] - 0.73).abs() < 1e-12,
+            "{options:?} {found:?}"
+        );
+    }
+}
+
+#[test]
+fn they_do_in_single_precision() {
+    let model = Pushed::<f32>::new(PushedParams { switch: 0.73_f32 }).expect("params in range");
+    for options in [Options::rk4(0.03), Options::tsit5(1e-5)] {
+        let found = flown::<f32>(&model, options, 4.0);
+        let exact = exact(0.73, 4.0);
+        for (found, exact) in found.iter().zip(exact).take(2) {
+            assert!((found - exact).abs() < 2e-6, "{options:?} {found} {exact}");
+        }
+    }
+}
+
+#[test]
+fn the_order_of_a_method_is_kept_across_them() {
+    let model = Pushed::new(PushedParams { switch: 0.73 }).expect("params in range");
+    let exact = exact(0.73, 4.0);
+    let off = |step: f64| {
+        let found = flown::<f64>(&model, Options::rk4(step), 4.0);
+        (found[2] - exact[2]).hypot(found[3] - exact[3])
+    };
+    let order = (off(0.04) / off(0.02)).log2();
+    assert!(order > 3.8, "{order}");
+}
+
+#[test]
+fn cases_beside_each_other_are_what_they_are_alone() {
+    let model = Pushed::new(PushedParams::default())
+        .expect("defaults")
+        .in_lanes();
+    let switches = [0.5, 0.73, 1.0, 1.25, 1.31];
+    let cases = || switches.iter().map(|switch| Case::new().params([*switch]));
+    let options = Options::rk4(0.05);
+    let beside = Batch::new(&model, options, 4.0).lanes(4).cases(cases());
+    let found = beside.run(|_, history| history.column("y").and_then(|y| y.last().copied()));
+    for (found, switch) in found.iter().zip(switches) {
+        let alone = Pushed::new(PushedParams { switch }).expect("params in range");
+        let alone = flown::<f64>(&alone, options, 4.0);
+        assert_eq!(
+            found.result.as_ref().ok().copied().flatten(),
+            Some(alone[2])
+        );
+        assert!((alone[2] - exact(switch, 4.0)[2]).abs() < 2e-4);
+    }
+}
