@@ -329,8 +329,11 @@ fn said(family: &str, [motor, knee, hip, close]: [&str; 4]) -> Scene {
     ))
 }
 
-/// Where a run begins: its outputs, and what became of the starts that are about a value.
-fn begun(scene: Scene) -> Result<(Vec<f64>, Vec<(String, f64, f64)>, Vec<String>), String> {
+/// Outputs where a run begins, what became of the starts that are about a value, and what nothing decides.
+type Begun = (Vec<f64>, Vec<(String, f64, f64)>, Vec<String>);
+
+/// Where a run of a scene begins.
+fn begun(scene: Scene) -> Result<Begun, String> {
     let model = Generic::<f64>::new(scene, &[]).expect("a scene");
     let mut run = Simulation::new(&model, Options::rk4(1e-3)).map_err(|error| error.to_string())?;
     run.start().map_err(|error| error.to_string())?;

@@ -507,7 +507,7 @@ impl Placement<'_> {
             let all: Vec<(usize, usize)> = unknowns.iter().chain(&yielding).copied().collect();
             self.close_near(&all, &wishes, state)?;
         }
-        self.close_rates((&said_rates, &rates), state)?;
+        self.close_rates([&said_rates, &rates], state)?;
         let assembly = Assembly {
             about: self.granted(&wishes, state),
             undecided: self.undecided(&unknowns, state),
@@ -656,7 +656,7 @@ impl Placement<'_> {
     /// Solves (3) for the rates: the smallest that do. Rates that are `said` and contradict each other by more than their digits are told.
     fn close_rates(
         &mut self,
-        (said, rates): (&[(usize, usize)], &[(usize, usize)]),
+        [said, rates]: [&[(usize, usize)]; 2],
         state: &mut [f64],
     ) -> Result<(), PlacementError> {
         let mut gaps = self.rows(Quantity::ConstraintRate, state);
