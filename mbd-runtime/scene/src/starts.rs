@@ -10,8 +10,8 @@ use crate::laws::{Numbers, constant};
 use crate::placement::{FREE, place_near};
 use crate::tree::Absolute;
 use crate::{
-    Arguments, Assembly, At, Formula, JointStart, Layout, Part, Place, PlacementError, Scene,
-    Triple,
+    Arguments, At, Formula, JointStart, Layout, Part, Place, PlacementError, PlacementReport,
+    Scene, Triple,
 };
 
 impl Arguments<f64> {
@@ -161,7 +161,7 @@ pub fn place_declared(
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<Assembly, PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     if layout.tree.is_some() {
         return place_along_tree((scene, layout), from, given, fixed, state);
     }
@@ -205,7 +205,7 @@ fn place_along_tree(
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<Assembly, PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     let motors = scene
         .joints
         .iter()
@@ -219,7 +219,7 @@ fn place_along_tree(
     let nothing = given.is_empty() && scene.starts.coordinates.is_empty();
     let nothing = nothing && !(motors || flying || rows);
     if nothing || state.len() != layout.nx() {
-        return Ok(Assembly::default());
+        return Ok(PlacementReport::default());
     }
     let absolute = Absolute::of(scene);
     let mut placed = absolute.state((scene, layout), from, state);

@@ -6,7 +6,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use mbd_scene::{Assembly, Float, Model, ParamError, Quantity, StartNumber};
+use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber};
 
 use crate::balance::EnergyBalance;
 use crate::chatter::Chatter;
@@ -186,7 +186,7 @@ pub struct Simulation<T: Float> {
     /// The joint coordinates that were set since the run moved or was given a state.
     joints_set: Vec<(String, StartNumber)>,
     /// What placing bodies by joint coordinates decided.
-    assembly: Assembly,
+    assembly: PlacementReport,
     singular_start: bool,
     /// Whether what is held has changed since the first stage of the next step was evaluated.
     stale: bool,

@@ -3,8 +3,8 @@
 use mbd_compiler::{ABOUT, nearest};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
-    Assembly, Input, InputSource, JointStart, NodeModel, Part, PlacementError, Scene, StartNumber,
-    declared_parts, place_declared,
+    Input, InputSource, JointStart, NodeModel, Part, PlacementError, PlacementReport, Scene,
+    StartNumber, declared_parts, place_declared,
 };
 use mbd_runtime::{
     Content, Generic, Layout, Method, Name, Options, RunError, Sampling, Scalar, Simulation,
@@ -34,7 +34,7 @@ pub struct RunPlan {
     /// The joint coordinates that the settings start, and where [m or rad, and per second]: the state does not tell full turns.
     pub joints: Vec<(String, f64)>,
     /// What placing the bodies decided: starts that are about a value, coordinates that nothing decides.
-    pub assembly: Assembly,
+    pub assembly: PlacementReport,
     /// Where the equilibrium points are searched from [m], 3 a node; `None` if nothing was said.
     pub nodes: Option<Vec<f64>>,
     /// What the caller supplies, held constant.
@@ -296,7 +296,7 @@ struct PlannedStart {
     state: Vec<f64>,
     nodes: Option<Vec<f64>>,
     joints: Vec<(String, f64)>,
-    assembly: Assembly,
+    assembly: PlacementReport,
 }
 
 /// The state and the places of the equilibrium points, from names of coordinates.

@@ -11,7 +11,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{
-    AboutStart, CLOSED, DIFFERENCE, Gap, ITERATIONS, JointStart, Placement, PlacementError, REACHES,
+    AboutStart, CLOSED, DIFFERENCE, ITERATIONS, JointStart, OpenRow, Placement, PlacementError,
+    REACHES,
 };
 use crate::Quantity;
 use crate::laws::turns::next_to;
@@ -59,7 +60,7 @@ impl Placement<'_> {
         if others.is_empty() {
             others.extend_from_slice(unknowns);
         }
-        let (mut open, mut nearest, mut reversed) = (Gap::default(), None, None);
+        let (mut open, mut nearest, mut reversed) = (OpenRow::default(), None, None);
         for attempt in 0..REACHES.len() {
             self.q.clone_from(&start);
             self.scatter(&others, attempt);

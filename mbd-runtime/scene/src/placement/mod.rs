@@ -55,14 +55,14 @@ pub struct JointStart {
 
 /// What placing bodies by joint coordinates decided beyond what it was told.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Assembly {
+pub struct PlacementReport {
     /// The coordinates that are said to be about a value, in the order they were given.
     pub about: Vec<AboutStart>,
     /// Coordinates of loops that nothing said decides, joint and number: what is taken is near zero, or near what was taken before.
     pub undecided: Vec<(usize, usize)>,
 }
 
-impl Assembly {
+impl PlacementReport {
     /// Coordinates that are about a value by their names, with what was said and what was taken [m or rad].
     #[must_use]
     pub fn told_about(&self, scene: &Scene) -> Vec<(String, f64, f64)> {
@@ -257,15 +257,15 @@ struct MovingFrame {
 
 /// What stays open most.
 #[derive(Clone, Copy)]
-struct Gap {
+struct OpenRow {
     size: f64,
     joint: usize,
     unit: &'static str,
 }
 
-impl Default for Gap {
+impl Default for OpenRow {
     fn default() -> Self {
-        Gap {
+        OpenRow {
             size: f64::INFINITY,
             joint: 0,
             unit: "m",
@@ -273,7 +273,7 @@ impl Default for Gap {
     }
 }
 
-impl Gap {
+impl OpenRow {
     fn error(self) -> PlacementError {
         PlacementError::Open {
             joint: self.joint,
@@ -309,7 +309,7 @@ pub fn place(
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<Assembly, PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     place_near(scene, layout, from, (given, &[]), fixed, state)
 }
 
@@ -324,13 +324,13 @@ pub(crate) fn place_near(
     (given, near): (&[JointStart], &[JointStart]),
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<Assembly, PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     if state.len() != layout.nx() {
-        return Ok(Assembly::default());
+        return Ok(PlacementReport::default());
     }
     let links = tree(scene, layout, given, fixed)?;
     if links.is_empty() && given.is_empty() {
-        return Ok(Assembly::default());
+        return Ok(PlacementReport::default());
     }
     let numbers = Numbers::new(scene, params);
     let mut frames = Vec::new();
@@ -372,7 +372,7 @@ pub(crate) fn place_near(
     match given.is_empty() {
         true => {
             placement.rest(&all, state);
-            Ok(Assembly::default())
+            Ok(PlacementReport::default())
         }
         false => placement.solve(&all, state),
     }
@@ -464,7 +464,7 @@ impl Placement<'_> {
         &mut self,
         given: &[JointStart],
         state: &mut [f64],
-    ) -> Result<Assembly, PlacementError> {
+    ) -> Result<PlacementReport, PlacementError> {
         let find = |joint: usize, coordinate: usize| {
             let mut starts = given.iter();
             starts.find(|start| (start.joint, start.coordinate) == (joint, coordinate))
@@ -508,7 +508,7 @@ impl Placement<'_> {
             self.close_near(&all, &wishes, state)?;
         }
         self.close_rates([&said_rates, &rates], state)?;
-        let assembly = Assembly {
+        let assembly = PlacementReport {
             about: self.granted(&wishes, state),
             undecided: self.undecided(&unknowns, state),
         };
@@ -568,7 +568,7 @@ impl Placement<'_> {
         state: &mut [f64],
     ) -> Result<bool, PlacementError> {
         let start = self.q.clone();
-        let mut best = Gap::default();
+        let mut best = OpenRow::default();
         let mut other_branch = None;
         for attempt in 0..REACHES.len() {
             self.q.clone_from(&start);
@@ -591,7 +591,7 @@ impl Placement<'_> {
     }
 
     /// Damped least squares from here; what stays open most.
-    fn descend(&mut self, unknowns: &[(usize, usize)], state: &mut [f64]) -> Gap {
+    fn descend(&mut self, unknowns: &[(usize, usize)], state: &mut [f64]) -> OpenRow {
         let mut gaps = self.rows(Quantity::Constraint, state);
         let mut damping = 1e-3;
         for _ in 0..ITERATIONS {
@@ -628,7 +628,7 @@ impl Placement<'_> {
         }
         let size = gaps.amax();
         if size <= CLOSED {
-            return Gap {
+            return OpenRow {
                 size,
                 joint: 0,
                 unit: "m",
@@ -642,7 +642,7 @@ impl Placement<'_> {
             f64::INFINITY
         };
         let unit = self.unit_of(joint, worst, state);
-        Gap { size, joint, unit }
+        OpenRow { size, joint, unit }
     }
 
     /// The unit of a row of a joint.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use mbd_scene::laws::starts;
 use mbd_scene::similar::did_you_mean;
 use mbd_scene::{
-    Assembly, Coordinate, Float, Formula, InputSlots, InputSource, Joint, JointStart, Layout,
-    Model, NodeModel, PlacementError, Quantity, Scene, StartNumber, declared_beside,
+    Coordinate, Float, Formula, InputSlots, InputSource, Joint, JointStart, Layout, Model,
+    NodeModel, PlacementError, PlacementReport, Quantity, Scene, StartNumber, declared_beside,
     declared_parts, place_declared,
 };
 
@@ -198,7 +198,7 @@ impl<T: Float> Simulation<T> {
         let numbers: Vec<f64> = state.iter().map(|x| x.to_f64()).collect();
         self.put(time, None, &numbers)?;
         self.joints_set.clear();
-        self.assembly = Assembly::default();
+        self.assembly = PlacementReport::default();
         Ok(())
     }
 
@@ -456,7 +456,7 @@ impl<T: Float> Simulation<T> {
 pub(crate) fn declared_start<T: Float>(
     model: &dyn Model<T>,
     time: f64,
-) -> Result<(Vec<f64>, Assembly), StepError> {
+) -> Result<(Vec<f64>, PlacementReport), StepError> {
     let (scene, layout) = (model.scene(), model.layout());
     let mut state = vec![0.0; layout.nx()];
     for qw in layout.quaternions() {
