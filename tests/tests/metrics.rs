@@ -300,3 +300,50 @@ fn the_least_of_what_is_never_negative_is_not_below_zero() {
         assert!(value(3) < -0.3);
     }
 }
+
+/// A ball that bounces on a stiff spring of the ground, with or without events at the ground: v = √(2 g h), ω = √(k/m), each contact takes (2/ω) (π − atan(v ω/g)).
+#[test]
+fn the_time_in_contact_does_not_depend_on_events_at_the_contact() {
+    let (g, h, k) = (9.81_f64, 1.0, 1e5_f64);
+    let (v, omega) = ((2.0 * g * h).sqrt(), k.sqrt());
+    let exact = 4.0 * 2.0 / omega * (PI - (v * omega / g).atan());
+    let text = |events: &str| {
+        format!(
+            "model Dwell {{
+                gravity: [0, 0, -9.81] m/s^2;
+                point ball {{ mass: 1 kg, start at [0, 0, 1] m }}
+                let f = max(0 N, -1e5 N/m * ball.position.z);
+                load ground on ball = [0 N, 0 N, f];
+                {events}
+                metric contact = time_above f {{ level: 0 N }};
+                metric depth = time_above -ball.position.z {{ level: 0 m }};
+                metric first = first_above f {{ level: 0 N }};
+            }}"
+        )
+    };
+    let alone = scene(&text(""));
+    let told_of = scene(&text(
+        "event hit = ball.position.z falls 0 m; event off = ball.position.z rises 0 m;",
+    ));
+    for scene in [&alone, &told_of] {
+        for options in [
+            Options::tsit5(1e-8),
+            Options::vern7(1e-8),
+            Options::tsit5(1e-6),
+        ] {
+            let (history, _) = recorded(scene, options, (4.0, Sampling::Every(0.01)));
+            let within = if options == Options::tsit5(1e-6) {
+                1e-5
+            } else {
+                1e-7
+            };
+            for name in ["contact", "depth"] {
+                let off = value(&history, scene, name) / exact - 1.0;
+                println!("{name} {off:.1e}");
+                assert!(off.abs() < within, "{name} {off:e} {options:?}");
+            }
+            let first = value(&history, scene, "first") - (2.0 * h / g).sqrt();
+            assert!(first.abs() < 1e-7, "{first:e}");
+        }
+    }
+}

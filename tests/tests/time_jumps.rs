@@ -1,4 +1,4 @@
-//! What jumps with the time jumps behind the step that ends on an event there: every method keeps its order, and nothing is off by a part of the jump.
+//! What jumps where an event is jumps behind the step that ends there: every method keeps its order, and nothing is off by a part of the jump.
 
 use mbd_compiler::Interpreted;
 
@@ -150,5 +150,120 @@ fn cases_beside_each_other_are_what_they_are_alone() {
             Some(alone[2])
         );
         assert!((alone[2] - exact(switch, 4.0)[2]).abs() < 2e-4);
+    }
+}
+
+model! {
+    /// A mass between two forces that push it back to where they change: parabolas, on both sides of one place.
+    pub model Between<T> {
+        gravity: none;
+        point mass { mass: 1 kg, start at [-1, 0, 0] m velocity [0.3, 0, 0] m/s }
+        let x = mass.position.x;
+        let force = if(x < 0 m, 2 N, -1 N);
+        load push on mass = [force, 0 N, 0 N];
+        event passed = x crosses 0 m;
+        output energy_of_it = 0.5 kg * mass.velocity.x^2 + if(x < 0 m, -2 N * x, 1 N * x);
+        metric right = time_above x { level: 0 m };
+        metric pushed = integral max(force, 0 N);
+    }
+}
+
+/// x and ẋ at a time: on each side a parabola from where it comes in.
+fn between(time: f64) -> [f64; 2] {
+    let (mut at, mut x, mut v) = (0.0, -1.0_f64, 0.3_f64);
+    loop {
+        let force = if x < 0.0 || x == 0.0 && v < 0.0 {
+            2.0
+        } else {
+            -1.0
+        };
+        // x + v t + f t²/2 = 0, the later root.
+        let leave = (-v - f64::copysign((v * v - 2.0 * force * x).sqrt(), -force)) / force;
+        let left = time - at;
+        if leave >= left {
+            return [x + v * left + 0.5 * force * left * left, v + force * left];
+        }
+        (at, v, x) = (at + leave, v + force * leave, 0.0);
+    }
+}
+
+#[test]
+fn forces_that_jump_at_a_place_keep_the_energy_and_the_parabolas() {
+    let model = Between::<f64>::new(BetweenParams::default()).expect("no params");
+    let exact = between(30.0);
+    for (options, within) in [
+        (Options::rk4(0.0123), 1e-10),
+        (Options::rk4(0.05), 1e-10),
+        (Options::tsit5(1e-5), 1e-9),
+        (Options::tsit5(1e-8), 1e-9),
+        (Options::vern7(1e-8), 1e-9),
+        (Options::rodas5p(1e-8), 1e-8),
+        (Options::rattle(0.01), 1e-9),
+    ] {
+        let mut run = Simulation::new(&model, options).expect("a model that runs");
+        let mut history = Trajectory::new(&model, Sampling::Every(0.1), Content::RESULTS);
+        run.record(30.0, &mut history).expect("a run that ends");
+        let state = run.state();
+        let off = (state[0] - exact[0]).abs().max((state[3] - exact[1]).abs());
+        println!("{} {off:.1e}", options.method.name());
+        assert!(off < within, "{options:?} {state:?} {exact:?}");
+        let energies = history.column("energy_of_it").expect("an output");
+        assert!(
+            energies
+                .iter()
+                .all(|energy| (energy - 2.045).abs() < within),
+            "{options:?}"
+        );
+    }
+}
+
+model! {
+    /// An oscillator whose force jumps at two places and with its speed.
+    pub model Rubbing<T> {
+        gravity: none;
+        point mass { mass: 1 kg, start at [1, 0, 0] m }
+        let v = mass.velocity.x;
+        state heat = 0 J { rate: abs(0.02 N * v) }
+        load elastic on mass = -1 N/m * mass.position;
+        load rubbing on mass = [if(v < 0 m/s, 0.02 N, -0.02 N), 0 N, 0 N];
+        load magnet on mass = [if(mass.position.x < 0.3 m, 0 N, 0.1 N), 0 N, 0 N];
+        event turns = v crosses 0 m/s;
+        event near = mass.position.x crosses 0.3 m;
+    }
+}
+
+/// One of the stages behind the event would make it an order of one; what it is moved by is of the order of the stage.
+#[test]
+fn the_order_of_a_method_is_kept_where_states_decide() {
+    let model = Rubbing::<f64>::new(RubbingParams::default()).expect("no params");
+    let at_end = |options| {
+        let mut run = Simulation::new(&model, options).expect("a model that runs");
+        run.run(20.0).expect("a run that ends");
+        [run.state()[0], run.state()[3]]
+    };
+    let exact = at_end(Options::vern7(1e-13));
+    let off = |options| {
+        let found = at_end(options);
+        (found[0] - exact[0]).hypot(found[1] - exact[1])
+    };
+    // Means over steps that end differently beside the events.
+    let mean = |steps: [f64; 4]| {
+        steps
+            .map(|step| off(Options::rk4(step)).ln())
+            .iter()
+            .sum::<f64>()
+            / 4.0
+    };
+    let (coarse, fine) = (
+        mean([0.1, 0.104, 0.096, 0.108]),
+        mean([0.025, 0.026, 0.024, 0.027]),
+    );
+    let order = (coarse - fine) / 4.0_f64.ln();
+    println!("order {order} {coarse} {fine}");
+    assert!(order > 3.7, "{order}");
+    for tolerance in [1e-6, 1e-8, 1e-10] {
+        let error = off(Options::tsit5(tolerance));
+        println!("{tolerance:e} {error:.1e}");
+        assert!(error < 200.0 * tolerance, "{tolerance} {error}");
     }
 }

@@ -11,6 +11,7 @@ use mbd_scene::{Direction, Float, Layout, Model, Place, Scene};
 
 use crate::approach::FEW_LOOKS;
 use crate::moving::moving;
+use crate::system::GuardSide;
 use crate::turned_back::TurnedBack;
 use crate::unilateral::{Mode, is_node_line, switches};
 
@@ -347,6 +348,19 @@ impl Margins {
         })
     }
 
+    /// The sides of all declared events whose guards are not held.
+    pub(crate) fn sides_of_events(&self) -> impl Iterator<Item = GuardSide> + '_ {
+        self.declared().filter_map(|(index, at)| {
+            let event = self.event_of(index)?;
+            let is_held = self.held.get(index)?.is_some();
+            (!is_held).then_some(GuardSide {
+                at,
+                value: self.turned_back.get(index)?.value,
+                positive: *self.sides.get(event)?,
+            })
+        })
+    }
+
     /// The declared event of a margin.
     pub(crate) fn event_of(&self, index: usize) -> Option<usize> {
         match *self.watched.get(index)? {
@@ -444,6 +458,22 @@ impl Margins {
     pub(crate) fn may_act_together(&self) -> bool {
         let declared = |watched: &&WatchedGuard| matches!(watched, WatchedGuard::Declared { .. });
         self.acts() && self.watched.iter().filter(declared).count() > 1
+    }
+
+    /// Whether a declared event is at its value at the last look.
+    pub(crate) fn at_value(&self) -> bool {
+        let mut declared = self.declared();
+        declared.any(|(index, _)| self.now.get(index) == Some(&0.0))
+    }
+
+    /// Whether a declared event would pass within a part of another step, as fast as it came near in the one that was looked at.
+    pub(crate) fn are_close(&self, part: f64) -> bool {
+        let mut declared = self.declared();
+        declared.any(|(index, _)| {
+            let at = |list: &[f64]| list.get(index).copied().unwrap_or(f64::INFINITY);
+            let (start, end) = (at(&self.start), at(&self.now));
+            start.is_finite() && end < part * (start - end)
+        })
     }
 
     /// Whether a declared event is at its value at the last look, and was not before.

@@ -19,6 +19,10 @@ const FEWEST_LOOKS: u32 = 2;
 const FINE_LOOKS: u32 = 16;
 /// Where a guard at its value goes from rest is seen after this [s].
 pub(crate) const AT_REST: f64 = 1e-6;
+/// How much later the first stage is evaluated where an event starts at its value, the shortest at which it is behind [s].
+const AHEAD: [f64; 3] = [1e-12, 1e-9, AT_REST];
+/// An event that would pass within this part of another step is close to the end of one.
+const CLOSE: f64 = 0.1;
 /// Events closer than this happen together [s].
 pub(crate) const TOGETHER: f64 = 1e-12;
 /// A bracket below this is a point [s].
@@ -84,10 +88,16 @@ impl<T: Float> Simulation<T> {
             self.margins.before.copy_from_slice(&self.margins.now);
             (earlier, low) = (low, high);
         }
-        if declares && self.margins.are_at_value() {
-            // It passes right behind this step, which is not to see that.
+        let jumps = self.system.may_jump();
+        if declares && (self.margins.are_at_value() || jumps && self.margins.are_close(CLOSE)) {
+            // What passes right behind this step is not to be seen by its last stages.
             self.make_step_before(step)?;
             self.look_at_end(step)?;
+            if self.choose_passed() {
+                let start = &self.margins.start;
+                self.margins.before.copy_from_slice(start);
+                return self.narrow(0.0, 1.0, step);
+            }
         }
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(None)
@@ -527,6 +537,25 @@ impl<T: Float> Simulation<T> {
         self.read_margins(self.time, 0.0)?;
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(())
+    }
+
+    /// Evaluates the first stage a little later, where events start at their value: what jumps there, `if(v < 0 m/s, …)` from rest, is what it is on the side
+    /// that the motion goes to.
+    pub(crate) fn begin_behind(&mut self) -> Result<(), StepError> {
+        if !self.system.may_jump() {
+            return Ok(());
+        }
+        for ahead in AHEAD {
+            let at_value = self.margins.at_value();
+            if !at_value {
+                break;
+            }
+            self.look_ahead(ahead)?;
+            let (from, inside) = (self.time + ahead, &self.inside);
+            self.method.begin(&mut self.system, from, ahead, inside)?;
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)
     }
 
     /// Reads the margins where the rates of now lead in a time [s].

@@ -21,9 +21,12 @@ use crate::unilateral::Mode;
 use crate::watch;
 
 mod known;
+mod near_side;
 mod rates;
 
 use known::KnownAtEnd;
+pub(crate) use near_side::GuardSide;
+use near_side::NearSide;
 
 /// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
 ///
@@ -100,6 +103,8 @@ pub(crate) struct System<T: Float> {
     pub(crate) laws: Option<Laws>,
     /// Stages are not evaluated at a later time than this [s].
     pub latest: f64,
+    /// And not behind events, where something jumps.
+    near: Option<Box<NearSide<T>>>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
     /// Derivatives of the rates, for a method that asks for them.
@@ -145,6 +150,7 @@ impl<T: Float> System<T> {
         let held: Vec<T> = defaults.into_iter().map(T::from_f64).collect();
         System {
             latest: f64::INFINITY,
+            near: NearSide::new(&*model),
             unsupplied: controls.is_empty() && layout.needs_caller(),
             controls,
             nodes: Nodes::new(layout),

@@ -25,7 +25,8 @@ pub struct Estimate {
     pub unit: String,
     /// Its error, the root of the mean square over the run [its unit].
     pub error: f64,
-    /// The same over the largest value of the column, or over a millionth of the largest of its unit, where that is more.
+    /// The same over the largest value of the column, or over a millionth of the largest of its unit, where that is more; torques are of the unit of
+    /// energies here, and forces of that over the largest length.
     pub relative: f64,
 }
 
@@ -60,10 +61,19 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         asked.contains(&name) || asked.contains(&owner)
     };
     let deviations = first.deviations(&rows, &finer, |column| turn(model.scene(), column));
-    let scale = |unit: &str, own: f64| {
+    let largest = |unit: &str| {
         let same = first.names().iter().zip(&deviations);
         let sizes = same.filter(|(name, _)| name.unit == unit);
-        let largest = sizes.map(|(_, (_, size))| *size).fold(0.0, f64::max);
+        sizes.map(|(_, (_, size))| *size).fold(0.0, f64::max)
+    };
+    let scale = |unit: &str, own: f64| {
+        // Torques are measured by the energy that moves, and forces by that over the way: where nothing else has their unit, zero has a size.
+        let other = match unit {
+            "N m" => largest("J"),
+            "N" => largest("J") / largest("m"),
+            _ => 0.0,
+        };
+        let largest = largest(unit).max(if other.is_finite() { other } else { 0.0 });
         let scale = own.max(SMALL_PART * largest);
         match unit {
             "rad" => scale.max(SMALL_ANGLE),

@@ -83,7 +83,8 @@ fn an_area_that_changes_in_a_run_is_two_runs_joined_by_hand() {
         second.run(9.0).expect("a smooth motion");
         let apart = tests::largest_difference(whole.state(), second.state());
         match options.method.fixed_step() {
-            Some(_) => assert_eq!(whole.state(), second.state(), "{word}: to the bit"),
+            // A run from four seconds opens it at its start.
+            Some(_) => assert!(apart < 1e-14, "{word}: {apart:e}"),
             None => assert!(apart < 1e-8, "{word}: {apart:e}"),
         }
         assert_eq!(whole.model().params(), [0.02, 82.0]);

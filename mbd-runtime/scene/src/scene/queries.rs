@@ -61,6 +61,24 @@ impl Scene {
             || self.world_frames.iter().any(|frame| frame.moves(self))
     }
 
+    /// The formulas of what accelerates and of the rates of declared states: loads, what acts along joints, free lengths.
+    pub fn acting_formulas(&self) -> impl Iterator<Item = &Formula> {
+        let loads = self.loads.iter().filter_map(|load| match &load.kind {
+            LoadKind::Force(formula) | LoadKind::Torque(formula) => Some(formula),
+            LoadKind::External => None,
+        });
+        let joints = self.joints.iter().flat_map(|joint| &joint.forces);
+        let joints = joints.flat_map(|forces| {
+            let numbers = forces.numbers().into_iter().chain(&forces.stops);
+            let filter = forces.filter.iter().map(|filter| &filter.command);
+            let all = numbers.chain([&forces.force, &forces.motor]).flatten();
+            all.chain(filter)
+        });
+        let lines = self.lines.iter().map(|line| &line.free_length);
+        let states = self.states.iter().map(|state| &state.rate);
+        loads.chain(joints).chain(lines).chain(states)
+    }
+
     /// The joint coordinates whose motors are told value, rate and acceleration without a filter between, with what they are told: joint, number of the
     /// coordinate.
     pub fn commanded(&self) -> impl Iterator<Item = ([usize; 2], &[Formula])> + '_ {

@@ -43,6 +43,8 @@ pub(super) struct MeasuredPart<'a> {
     pub values: [f64; 2],
     /// What the polynomial may be off by.
     pub allowed: f64,
+    /// What is no difference between values.
+    pub nothing: f64,
     /// When a value of the polynomial is not a number, where the metric needs it if possible [s].
     pub gap: Option<f64>,
     /// Whether the quantity is no polynomial there.
@@ -106,6 +108,7 @@ impl Sum {
             open,
             values: [least, most],
             allowed,
+            nothing,
             ..
         } = part;
         self.now = part.end;
@@ -143,6 +146,10 @@ impl Sum {
         self.last = polynomial.at(part[1]);
         self.span += high - low;
         let level = of.level.unwrap_or(f64::NAN);
+        // What rests at the level, as a contact that is open, is not above it where a step ends a rounding behind its event, or the polynomial swings.
+        let reaches = most > level + nothing
+            || polynomial.bounds()[1] > level
+                && largest(polynomial, part, rough, |x| x) > level + allowed.max(nothing);
         match of.take {
             Take::Max => {
                 let found = largest(polynomial, part, rough, |x| x);
@@ -156,17 +163,19 @@ impl Sum {
                 self.sum += 0.5 * width * polynomial.integral(part, |x| x);
             }
             Take::Rms => self.sum += 0.5 * width * polynomial.integral(part, |x| x * x),
-            Take::TimeAbove => polynomial.monotone(part, |ends| {
+            Take::TimeAbove if reaches => polynomial.monotone(part, |ends| {
                 let (from, to) = above(polynomial, level, ends);
                 self.sum += 0.5 * width * (to - from);
             }),
-            Take::FirstAbove if self.first.is_nan() => polynomial.monotone(part, |ends| {
-                let (from, to) = above(polynomial, level, ends);
-                let is_above = to > from || polynomial.at(to) > level;
-                if self.first.is_nan() && is_above {
-                    self.first = time(from);
-                }
-            }),
+            Take::FirstAbove if reaches && self.first.is_nan() => {
+                polynomial.monotone(part, |ends| {
+                    let (from, to) = above(polynomial, level, ends);
+                    let is_above = to > from || polynomial.at(to) > level;
+                    if self.first.is_nan() && is_above {
+                        self.first = time(from);
+                    }
+                })
+            }
             _ => {}
         }
         if open > 0.0 {

@@ -341,18 +341,20 @@ impl<T: Float> Simulation<T> {
 
     /// Makes a trial step, of any size, from the last accepted one.
     pub(crate) fn make_step(&mut self, step: f64) -> Result<(), StepError> {
-        self.system.latest = f64::INFINITY;
+        self.system.see_all();
         if self.take_received(step) {
             return Ok(());
         }
         self.make_own_step(step)
     }
 
-    /// The same where the step ends on events: its stages see the time just before them, so that what jumps with the time jumps behind the step.
+    /// The same where the step ends on events: its stages see what is before them, so that what jumps there jumps behind the step.
     pub(crate) fn make_step_before(&mut self, step: f64) -> Result<(), StepError> {
         let rounding = 2.0 * T::EPSILON.to_f64() * (self.time.abs() + step);
         let apart = rounding.max(3.0 * self.resolved(step));
-        self.system.latest = self.time + (step - apart).max(0.0);
+        let latest = self.time + (step - apart).max(0.0);
+        self.system
+            .see_before(latest, self.margins.sides_of_events());
         self.system.known.forget();
         self.make_own_step(step)
     }
@@ -392,7 +394,7 @@ impl<T: Float> Simulation<T> {
             .follow_commands(end, Some(step), self.method.next())?;
         self.system.known.forget();
         self.method.accept(&mut self.state);
-        self.system.latest = f64::INFINITY;
+        self.system.see_all();
         self.time = end;
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);

@@ -47,8 +47,12 @@ impl<T: Float> Simulation<T> {
             if theta > 0.0 && theta < 1.0 {
                 self.system.stay(start + span, &mut self.inside)?;
             }
+            let mut time = start + span;
+            if theta >= 1.0 && self.system.latest < f64::INFINITY {
+                let end = [time, size];
+                time = self.system.end_before(end, &self.state, &mut self.inside);
+            }
             let state = (self.inside.as_slice(), self.scratch.as_mut_slice());
-            let time = (start + span).min(self.system.latest);
             maker.pick(&mut self.system, (time, span), state, out)
         };
         measures.step(step, &mut at)

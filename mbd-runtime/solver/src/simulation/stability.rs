@@ -126,7 +126,6 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// The step is too long.
     pub(super) fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
-        let end = (self.time + step).min(self.system.latest);
         if self.watched {
             let rho = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
             if self.watch.sees(rho) {
@@ -142,10 +141,20 @@ impl<T: Float> Simulation<T> {
         if self.meter == Meter::Laws && !seldom {
             return Ok(());
         }
-        let Some(now) = self
-            .system
-            .energy_and_power(self.meter, end, self.method.next())
-        else {
+        // Where the step ends on an event, what jumps there has not jumped yet.
+        let (end, limited) = (self.time + step, self.system.latest < f64::INFINITY);
+        let now = match limited {
+            false => self
+                .system
+                .energy_and_power(self.meter, end, self.method.next()),
+            true => {
+                self.inside.copy_from_slice(self.method.next());
+                let end = [end, step];
+                let end = self.system.end_before(end, &self.state, &mut self.inside);
+                self.system.energy_and_power(self.meter, end, &self.inside)
+            }
+        };
+        let Some(now) = now else {
             // What has a motion but no energy has overflowed.
             return match self.judged {
                 true => Err(self.unstable(step, Instability::Energy(f64::INFINITY))),

@@ -443,6 +443,7 @@ impl<T: Float> Simulation<T> {
         let clocks = self.clocks();
         self.settle_sides(&|index| !clocks.contains(&index))?;
         self.settle_clocks(&clocks)?;
+        self.begin_behind()?;
         self.find_held_guards()?;
         self.begin_balance();
         self.begin_momentum();

@@ -53,10 +53,15 @@ impl<T: Float> Rates<T> for System<T> {
         let time = time.min(self.latest);
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
-        let span = T::from_f64(span);
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
         let nodes = &mut self.nodes;
-        let solved = nodes.differentiate(stage, span, &self.memory, &mut self.work, derivative);
+        let solved = nodes.differentiate(
+            stage,
+            T::from_f64(span),
+            &self.memory,
+            &mut self.work,
+            derivative,
+        );
         solved.map_err(|error| self.node_error(time, error))?;
         self.counters.rhs = self.counters.rhs.saturating_add(1);
         self.accelerate(time, state, derivative)?;
@@ -68,7 +73,7 @@ impl<T: Float> Rates<T> for System<T> {
             }
         }
         if all_finite(out) {
-            return Ok(());
+            return self.keep_before(time, span, state, out);
         }
         let fault = out.iter().position(|x| !x.is_finite());
         Err(self
