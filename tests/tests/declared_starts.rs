@@ -1,7 +1,7 @@
 //! Starts that a declaration says: where a run begins without being told, in every form of a scene.
 
 use mbd_compiler::{Interpreted, read_toml, write_toml};
-use mbd_runtime::{Generic, Options, Simulation, StepError, model};
+use mbd_runtime::{Generic, Options, Simulation, StartNumber, StepError, model};
 use mbd_scene::{Model, Quantity, Scene};
 use tests::assert_close;
 use tests::declared::read;
@@ -83,7 +83,114 @@ fn a_generated_model_has_a_start_with_its_joint_coordinates() {
     };
     assert_eq!(start.joints(), [("pin.angle", 0.25)]);
     simulation.set_joints(&start.joints()).expect("a pendulum");
+    simulation.set_pin_angle(0.125).expect("a pendulum");
+    simulation.set_pin_angle(0.25).expect("the last word");
     assert_close(&begun(simulation).0, &[0.25, 0.5], 1e-15, 0.0, "set");
+}
+
+model! {
+    /// A four-bar: bars of 1, 2 and 2 m, pivots 2 m apart.
+    pub model Linkage {
+        gravity: [0.0, -9.81, 0.0] m/s^2;
+        world { frame far at [2.0, 0.0, 0.0] m }
+        body crank {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame root at [-0.5, 0.0, 0.0] m,
+            frame tip at [0.5, 0.0, 0.0] m,
+        }
+        body coupler {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame root at [-1.0, 0.0, 0.0] m,
+            frame tip at [1.0, 0.0, 0.0] m,
+        }
+        body rocker {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame root at [-1.0, 0.0, 0.0] m,
+            frame tip at [1.0, 0.0, 0.0] m,
+        }
+        joint motor: hinge from world to crank.root { axis: z }
+        joint knee: hinge from crank.tip to coupler.root { axis: z }
+        joint hip: hinge from world.far to rocker.root { axis: z }
+        joint close: hinge from coupler.tip to rocker.tip { axis: z }
+        output crank_angle = motor.angle;
+        output crank_rate = motor.angle_rate;
+        output rocker_angle = hip.angle;
+    }
+}
+
+model! {
+    /// The same in relative coordinates.
+    pub model Tree {
+        coordinates: relative;
+        gravity: [0.0, -9.81, 0.0] m/s^2;
+        world { frame far at [2.0, 0.0, 0.0] m }
+        body crank {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame root at [-0.5, 0.0, 0.0] m,
+            frame tip at [0.5, 0.0, 0.0] m,
+        }
+        body coupler {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame root at [-1.0, 0.0, 0.0] m,
+            frame tip at [1.0, 0.0, 0.0] m,
+        }
+        body rocker {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame root at [-1.0, 0.0, 0.0] m,
+            frame tip at [1.0, 0.0, 0.0] m,
+        }
+        joint motor: hinge from world to crank.root { axis: z }
+        joint knee: hinge from crank.tip to coupler.root { axis: z }
+        joint hip: hinge from world.far to rocker.root { axis: z }
+        joint close: hinge from coupler.tip to rocker.tip { axis: z }
+        output crank_angle = motor.angle;
+        output crank_rate = motor.angle_rate;
+        output rocker_angle = hip.angle;
+    }
+}
+
+/// The tips meet where circles of 2 m about (0, 1) and (2, 0) cross, below: (1, 1/2) − √(4 − 5/4) (1, 2)/√5.
+fn rocker_below() -> f64 {
+    let reach = (4.0f64 - 1.25).sqrt() / 5f64.sqrt();
+    (0.5 - 2.0 * reach).atan2(-1.0 - reach)
+}
+
+#[test]
+fn joints_of_a_compiled_model_are_set_one_by_one_and_hold_together() {
+    let quarter = 90f64.to_radians();
+    // Both families have the same setters, each a trait of its model.
+    macro_rules! holds {
+        ($model:ident, $params:ident, $joints:ident) => {
+            let model = $model::new($params::default()).expect("no params");
+            let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+            $joints::set_motor_angle(&mut run, quarter).expect("one freedom");
+            $joints::set_motor_angle_rate(&mut run, 2.0).expect("its rate");
+            $joints::set_hip_angle(&mut run, StartNumber::About(-2.0)).expect("a branch");
+            let said = run.state().to_vec();
+            let refused =
+                $joints::set_knee_angle(&mut run, 1.0).expect_err("decided by the others");
+            let StepError::Unplaced { name, why } = &refused.cause else {
+                panic!("{refused}");
+            };
+            assert!(
+                name == "close" && why.contains("stays open by"),
+                "{refused}"
+            );
+            assert_eq!(run.state(), said, "what is refused changes nothing");
+            let (found, moved) = begun(run);
+            let want = [quarter, 2.0, rocker_below()];
+            assert_close(&found, &want, 1e-9, 0.0, stringify!($model));
+            assert!(moved < 1e-9);
+        };
+    }
+    holds!(Linkage, LinkageParams, LinkageJoints);
+    holds!(Tree, TreeParams, TreeJoints);
 }
 
 #[test]

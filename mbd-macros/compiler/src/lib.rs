@@ -61,6 +61,7 @@ pub use resolve::{Emitted, Named, mixes_turns};
 pub use solution::{Solution, SolutionMember};
 pub use strided::{RoundItem, StridedRun};
 pub use syntax::quantities;
+pub use syntax::words::ABOUT;
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, read_toml_in, text_to_toml, toml_to_text, write_text, write_toml};
 pub use urdf::read_urdf;

@@ -140,6 +140,23 @@ fn a_product_with_a_number_of_open_unit_has_no_unit_instead_of_a_wrong_one() {
 }
 
 #[test]
+fn a_radius_takes_the_radians_out_of_what_turns() {
+    let text = "model Rotor { gravity: none;
+        const R = 4 m;
+        param wind = 8 m/s;
+        param twist = 3 deg/m;
+        body b { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint pin: hinge from world to b.com { axis: z }
+        output tip_speed_ratio = pin.angle_rate * R / wind;
+        output tip_speed = R * pin.angle_rate;
+        output at_tip = twist * R + pin.angle;
+        output turned = pin.angle_rate * 2 s; }";
+    let scene = read_text(text).scene.expect("a scene");
+    let units = scene.outputs.iter().map(|output| output.unit.text.as_str());
+    assert_eq!(units.collect::<Vec<_>>(), ["", "m/s", "rad", "rad"]);
+}
+
+#[test]
 fn a_unit_of_everyday_is_what_it_is_in_si() {
     let known = [
         ("1 rpm", std::f64::consts::TAU / 60.0),

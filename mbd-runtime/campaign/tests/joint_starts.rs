@@ -89,3 +89,43 @@ fn a_start_of_a_run_beyond_half_a_turn_keeps_its_turn() {
         );
     }
 }
+
+/// Bars of 1, 2 and 2 m between pivots 2 m apart; the crank to the digit, the rocker about an angle.
+const LOOP: &str = "model Loop { gravity: none;
+    world { frame far at [2, 0, 0] m }
+    body crank { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [-0.5, 0, 0] m, frame b at [0.5, 0, 0] m }
+    body bar { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [-1, 0, 0] m, frame b at [1, 0, 0] m }
+    body rocker { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [-1, 0, 0] m, frame b at [1, 0, 0] m }
+    joint p: hinge from world to crank.a { axis: z, start: 80 deg }
+    joint q: hinge from crank.b to bar.a { axis: z }
+    joint r: hinge from world.far to rocker.a { axis: z, start: about 90 deg }
+    joint s: hinge from bar.b to rocker.b { axis: z }
+    output crank_angle = p.angle; }";
+
+#[test]
+fn what_is_about_a_value_stays_about_it_when_it_is_dispersed() {
+    for run in ["", "[run.start]\n\"r.angle\" = \"about 95 deg\"\n"] {
+        let folder = Folder::new(&format!("about_{}", run.len()));
+        let model = Generic::<f64>::with_defaults(read_text(LOOP).scene.expect("a scene"));
+        let text = format!(
+            "seed = 3\ncases = 4\n[start]\n\"r.angle\" = {{ dist = \"normal\", sigma = \"5 deg\" }}\n[metrics]\nmost = {{ max = \"crank_angle\" }}\n[run]\nuntil = \"1 s\"\n{run}"
+        );
+        let file = folder.file("dispersions.toml", &text);
+        let model = Arc::new(model.expect("valid"));
+        let campaign = Campaign::read(&file, model, Settings::default()).expect("valid");
+        let said = |case: u64| {
+            let plan = campaign.plan(case).expect("a rocker that gives way");
+            let about = &plan.assembly.about;
+            assert_eq!(about.len(), 1);
+            [about[0].said, about[0].taken]
+        };
+        let (nominal, drawn) = (said(0), said(1));
+        let wanted = if run.is_empty() { 90f64 } else { 95.0 };
+        assert!(
+            (nominal[0] - wanted.to_radians()).abs() < 1e-12,
+            "{nominal:?}"
+        );
+        assert!((drawn[0] - nominal[0]).abs() > 1e-3, "{drawn:?}");
+        assert!((drawn[1] - nominal[1]).abs() < 1e-9, "the crank decides");
+    }
+}

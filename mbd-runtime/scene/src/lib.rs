@@ -58,7 +58,7 @@ pub use lines::LineKind;
 pub use model::{Model, Work};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
-pub use placement::{JointStart, PlacementError, place};
+pub use placement::{AboutStart, JointStart, PlacementError, PlacementReport, StartNumber, place};
 pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;

@@ -192,6 +192,9 @@ pub struct CoordinateStart {
     pub value: Option<Formula>,
     /// Its rate [m/s or rad/s].
     pub rate: Option<Formula>,
+    /// Whether its value is `about` that: it gives way where loops do not close with it.
+    #[serde(default)]
+    pub about: bool,
 }
 
 /// The family of coordinates.

@@ -10,7 +10,8 @@ use crate::laws::{Numbers, constant};
 use crate::placement::{FREE, place_near};
 use crate::tree::Absolute;
 use crate::{
-    Arguments, At, Formula, JointStart, Layout, Part, Place, PlacementError, Scene, Triple,
+    Arguments, At, Formula, JointStart, Layout, Part, Place, PlacementError, PlacementReport,
+    Scene, Triple,
 };
 
 impl Arguments<f64> {
@@ -22,7 +23,10 @@ impl Arguments<f64> {
             state: state.to_vec(),
             nodes: vec![0.0; 3 * layout.nodes.len()],
             effective: vec![0.0; 2 * layout.effective_lines],
-            hold: layout.start_detached().map(hold).collect(),
+            // What locks hold is not said: that is where their coordinates are.
+            hold: (layout.start_detached().map(hold))
+                .take(layout.holds() - layout.locks)
+                .collect(),
             inputs: layout.default_inputs(scene),
             ..Arguments::default()
         }
@@ -157,7 +161,7 @@ pub fn place_declared(
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<(), PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     if layout.tree.is_some() {
         return place_along_tree((scene, layout), from, given, fixed, state);
     }
@@ -169,7 +173,9 @@ pub fn place_declared(
         };
         match all.iter_mut().find(same) {
             Some(known) => {
-                known.value = known.value.or(start.value);
+                if known.value.is_none() {
+                    (known.value, known.about) = (start.value, start.about);
+                }
                 known.rate = known.rate.or(start.rate);
             }
             None => others.push(start),
@@ -199,7 +205,7 @@ fn place_along_tree(
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<(), PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     let motors = scene
         .joints
         .iter()
@@ -213,11 +219,11 @@ fn place_along_tree(
     let nothing = given.is_empty() && scene.starts.coordinates.is_empty();
     let nothing = nothing && !(motors || flying || rows);
     if nothing || state.len() != layout.nx() {
-        return Ok(());
+        return Ok(PlacementReport::default());
     }
     let absolute = Absolute::of(scene);
     let mut placed = absolute.state((scene, layout), from, state);
-    place_declared(
+    let assembly = place_declared(
         &absolute.scene,
         &absolute.layout,
         from,
@@ -238,14 +244,20 @@ fn place_along_tree(
     for start in given {
         if let Some(link) = layout.carried(start.joint) {
             let places = [link.slots.q, layout.nq + link.slots.v].map(|at| at + start.coordinate);
-            for (place, number) in places.into_iter().zip([start.value, start.rate]) {
+            // What is about a value is where the loops let it be: next to it by its turns alone.
+            let value = start.value.filter(|_| !start.about);
+            if let (Some(near), true) = (start.value, start.about) {
+                let coordinate = (start.joint, start.coordinate);
+                begin_next_to((scene, layout), coordinate, near, state);
+            }
+            for (place, number) in places.into_iter().zip([value, start.rate]) {
                 if let (Some(slot), Some(number)) = (state.get_mut(place), number) {
                     *slot = number;
                 }
             }
         }
     }
-    Ok(())
+    Ok(assembly)
 }
 
 /// The starts that joint coordinates are declared with, for these params.
@@ -260,6 +272,7 @@ fn declared_coordinates(scene: &Scene, params: &[f64]) -> impl Iterator<Item = J
         coordinate: start.coordinate,
         value: of(&start.value),
         rate: of(&start.rate),
+        about: start.about,
     })
 }
 

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Scene, Work};
+use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Scene, StartNumber, Work};
 
 use crate::__private::Lines;
 use crate::error::RunError;
@@ -65,7 +65,8 @@ doors! {
     fn give_state(run: &mut Simulation<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = Simulation::give_state;
     fn give_nodes(run: &mut Simulation<Self>, guess: &[Self]) -> Result<(), RunError> = Simulation::give_nodes;
     fn give_turns(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_turns;
-    fn give_joints(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_joints;
+    fn give_joints(run: &mut Simulation<Self>, given: &[(&str, StartNumber)]) -> Result<(), RunError> = Simulation::give_joints;
+    fn give_joint(run: &mut Simulation<Self>, name: &str, said: StartNumber) -> Result<(), RunError> = Simulation::give_joint;
     fn give_params(run: &mut Simulation<Self>, params: &[Self]) -> Result<(), ParamError> = Simulation::give_params;
     fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
     fn add_control(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = Simulation::add_control;
@@ -84,6 +85,23 @@ doors! {
     fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
     fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
     fn prepare(scene: &Scene, params: &[Self]) -> Result<Lines<Self>, ParamError> = crate::__private::prepare;
+}
+
+/// Joint coordinates that are set one by one. A generated model `Rig` brings the trait `RigJoints`, with a function for each of them:
+/// `run.set_pin_angle(0.5)`.
+pub trait JointSetter {
+    /// Places bodies by one more joint coordinate, or its rate, by its name [m or rad, and per second]: it holds together with those that were set since
+    /// the run last moved or was given a state.
+    ///
+    /// # Errors
+    /// As [`Simulation::set_joints`]; what was set before stays as it was.
+    fn set_joint(&mut self, name: &str, said: StartNumber) -> Result<(), RunError>;
+}
+
+impl<T: Scalar> JointSetter for Simulation<T> {
+    fn set_joint(&mut self, name: &str, said: StartNumber) -> Result<(), RunError> {
+        T::give_joint(self, name, said)
+    }
 }
 
 impl<T: Scalar> Simulation<T> {
@@ -283,10 +301,18 @@ impl<T: Scalar> Simulation<T> {
     /// as the declaration starts them, else zero, those of motors what their courses say now, and where joints close loops what closes them: see
     /// [`place_declared`](mbd_scene::place_declared). A generated model `Rig` has a `RigStart` with a field for each coordinate.
     ///
+    /// A number stands for [`StartNumber::Exact`]; where a loop need not close with it to the digit, `("hip.angle", StartNumber::About(1.7))` takes the
+    /// nearest that it closes with. [`Simulation::started_about`] tells what that is, [`Simulation::start_undecided`] what nothing decides.
+    ///
     /// # Errors
     /// A name that is no joint coordinate; one that others decide; loops that cannot close.
-    pub fn set_joints(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
-        T::give_joints(self, given)
+    pub fn set_joints<N: Into<StartNumber> + Copy>(
+        &mut self,
+        given: &[(&str, N)],
+    ) -> Result<(), RunError> {
+        let given: Vec<(&str, StartNumber)> =
+            given.iter().map(|(name, x)| (*name, (*x).into())).collect();
+        T::give_joints(self, &given)
     }
 
     /// Says next to which values the angles of joints begin [rad], of those whose turns are counted and the state tells up to full turns:

@@ -400,11 +400,11 @@ step_errors! {
     InconsistentStart {
         /// The largest row that is left [m or 1].
         norm: f64,
-        /// The joints furthest from holding, and by how much, largest first.
-        rows: Vec<(String, f64)>,
+        /// The joints furthest from holding, and by how much in which unit, largest first.
+        rows: Vec<(String, f64, &'static str)>,
     }
     "inconsistent_start",
-    format!("the joints do not hold at the start: they stay open by up to {norm:.3e} [m or rad] ({})", sized(rows)),
+    format!("the joints do not hold at the start: {}", open(rows)),
     "give a joint of each of their loops a start near which it closes (`start: 30 deg`, `[run.start]`, `set_joints`); where nothing closes it, change a length or a frame of the loop, or take away joints that contradict each other";
 
     /// The joints hold, but on a root of their rows that is not the joint: an axis points the other way, or axes are exchanged.
@@ -458,11 +458,11 @@ step_errors! {
         time: f64,
         /// The largest row that is left [m or 1].
         norm: f64,
-        /// The joints furthest from holding, and by how much, largest first.
-        rows: Vec<(String, f64)>,
+        /// The joints furthest from holding, and by how much in which unit, largest first.
+        rows: Vec<(String, f64, &'static str)>,
     }
     "joints_apart",
-    format!("at {time:.9} s the joints came apart ({norm:.3e} left: {})", sized(rows)),
+    format!("at {time:.9} s the joints came apart: {}", open(rows)),
     "take a smaller step";
 
     /// A combination this runtime does not offer.
@@ -524,12 +524,12 @@ fn listed(names: &[String]) -> String {
     quoted.join(", ")
 }
 
-/// `a` 1e-3, `b` 1e-4.
-fn sized(rows: &[(String, f64)]) -> String {
-    let quoted = rows
+/// By how much joints stay open.
+fn open(rows: &[(String, f64, &'static str)]) -> String {
+    let told = rows
         .iter()
-        .map(|(name, size)| format!("`{name}` {size:.3e}"));
-    quoted.collect::<Vec<String>>().join(", ")
+        .map(|(name, size, unit)| format!("`{name}` stays open by {size:.3e} {unit}"));
+    told.collect::<Vec<String>>().join(", ")
 }
 
 /// Where a run stopped.

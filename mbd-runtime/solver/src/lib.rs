@@ -101,7 +101,7 @@ pub use mbd_scene as scene;
 #[doc(inline)]
 pub use mbd_scene::Model;
 #[doc(inline)]
-pub use mbd_scene::{At, Float, Layout, ParamError, Quantity, Real, Work};
+pub use mbd_scene::{At, Float, Layout, ParamError, Quantity, Real, StartNumber, Work};
 
 // Its state and what it hands out.
 pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};
@@ -111,7 +111,7 @@ pub use parts::{BodyState, JointState, PlanarBodyState, PointState};
 
 // A run.
 pub use balance::Imbalance;
-pub use compiled::Scalar;
+pub use compiled::{JointSetter, Scalar};
 pub use integrate::Scales;
 pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};

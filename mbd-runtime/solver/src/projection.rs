@@ -72,7 +72,7 @@ impl<T: Float> System<T> {
             return Err(StepError::JointsApart {
                 time,
                 norm,
-                rows: self.worst_joints(),
+                rows: self.worst_joints((time, state), ["m", "rad"]),
             });
         }
         self.project_velocities(time, state)
@@ -102,7 +102,7 @@ impl<T: Float> System<T> {
         if !self.holds(norm, state) {
             return Err(StepError::InconsistentStart {
                 norm,
-                rows: self.worst_joints(),
+                rows: self.worst_joints((time, state), ["m", "rad"]),
             });
         }
         self.check_plane(time, state)?;
@@ -120,7 +120,7 @@ impl<T: Float> System<T> {
             if norm > (APART * self.size(state)).max(rounding) {
                 return Err(StepError::InconsistentStart {
                     norm,
-                    rows: self.worst_joints(),
+                    rows: self.worst_joints((time, state), ["m/s", "rad/s"]),
                 });
             }
         }
@@ -141,7 +141,7 @@ impl<T: Float> System<T> {
                 return Err(StepError::JointsApart {
                     time,
                     norm,
-                    rows: self.worst_joints(),
+                    rows: self.worst_joints((time, state), ["m", "rad"]),
                 });
             }
         }
@@ -406,7 +406,7 @@ impl<T: Float> System<T> {
         if contradiction > 0.1 * norm && !self.holds(norm, state) {
             return StepError::InconsistentStart {
                 norm,
-                rows: self.worst_joints(),
+                rows: self.worst_joints((time, state), ["m", "rad"]),
             };
         }
         let scene = self.model.scene();
@@ -428,27 +428,51 @@ impl<T: Float> System<T> {
     /// A prescribed motion may have no value at a time: names the joint of the rows that were read last.
     #[cold]
     fn rows_not_finite(&self, time: f64) -> StepError {
-        let joint = self.worst_joints().into_iter().next();
+        let joint = self.worst(self.open_joints()).into_iter().next();
+        let name = |(joint, _)| joint_name(self.model.scene(), joint).to_owned();
         StepError::NonFinite {
             time,
-            source: Source::Joint(joint.map_or_else(String::new, |(name, _)| name)),
+            source: Source::Joint(joint.map_or_else(String::new, name)),
         }
     }
 
-    /// The joints whose rows are furthest from zero, largest first, from the rows that were read last.
+    /// The joints whose rows are furthest from zero, largest first, from the rows that were read last, with the unit of the worst row of each: of a
+    /// length, or of an angle.
     #[cold]
-    fn worst_joints(&self) -> Vec<(String, f64)> {
-        let joints = self.model.layout().joints.iter().enumerate();
-        self.worst(joints.map(|(joint, slots)| {
-            let rows = self.projection.rows.get(slots.row..slots.row + slots.len);
-            (joint, largest(rows.unwrap_or(&[])))
-        }))
+    fn worst_joints(
+        &self,
+        (time, state): (f64, &[T]),
+        [length, angle]: [&'static str; 2],
+    ) -> Vec<(String, f64, &'static str)> {
+        let (scene, layout) = (self.model.scene(), self.model.layout());
+        let numbers = Numbers::new(scene, self.model.params());
+        let own = state.get(..self.nx).unwrap_or_default();
+        let at = self.nodes.at(T::from_f64(time), own, &self.inputs);
+        let worst = self.worst(self.open_joints()).into_iter();
+        let told = worst.map(|(joint, size)| {
+            let slots = layout.joints.get(joint);
+            let rows = slots.and_then(|it| self.projection.rows.get(it.row..it.row + it.len));
+            let row = rows.and_then(|rows| rows.iter().position(|x| x.abs().to_f64() >= size));
+            let units = laws::row_units(scene, layout, &numbers, &at, joint);
+            let unit = row.and_then(|row| units.get(row));
+            let unit = if unit == Some(&"rad") { angle } else { length };
+            (joint_name(scene, joint).to_owned(), size, unit)
+        });
+        told.collect()
     }
 
-    /// The names of those joints that are off by as much as the worst, largest first.
-    fn worst(&self, joints: impl Iterator<Item = (usize, f64)>) -> Vec<(String, f64)> {
-        let named = |(joint, size)| (joint_name(self.model.scene(), joint).to_owned(), size);
-        let mut worst: Vec<(String, f64)> = joints.map(named).collect();
+    /// Every joint with its largest row, from the rows that were read last.
+    fn open_joints(&self) -> impl Iterator<Item = (usize, f64)> {
+        let joints = self.model.layout().joints.iter().enumerate();
+        joints.map(|(joint, slots)| {
+            let rows = self.projection.rows.get(slots.row..slots.row + slots.len);
+            (joint, largest(rows.unwrap_or(&[])))
+        })
+    }
+
+    /// Those joints that are off by as much as the worst, largest first.
+    fn worst(&self, joints: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
+        let mut worst: Vec<(usize, f64)> = joints.collect();
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let most = worst.first().map_or(0.0, |first| first.1);
         worst.retain(|(_, size)| *size >= 1e-3 * most);
@@ -466,8 +490,10 @@ impl<T: Float> System<T> {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let held = (0..layout.joints.len()).filter(|&joint| layout.joints[joint].holds);
         let off = |joint| laws::out_of_plane(scene, layout, &numbers, &at, joint).to_f64();
-        let rows = self.worst(held.map(|joint| (joint, off(joint))));
-        let norm = rows.first().map_or(0.0, |first| first.1);
+        let worst = self.worst(held.map(|joint| (joint, off(joint))));
+        let norm = worst.first().map_or(0.0, |first| first.1);
+        let named = |(joint, size)| (joint_name(scene, joint).to_owned(), size, "m or rad");
+        let rows = worst.into_iter().map(named).collect();
         match self.holds(norm, state) {
             true => Ok(()),
             false => Err(StepError::InconsistentStart { norm, rows }),

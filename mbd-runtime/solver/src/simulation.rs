@@ -6,7 +6,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use mbd_scene::{Float, Model, ParamError, Quantity};
+use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber};
 
 use crate::balance::EnergyBalance;
 use crate::chatter::Chatter;
@@ -183,6 +183,10 @@ pub struct Simulation<T: Float> {
     pub(crate) options: Options,
     guess: Option<Vec<T>>,
     moved: Vec<Moved>,
+    /// The joint coordinates that were set since the run moved or was given a state.
+    joints_set: Vec<(String, StartNumber)>,
+    /// What placing bodies by joint coordinates decided.
+    assembly: PlacementReport,
     singular_start: bool,
     /// Whether what is held has changed since the first stage of the next step was evaluated.
     stale: bool,
@@ -207,6 +211,20 @@ impl<T: Float> Simulation<T> {
     #[must_use]
     pub fn start_moved(&self) -> &[Moved] {
         &self.moved
+    }
+
+    /// Where joint coordinates start that the declaration or [`Simulation::set_joints`] says to be about a value: name, what was said and what was taken
+    /// [m or rad].
+    #[must_use]
+    pub fn started_about(&self) -> Vec<(String, f64, f64)> {
+        self.assembly.told_about(self.system.model.scene())
+    }
+
+    /// Joint coordinates that neither what was said of others nor their loops decide: where they start was chosen, near zero or near where they were.
+    /// Only loops of which something is said are looked at; a coordinate in none is zero.
+    #[must_use]
+    pub fn start_undecided(&self) -> Vec<String> {
+        self.assembly.told_undecided(self.system.model.scene())
     }
 
     /// Whether the start is a singular position of the joints: one where rows repeat each other that do nowhere else, as of bars in one line. More

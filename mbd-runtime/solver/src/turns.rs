@@ -1,7 +1,7 @@
 //! Full turns of angles: what a run remembers beside the state, so that an angle goes on where attitudes begin again
 //! (equation (1) of `mbd_scene::laws::turns`).
 
-use mbd_scene::{Float, JointStart, Layout, begin_next_to, said_coordinates};
+use mbd_scene::{Detachable, Float, JointStart, Layout, begin_next_to, said_coordinates};
 
 use crate::laws::Laws;
 use crate::system::System;
@@ -37,12 +37,26 @@ impl<T: Float> System<T> {
         self.take_up_turns();
     }
 
+    /// What a run remembers where it begins: the turns of angles, and where coordinates are that are locked from the start.
+    pub(crate) fn remember_starts(&mut self, given: &[JointStart], at: (f64, &[T])) {
+        self.count_turns_from_starts(given, at);
+        if self.model.layout().locks == 0 {
+            return;
+        }
+        let places = self.locked(at.0, at.1);
+        let model = self.model.clone();
+        for joint in 0..model.layout().joints.len() {
+            let what = Detachable::Joint(joint);
+            if !model.scene().starts.detached.contains(&what) {
+                self.memory.hold_at(model.layout(), what, &places);
+            }
+        }
+        self.nodes.hold_modes(&self.memory);
+        self.probe.hold_modes(&self.memory);
+    }
+
     /// Counts turns from these starts of joints on, else from where motors have them, else from those that the declaration gives, else from (−π, π] on.
-    pub(crate) fn count_turns_from_starts(
-        &mut self,
-        given: &[JointStart],
-        (time, state): (f64, &[T]),
-    ) {
+    fn count_turns_from_starts(&mut self, given: &[JointStart], (time, state): (f64, &[T])) {
         if self.memory.turns.is_empty() {
             return;
         }

@@ -8,7 +8,7 @@ use mbd_compiler::{
     write_toml,
 };
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Layout, Model, ParamError};
+use mbd_runtime::{Generic, Layout, Model, ParamError, Simulation, StepError};
 use models::in_lanes::in_lanes;
 use models::run::{PlanError, RunPlan, Settings, line_of, misnamed_table, split, windows};
 use models::scenes::{self, Make};
@@ -158,12 +158,14 @@ impl SceneFile {
     pub fn check_settings(&self) -> Result<(), CommandFailure> {
         let mut settings = self.settings.clone();
         settings.until.get_or_insert(1.0.into());
-        let wrong = RunPlan::new(&self.scene, &settings).err();
-        let told = wrong.and_then(|error| match self.line_of(&error) {
-            Some(line) => Some(format!("line {line}: {error}")),
-            // What the declaration says of its start stands in no setting.
-            None => (error.setting == "start").then(|| error.to_string()),
-        });
+        let told = match RunPlan::new(&self.scene, &settings) {
+            Ok(plan) => self.open_start(&plan),
+            Err(error) => match self.line_of(&error) {
+                Some(line) => Some(format!("line {line}: {error}")),
+                // What the declaration says of its start stands in no setting.
+                None => (error.setting == "start").then(|| error.to_string()),
+            },
+        };
         match told {
             None => Ok(()),
             Some(told) => Err(CommandFailure::Mistakes(Mistakes {
@@ -173,6 +175,22 @@ impl SceneFile {
                 settings: Some(told),
             })),
         }
+    }
+
+    /// What a run says of joints that cannot hold where it begins; `None` where they do, or where something else keeps it from beginning.
+    fn open_start(&self, plan: &RunPlan) -> Option<String> {
+        if self.scene.joints.is_empty() {
+            return None;
+        }
+        let model = Generic::<f64>::new(self.scene.clone(), &plan.params).ok()?;
+        let mut run = Simulation::new(&model, plan.options).ok()?;
+        plan.begin(&mut run).ok()?;
+        let cause = run.start().err()?.cause;
+        let opens = matches!(
+            cause,
+            StepError::InconsistentStart { .. } | StepError::WrongBranch { .. }
+        );
+        opens.then(|| format!("{cause}; {}", cause.advice()))
     }
 
     /// What is said of metrics that count beyond the end of the run that the file sets.

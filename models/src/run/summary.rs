@@ -39,6 +39,8 @@ struct RunNumbers<'a> {
     newton_max: u64,
     switches: u64,
     start_moved: Option<StartMoved<'a>>,
+    start_about: Vec<StartAbout>,
+    start_undecided: Vec<String>,
     joint_drift_m: Option<f64>,
     joint_drift_rate_m_s: Option<f64>,
     energy_imbalance_j: Option<f64>,
@@ -79,6 +81,37 @@ struct StartMoved<'a> {
     name: &'a str,
     distance_m: f64,
     angle_rad: f64,
+}
+
+/// Where a coordinate starts that is said to be about a value [m or rad].
+#[derive(Debug, Serialize)]
+struct StartAbout {
+    name: String,
+    said: f64,
+    taken: f64,
+}
+
+impl From<(String, f64, f64)> for StartAbout {
+    fn from((name, said, taken): (String, f64, f64)) -> Self {
+        StartAbout { name, said, taken }
+    }
+}
+
+impl StartAbout {
+    fn text(&self, scene: &Scene) -> String {
+        let found = scene.joint_coordinate(&self.name);
+        let found = found.and_then(|(joint, number, _)| scene.coordinate(joint, number));
+        let (factor, unit) = match found.is_some_and(|(_, it)| it.is_angle()) {
+            true => (1f64.to_degrees(), "deg"),
+            false => (1.0, "m"),
+        };
+        let [said, taken] = [self.said, self.taken].map(|x| factor * x);
+        let by = taken - said;
+        format!(
+            "`{}` at {taken:.6} {unit}, {by:+.1e} {unit} from {said:.6} {unit}",
+            self.name
+        )
+    }
 }
 
 /// The numbers of a run as JSON.
@@ -133,6 +166,13 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
             distance_m: moved.distance,
             angle_rad: moved.angle,
         }),
+        start_about: plan
+            .assembly
+            .told_about(scene)
+            .into_iter()
+            .map(StartAbout::from)
+            .collect(),
+        start_undecided: plan.assembly.told_undecided(scene),
         joint_drift_m: quality.drift,
         joint_drift_rate_m_s: quality.drift_rate,
         energy_imbalance_j: outcome.imbalance.map(|it| it.energy),
@@ -264,6 +304,25 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
             rows.push((
                 "moved at the start so that the joints hold",
                 distance.into(),
+            ));
+        }
+        for about in plan
+            .assembly
+            .told_about(scene)
+            .into_iter()
+            .map(StartAbout::from)
+        {
+            rows.push((
+                "starts about what was said, as its loop closes",
+                about.text(scene).into(),
+            ));
+        }
+        let undecided = plan.assembly.told_undecided(scene);
+        if !undecided.is_empty() {
+            let names = format!("`{}`", undecided.join("`, `"));
+            rows.push((
+                "starts that nothing decides: chosen, near zero",
+                names.into(),
             ));
         }
         rows.push(("joints open by at most |Φ| [m]", quality.drift.into()));

@@ -1,7 +1,8 @@
 //! Coordinates that events lock where they are, and free again.
 
-use mbd_compiler::Interpreted;
-use mbd_runtime::{Generic, Method, Model, Options, Quantity, Simulation, StepError, model};
+use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
+use mbd_runtime::{Generic, Method, Model, Options, Quantity, Simulation, StepError, model, trim};
+use mbd_scene::Detachable;
 use tests::agreement::agrees;
 use tests::declared::read;
 use tests::largest_difference;
@@ -35,6 +36,27 @@ macro_rules! latched {
 }
 latched!(Absolute absolute);
 latched!(Relative relative);
+
+/// A pendulum that is held a turn and 40 deg from where it hangs, and let go after a second.
+macro_rules! held {
+    ($name:ident $family:ident) => {
+        model! {
+            /// A pendulum that is held at the start.
+            pub model $name<T> {
+                coordinates: $family;
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                body bob { mass: 2 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+                joint pin: hinge from world to bob.top { axis: y, start: 400 deg, stiffness: 1 N*m/rad, at_start: locked }
+                event let_go = time rises 1 s { free: pin }
+                output turned = pin.angle;
+                output turns = pin.angle_rate;
+                output held = pin.angle.lock.torque.y;
+            }
+        }
+    };
+}
+held!(Held absolute);
+held!(HeldTree relative);
 
 /// Angle of the pin [rad] and rates of hub and pin about y [rad/s].
 fn seen(run: &mut Simulation<f64>) -> [f64; 3] {
@@ -328,4 +350,178 @@ fn what_rounding_leaves_of_a_locked_coordinate_is_no_event() {
             "{times:?}"
         );
     }
+}
+
+#[test]
+fn a_coordinate_that_is_locked_at_the_start_stays_there_until_an_event_frees_it() {
+    let absolute = Held::<f64>::new(Default::default()).expect("defaults");
+    let relative = HeldTree::<f64>::new(Default::default()).expect("defaults");
+    let seen = |run: &mut Simulation<f64>| {
+        let mut outputs = [0.0; 3];
+        run.evaluate(Quantity::Outputs, &mut outputs)
+            .expect("outputs");
+        outputs
+    };
+    for model in [&absolute as &dyn Model<f64>, &relative] {
+        let again = read_toml(&write_toml(model.scene()))
+            .scene
+            .expect("written by us");
+        assert_eq!(&again, model.scene());
+        assert_eq!(model.layout().freedoms_at_start(), 0);
+        let generic = Generic::<f64>::with_defaults(again).expect("defaults");
+        let interpreted = Interpreted::<f64>::new(model.scene().clone(), &[]).expect("defaults");
+        // The same without the lock, for what comes after.
+        let mut free = model.scene().clone();
+        let lock = free.lock_of(0, 0).map(Detachable::Joint);
+        free.starts.detached.extend(lock);
+        let free = Generic::<f64>::with_defaults(free).expect("defaults");
+        for model in [model, &generic, &interpreted] {
+            for options in methods() {
+                let of_tree = model.layout().tree.is_some();
+                if of_tree && matches!(options.method, Method::Rattle { .. }) {
+                    continue;
+                }
+                let word = format!("{} {}", options.method.name(), model.scene().name);
+                let mut run = Simulation::new(model, options).expect("options that fit");
+                for held in [400f64.to_radians(), 0.5] {
+                    run.set_joints(&[("pin.angle", held)]).expect("one freedom");
+                    run.run(run.time() + 0.9).expect("held");
+                    let [angle, rate, torque] = seen(&mut run);
+                    // What the spring and the weight ask of the lock, about y.
+                    let want = 2.0 * 9.81 * 0.5 * held.sin() + held;
+                    assert!(
+                        (angle - held).abs() < 1e-9 && rate.abs() < 1e-9,
+                        "{word}: {angle}"
+                    );
+                    assert!((torque - want).abs() < 1e-7, "{word}: {torque} {want}");
+                    if run.time() < 1.0 {
+                        run.run(1.5).expect("free");
+                        let mut other = Simulation::new(&free, options).expect("options that fit");
+                        other.run(0.5).expect("free from the start");
+                        let mut want = [0.0; 3];
+                        other
+                            .evaluate(Quantity::Outputs, &mut want)
+                            .expect("outputs");
+                        let [angle, rate, _] = seen(&mut run);
+                        let off = (angle - want[0]).abs().max((rate - want[1]).abs());
+                        assert!(off < 1e-6, "{word}: {angle} {rate} {want:?}");
+                    }
+                }
+            }
+        }
+    }
+    agrees(&absolute);
+    agrees(&relative);
+}
+
+#[test]
+fn a_loop_whose_crank_is_locked_at_the_start_stands_and_then_moves() {
+    for family in ["absolute", "relative"] {
+        let scene = read(&format!(
+            "model Press {{
+                coordinates: {family};
+                gravity: [0.0, -9.81, 0.0] m/s^2;
+                world {{ frame far at [2, 0, 0] m }}
+                body crank {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-0.5, 0, 0] m, frame tip at [0.5, 0, 0] m }}
+                body coupler {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }}
+                body rocker {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }}
+                joint motor: cylindrical from world to crank.root {{ axis: z, angle: {{ start: 90 deg, at_start: locked }} }}
+                joint knee: hinge from crank.tip to coupler.root {{ axis: z }}
+                joint hip: hinge from world.far to rocker.root {{ axis: z, start: about 60 deg }}
+                joint close: spherical from coupler.tip to rocker.tip;
+                event let_go = time rises 0.5 s {{ free: motor.angle }}
+                output turned = motor.angle;
+                output total = energy.kinetic + energy.potential;
+            }}"
+        ));
+        let again = read_toml(&write_toml(&scene)).scene.expect("written by us");
+        assert_eq!(again, scene);
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let mut run = Simulation::new(&model, Options::vern7(1e-10)).expect("options");
+        let mut out = [0.0; 2];
+        run.run(0.4).expect("it stands");
+        run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+        let [angle, energy] = out;
+        assert!((angle - 90f64.to_radians()).abs() < 1e-9, "{angle}");
+        run.run(1.0).expect("it falls");
+        run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+        assert!((out[0] - angle).abs() > 0.1, "{out:?}");
+        assert!((out[1] - energy).abs() < 1e-6, "{out:?} {energy}");
+    }
+}
+
+#[test]
+fn a_trim_keeps_what_is_locked_at_the_start_and_finds_the_rest_of_what_hangs_on_it() {
+    for family in ["absolute", "relative"] {
+        let scene = read(&format!(
+            "model Double {{
+                coordinates: {family};
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                body arm {{ mass: 2 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame top at [0, 0, 0.5] m, frame tip at [0, 0, -0.5] m }}
+                body bob {{ mass: 2 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame top at [0, 0, 0.5] m }}
+                joint pin: hinge from world to arm.top {{ axis: y, start: 30 deg, at_start: locked }}
+                joint elbow: hinge from arm.tip to bob.top {{ axis: y, start: 10 deg }}
+                event let_go = time rises 1 s {{ free: pin }}
+            }}"
+        ));
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let rest = trim(&model).solve().expect("a rest");
+        // The bob hangs straight down and swings about the tip: ω² = m g l / (J + m l²).
+        let elbow = rest.value("elbow.angle").expect("free");
+        assert!(
+            (elbow + 30f64.to_radians()).abs() < 1e-9,
+            "{family}: {elbow}"
+        );
+        let want = (2.0 * 9.81 * 0.5f64 / (0.2 + 2.0 * 0.25)).sqrt();
+        let modes = rest.space.vibrations();
+        assert_eq!(modes.len(), 1, "{family}");
+        assert!((modes[0].frequency() - want).abs() < 1e-8, "{family}");
+    }
+}
+
+#[test]
+fn what_cannot_be_locked_at_the_start_is_told_at_its_place() {
+    let joint = |fields: &str| {
+        format!(
+            "model A {{ gravity: none; body b {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }} joint pin: {fields} event go = time rises 1 s {{ free: pin }} }}"
+        )
+    };
+    for (fields, said) in [
+        (
+            "spherical from world to b.com { at_start: locked }",
+            "no coordinate that could be locked",
+        ),
+        (
+            "hinge from world to b.com { motor: 1 rad/s * time, at_start: locked }",
+            "a motor drives",
+        ),
+        (
+            "hinge from world to b.com { at_start: lokced }",
+            "did you mean `locked`",
+        ),
+        (
+            "cylindrical from world to b.com { angle: { at_start: detached } }",
+            "locked",
+        ),
+        (
+            "hinge from world to b.com { axis: y }",
+            "`at_start: locked`",
+        ),
+    ] {
+        let reading = read_text(&joint(fields));
+        let told: Vec<String> = reading.errors.iter().map(|it| it.text.clone()).collect();
+        assert!(told.join("\n").contains(said), "{fields}: {told:?}");
+    }
+    // A rate of what is locked contradicts the lock.
+    let scene = read(&joint(
+        "hinge from world to b.com { at_start: locked, start_rate: 1 rad/s }",
+    ));
+    let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+    let error = Simulation::new(&model, Options::rk4(1e-3))
+        .err()
+        .expect("a contradiction");
+    assert!(
+        error.to_string().contains("`pin.angle.lock` comes apart"),
+        "{error}"
+    );
 }

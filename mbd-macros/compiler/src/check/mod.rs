@@ -107,27 +107,36 @@ fn check_lonely_points(resolver: &mut Resolver<'_>) {
     if any_bad(resolver, "line") {
         return;
     }
-    let mut count = vec![0; resolver.scene.points.len()];
+    let mut others = vec![Vec::new(); resolver.scene.points.len()];
     for line in &resolver.scene.lines {
-        for place in [line.from, line.to] {
+        for (place, other) in [(line.from, line.to), (line.to, line.from)] {
             if let Place::Point(point) = place
-                && let Some(count) = count.get_mut(point)
+                && let Some(others) = others.get_mut(point)
             {
-                *count += 1;
+                others.push(other);
             }
         }
     }
+    let loads = &resolver.scene.loads;
     for (index, point) in resolver.scene.points.iter().enumerate() {
         let named = Named::Point(index);
-        let lines = count.get(index).copied().unwrap_or(0);
+        let others: &[Place] = others.get(index).map_or(&[], Vec::as_slice);
+        let lines = others.len();
         let node = matches!(point.kind, PointKind::Node(_));
-        if let (true, true, false, Some(&at)) = (
-            node,
-            lines < 2,
-            resolver.bad.contains(&named),
-            resolver.declared.get(&named),
-        ) {
-            resolver.messages.push(say::lonely(at, &point.name, lines));
+        let at = resolver.declared.get(&named).copied();
+        let (Some(at), true) = (at, node && !resolver.bad.contains(&named)) else {
+            continue;
+        };
+        let pulled = loads.iter().any(|load| load.at == Place::Point(index));
+        match others {
+            [first, rest @ ..] if !rest.is_empty() => {
+                if !pulled && rest.iter().all(|other| other == first) {
+                    let place = place_name(resolver, *first);
+                    let report = say::undecided_point(at, &point.name, &place);
+                    resolver.warnings.push(report);
+                }
+            }
+            _ => resolver.messages.push(say::lonely(at, &point.name, lines)),
         }
     }
 }

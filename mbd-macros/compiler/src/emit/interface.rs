@@ -237,14 +237,14 @@ fn state(context: &EmitContext) -> TokenStream {
     }
 }
 
-/// The joint coordinates at the start of a run; nothing where no joint has any.
+/// The joint coordinates at the start of a run, all at once and one by one; nothing where no joint has any.
 fn start(context: &EmitContext) -> TokenStream {
     let (scene, names) = (context.scene(), context.scene().joint_coordinates());
     if names.is_empty() {
         return TokenStream::new();
     }
     let fields = context.joint_coordinates();
-    let declarations = names.iter().zip(&fields).map(|(name, field)| {
+    let told = names.iter().map(|name| {
         let found = scene.joint_coordinate(name);
         let unit = found.and_then(|(joint, index, is_rate)| {
             let (_, coordinate) = scene.coordinate(joint, index)?;
@@ -255,9 +255,34 @@ fn start(context: &EmitContext) -> TokenStream {
             };
             Some(measured.unit(&coordinate))
         });
-        let doc = docs(&format!("`{name}` \\[{}\\].", unit.unwrap_or_default()));
+        format!("`{name}` \\[{}\\]", unit.unwrap_or_default())
+    });
+    let told: Vec<String> = told.collect();
+    let declarations = told.iter().zip(&fields).map(|(told, field)| {
+        let doc = docs(&format!("{told}."));
         quote!(#doc pub #field: ::core::option::Option<f64>)
     });
+    let setters = names
+        .iter()
+        .zip(&told)
+        .zip(&fields)
+        .map(|((name, told), field)| {
+            let (doc, setter) = (docs(&format!("Sets {told}.")), format_ident!("set_{field}"));
+            quote! {
+                #doc
+                fn #setter(
+                    &mut self,
+                    said: impl ::core::convert::Into<::mbd_runtime::StartNumber>,
+                ) -> ::core::result::Result<(), ::mbd_runtime::RunError> {
+                    self.set_joint(#name, said.into())
+                }
+            }
+        });
+    let one_by_one = context.named("Joints");
+    let one_by_one_doc = docs(&format!(
+        "Sets joint coordinates of a run of `{}` one by one, where it stands before it moves: all that were set hold together, the others are as declared, zero where nothing is, or what closes the loops. What contradicts the others, and a loop that cannot close, is an error that names the joint; nothing is changed then.",
+        scene.name
+    ));
     let (name, vis) = (context.named("Start"), &context.settings.visibility);
     let doc = docs(&format!(
         "Joint coordinates of `{}` at the start of a run, for `Simulation::set_joints(&start.joints())`. `None`: as declared, zero where nothing is, or as other coordinates decide.",
@@ -267,6 +292,12 @@ fn start(context: &EmitContext) -> TokenStream {
         #doc
         #[derive(Clone, Debug, Default, PartialEq)]
         #vis struct #name { #(#declarations),* }
+
+        #one_by_one_doc
+        #[allow(dead_code, reason = "for those who place joints one by one")]
+        #vis trait #one_by_one: ::mbd_runtime::JointSetter { #(#setters)* }
+
+        impl<R: ::mbd_runtime::JointSetter> #one_by_one for R {}
 
         impl #name {
             /// The coordinates that are given, by their names.

@@ -150,6 +150,16 @@ pub fn dropped_damping(at: Region, point: &str, line: &str) -> LexemeMessage {
     .about(point, None)
 }
 
+pub fn undecided_point(at: Region, point: &str, place: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "nothing decides where the massless point `{point}` is: all its lines go to `{place}` and no load acts on it; lead one of them elsewhere, or let a load pull"
+        ),
+    )
+    .about(point, None)
+}
+
 pub fn unused(at: Region, kind: &'static str, name: &str) -> LexemeMessage {
     LexemeMessage::new(at, format!("{kind} `{name}` is declared but never used"))
         .about(name, Some(kind))

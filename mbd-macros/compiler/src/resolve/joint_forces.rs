@@ -14,6 +14,7 @@ use super::joints::LawFields;
 use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed, fold};
 use crate::lexeme::Bracket;
 use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::syntax::words::{ABOUT, AT_START};
 use crate::syntax::{Cursor, Item, ValueSyntax, foreign, unit};
 use crate::units;
 
@@ -76,7 +77,7 @@ impl Resolver<'_> {
         let blocks = self.blocks(item, &measured)?;
         let mut given: Vec<GivenFields<'_, '_>> = vec![GivenFields::new(); measured.len()];
         for (fields, block) in given.iter_mut().zip(&blocks) {
-            for field in block {
+            for field in block.iter().filter(|field| field.word.text != AT_START) {
                 let word = field_words().find(|word| *word == field.word.text);
                 self.give(fields, word, field)?;
             }
@@ -122,7 +123,7 @@ impl Resolver<'_> {
             }
         }
         self.scene.joints.get_mut(instance.slot)?.forces = entries?;
-        Some(())
+        self.locked_at_start(instance.slot, item, &blocks)
     }
 
     /// The fields in the blocks named after coordinates.
@@ -131,7 +132,7 @@ impl Resolver<'_> {
         item: &Item<'a>,
         measured: &[Coordinate],
     ) -> Option<Vec<Vec<Item<'a>>>> {
-        let known: Vec<&str> = field_words().collect();
+        let known: Vec<&str> = field_words().chain([AT_START]).collect();
         let mut blocks = Some(Vec::new());
         for coordinate in measured {
             let mut fields = item.block.iter();
@@ -256,6 +257,7 @@ impl Resolver<'_> {
             coordinate,
             value: None,
             rate: None,
+            about: false,
         };
         for (field, slot) in [(&START, &mut start.value), (&START_RATE, &mut start.rate)] {
             let Some(item) = given.get(field.name) else {
@@ -269,25 +271,38 @@ impl Resolver<'_> {
             if given.contains_key(MOTOR.name) {
                 return self.fail(say::start_of_motor(at, &owner.name, field.name));
             }
-            *slot = Some(self.start_value(field, item, owner)?);
+            let (about, value) = self.start_value(field, item, owner)?;
+            *slot = Some(value);
+            start.about |= about;
         }
         let any = start.value.is_some() || start.rate.is_some();
         Some(any.then_some(start))
     }
 
-    /// The value of `start` or `start_rate`.
+    /// The value of `start` or `start_rate`, and whether it is `about` that.
     fn start_value(
         &mut self,
         field: &'static JointForceField,
         item: &Item<'_>,
         owner: &FieldsOwner<'_>,
-    ) -> Option<Formula> {
+    ) -> Option<(bool, Formula)> {
         let Some(value) = item.clause(":") else {
             let (at, unit) = (item.word.at.into(), field.measured.unit(owner.coordinate));
             return self.fail(say::start_of_coordinate(at, &owner.name, unit));
         };
+        let mut cursor = Cursor::new(value);
+        let about = cursor.keyword(ABOUT).filter(|_| !cursor.at_end());
+        let value = if about.is_some() {
+            cursor.rest()
+        } else {
+            value
+        };
+        if let (Some(at), true) = (about, field.name == START_RATE.name) {
+            return self.fail(say::rate_about(at.into(), &owner.name));
+        }
         let typed = self.value(value, owner.scope)?;
-        self.along_fits(typed, field, owner)
+        let value = self.along_fits(typed, field, owner)?;
+        Some((about.is_some(), value))
     }
 
     /// The course of a coordinate, which may count turns: a function of time with two derivatives, the coordinate with its rate and its
@@ -333,7 +348,12 @@ impl Resolver<'_> {
             let mut start = [formula.clone(), Formula::Number(0.0)];
             for (field, start) in [&START, &START_RATE].into_iter().zip(&mut start) {
                 if let Some(item) = given.get(field.name) {
-                    *start = self.start_value(field, item, owner)?;
+                    let (about, value) = self.start_value(field, item, owner)?;
+                    if about {
+                        let at = item.word.at.into();
+                        return self.fail(say::command_about(at, &owner.name));
+                    }
+                    *start = value;
                 }
             }
             let (course, filter) = self.filtered(formula, time, start, owner);

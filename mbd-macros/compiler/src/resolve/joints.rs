@@ -8,6 +8,7 @@ use super::fields::ItemFields;
 use super::{Instance, MayDependOn, Named, Resolver, Scope, fold, joint_forces};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
+use crate::syntax::words::{AT_START, LOCKED};
 use crate::syntax::{Cursor, ValueSyntax, Word};
 use crate::units;
 
@@ -318,8 +319,9 @@ impl Resolver<'_> {
         if let Some(value) = fields.value("coordinates") {
             self.choice(value, "coordinates of an attitude", &[("quaternion", ())])?;
         }
-        let detached = fields.value("at_start").map_or(Some(false), |value| {
-            let set = [("detached", true), ("attached", false)];
+        // What is locked is known when every joint is.
+        let detached = fields.value(AT_START).map_or(Some(false), |value| {
+            let set = [("detached", true), ("attached", false), (LOCKED, false)];
             self.choice(value, "start of a joint", &set)
         });
         if detached? {
@@ -437,7 +439,7 @@ pub fn field_words(keyword: &str) -> Option<(JointLaw, Vec<&'static str>)> {
         names.push("coordinates");
     }
     names.extend(joint_forces::words(&kind));
-    names.push("at_start");
+    names.push(AT_START);
     Some((kind, names))
 }
 

@@ -7,7 +7,8 @@ use super::events::listed;
 use super::{Instance, MayDependOn, Named, Resolver};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
-use crate::syntax::{Item, ValueSyntax, expression};
+use crate::syntax::words::{AT_START, LOCKED};
+use crate::syntax::{Cursor, Item, ValueSyntax, expression};
 
 impl Resolver<'_> {
     /// `boom`, `boom.angle` or `[boom, arm.slide]`: the locks of these coordinates, each named once in the event.
@@ -45,6 +46,53 @@ impl Resolver<'_> {
         all
     }
 
+    /// Locks coordinates of a joint from the start: all of them by its own field, or each in its block.
+    pub(super) fn locked_at_start(
+        &mut self,
+        joint: usize,
+        item: &Item<'_>,
+        blocks: &[Vec<Item<'_>>],
+    ) -> Option<()> {
+        let is_locked = |item: &Item<'_>| {
+            let word = item.clause(":").and_then(|value| Cursor::new(value).word());
+            word.is_some_and(|word| word.text == LOCKED)
+        };
+        let declared = self.scene.joints.get(joint)?;
+        let (name, keyword) = (declared.name.clone(), declared.law.keyword());
+        let known: Vec<&str> = declared.law.measured().map(|it| it.name).collect();
+        let driven: Vec<usize> = declared.motors().map(|(index, _)| index).collect();
+        let begins = |item: &&Item<'_>| item.word.text == AT_START;
+        let whole = item.block.iter().rfind(begins).filter(|it| is_locked(it));
+        if let (Some(field), true) = (whole, known.is_empty()) {
+            let at = field.word.at.into();
+            return self.fail(say::nothing_to_lock(at, &name, keyword));
+        }
+        for (index, coordinate) in known.iter().enumerate() {
+            let own = blocks
+                .get(index)
+                .and_then(|block| block.iter().rfind(begins));
+            if let Some(value) = own.and_then(|field| field.clause(":")) {
+                self.choice(
+                    value,
+                    "start of a coordinate",
+                    &[(LOCKED, ()), ("free", ())],
+                )?;
+            }
+            let own = own.map(|field| (is_locked(field), field));
+            let Some((true, field)) = own.or_else(|| whole.map(|field| (true, field))) else {
+                continue;
+            };
+            let at: Region = field.word.at.into();
+            if driven.contains(&index) {
+                return self.fail(say::driven_coordinate_locked(at, &name, coordinate));
+            }
+            let lock = self.lock_of(joint, index, at);
+            let what = Detachable::Joint(lock);
+            self.scene.starts.detached.retain(|other| *other != what);
+        }
+        Some(())
+    }
+
     /// Tells of coordinates that events free, or whose locks are asked for, and none locks.
     pub(super) fn unlocked(&mut self) {
         let mut named = self.bad.iter();
@@ -61,7 +109,8 @@ impl Resolver<'_> {
             let what = Detachable::Joint(lock);
             let locks = |attach: &Vec<Detachable>| attach.contains(&what);
             let mut events = self.scene.events.iter();
-            if !events.any(|event| locks(&event.actions.attach)) {
+            let from_the_start = !self.scene.starts.detached.contains(&what);
+            if !from_the_start && !events.any(|event| locks(&event.actions.attach)) {
                 let name = self.scene.locked(what).unwrap_or_default();
                 self.messages.push(say(at, &name));
             }
@@ -134,13 +183,12 @@ impl Resolver<'_> {
 
     /// The lock of a coordinate, by its number among the joints; it is made where it is named first.
     pub(super) fn lock_of(&mut self, joint: usize, index: usize, at: Region) -> usize {
+        if let Some(known) = self.scene.lock_of(joint, index) {
+            return known;
+        }
         let law = JointLaw::Lock(Lock {
             couples: [(joint, index)],
         });
-        let mut joints = self.scene.joints.iter();
-        if let Some(known) = joints.position(|known| known.law == law) {
-            return known;
-        }
         let place = self.scene.joints.len();
         if let Some((owner, coordinate)) = self.scene.coordinate(joint, index) {
             let lock = Joint {

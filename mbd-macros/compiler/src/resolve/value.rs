@@ -69,6 +69,13 @@ impl Typed {
         }
     }
 
+    /// Whether this is an angle or a rate of one, and the other a radius.
+    fn turns_about(&self, radius: &Typed) -> bool {
+        let turning = [units::NONE, units::RATE, units::ANGULAR_ACCELERATION];
+        let angle = self.angle != 0 && self.dimension.is_some_and(|it| turning.contains(&it));
+        angle && radius.angle == 0 && radius.dimension == Some(units::LENGTH)
+    }
+
     /// Its SI unit; angles are told apart from pure numbers where that is known.
     pub fn unit(&self) -> Unit {
         // Numbers without a unit under `units: si` leave open what a product of them measures.
@@ -402,6 +409,8 @@ impl Resolver<'_> {
         }
         // An angle over 2π, as over a turn, is a number of turns.
         let per_turn = divide && a.is_in_radians() && b.is_a_turn(&self.scene);
+        // An angle times a radius is a length: what is made of that has no radians.
+        let arc = !divide && (a.turns_about(&b) || b.turns_about(&a));
         let formula = self.apply(function, vec![a.formula, b.formula], at)?;
         Some(Typed {
             bare: bare.then(|| shown(&formula)).flatten(),
@@ -409,7 +418,7 @@ impl Resolver<'_> {
             vector: a.vector || b.vector,
             dimension,
             angle: match divide {
-                _ if per_turn => 0,
+                _ if per_turn || arc => 0,
                 true => a.angle.saturating_sub(b.angle),
                 false => a.angle.saturating_add(b.angle),
             },

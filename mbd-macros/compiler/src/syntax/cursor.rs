@@ -94,6 +94,13 @@ impl<'a> Cursor<'a> {
         ValueSyntax { lexemes, at }
     }
 
+    /// The lexemes that are left.
+    pub fn rest(&self) -> ValueSyntax<'a> {
+        let mut end = *self;
+        end.next = self.lexemes.len();
+        end.since(*self)
+    }
+
     /// Takes this sign if it comes next.
     pub fn sign(&mut self, sign: char) -> Option<LexemeIndex> {
         match self.peek() {

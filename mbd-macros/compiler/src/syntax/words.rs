@@ -372,8 +372,18 @@ pub const EMITTED: &[&str] = &[
 /// Functions whose words are also names of things: they are functions only in front of a bracket.
 const FREE_FUNCTIONS: &[&str] = &["floor", "sign", "clamp", "ln", "tan"];
 
+/// The field that says how something begins.
+pub const AT_START: &str = "at_start";
+
+/// How a coordinate begins that stays where it is until an event frees it.
+pub const LOCKED: &str = "locked";
+
+/// The word before the start of a joint coordinate that gives way where loops do not close with it.
+pub const ABOUT: &str = "about";
+
 /// Words of the language besides item keywords, functions and units.
 pub const OTHER_RESERVED: &[&str] = &[
+    ABOUT,
     "model",
     "frame",
     "from",

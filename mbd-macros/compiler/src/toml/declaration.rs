@@ -7,7 +7,9 @@ use mbd_scene::Scene;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::comments::Comments;
 use super::write_toml;
+use crate::lexeme::LineStarts;
 use crate::syntax::words::{self, ItemWord};
 
 /// Writes a scene as the text of a declaration. Numbers without a unit are SI; repeated items are written one by one.
@@ -21,7 +23,13 @@ pub fn write_text(scene: &Scene) -> String {
 #[must_use]
 pub fn toml_to_text(document: &str) -> Option<String> {
     let table = DeTable::parse(document).ok()?;
+    let mut places = Vec::new();
+    keys(table.get_ref(), false, &mut places);
+    let starts = LineStarts::new(document);
+    let places = places.into_iter().map(|at| starts.position(at)).collect();
     let mut writer = DeclarationWriter {
+        comments: Comments::of_document(document).assign(places),
+        starts,
         document,
         text: String::new(),
     };
@@ -39,7 +47,26 @@ pub(super) fn entries<'e, 't>(table: &'e DeTable<'t>) -> Vec<DocumentEntry<'e, '
     entries
 }
 
+/// Where the keys of a table and of all in it stand; of a table of things with names these names.
+fn keys(table: &DeTable<'_>, within: bool, places: &mut Vec<usize>) {
+    for (key, value) in table {
+        let spec = words::find(key.get_ref(), within);
+        let inner = match value.get_ref() {
+            DeValue::Table(inner) => Some(inner),
+            _ => None,
+        };
+        if inner.is_none() || spec.is_none_or(|spec| !spec.named) {
+            places.push(key.span().start);
+        }
+        if let Some(inner) = inner {
+            keys(inner, true, places);
+        }
+    }
+}
+
 struct DeclarationWriter<'d> {
+    comments: Comments,
+    starts: LineStarts<'d>,
     document: &'d str,
     text: String,
 }
@@ -48,6 +75,10 @@ impl DeclarationWriter<'_> {
     fn model(&mut self, table: &DeTable<'_>) {
         let of = |word: &str| table.get(word).map(|value| self.value(value));
         let (name, doc) = (of("model").unwrap_or_default(), of("doc"));
+        let heads = ["model", "doc"].map(|word| table.get_key_value(word));
+        for (key, _) in heads.into_iter().flatten() {
+            self.lines(&self.comments_of(key), "");
+        }
         self.doc(doc, "");
         let _ = writeln!(self.text, "pub model {name} {{");
         let mut items = Vec::new();
@@ -63,9 +94,37 @@ impl DeclarationWriter<'_> {
         }
         items.sort_by_key(|(_, key, _)| key.span().start);
         for (spec, key, value) in items {
-            self.item(spec, key.get_ref(), value);
+            self.item(spec, key, value);
         }
+        let rest = self.comments.rest().to_vec();
+        self.lines(&rest, "    ");
         self.text.push_str("}\n");
+    }
+
+    /// The comments that belong to a key.
+    fn comments_of(&self, key: &Spanned<Cow<'_, str>>) -> Vec<String> {
+        let place = self.starts.position(key.span().start);
+        self.comments.of(place).to_vec()
+    }
+
+    /// Those of a key and of all keys in its value.
+    fn comments_in(
+        &self,
+        key: &Spanned<Cow<'_, str>>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Vec<String> {
+        let mut all = self.comments_of(key);
+        if let DeValue::Table(table) = value.get_ref() {
+            let inner = entries(table).into_iter();
+            all.extend(inner.flat_map(|(key, value)| self.comments_in(key, value)));
+        }
+        all
+    }
+
+    fn lines(&mut self, comments: &[String], indent: &str) {
+        for line in comments {
+            let _ = writeln!(self.text, "{indent}// {line}");
+        }
     }
 
     /// A value as it stands in a declaration.
@@ -82,7 +141,8 @@ impl DeclarationWriter<'_> {
         }
     }
 
-    fn item(&mut self, spec: &ItemWord, name: &str, value: &Spanned<DeValue<'_>>) {
+    fn item(&mut self, spec: &ItemWord, key: &Spanned<Cow<'_, str>>, value: &Spanned<DeValue<'_>>) {
+        let name: &str = key.get_ref();
         let indent = "    ";
         let empty = DeTable::new();
         let table = match value.get_ref() {
@@ -90,6 +150,15 @@ impl DeclarationWriter<'_> {
             DeValue::Boolean(false) => return,
             _ => &empty,
         };
+        let mut comments = self.comments_of(key);
+        for (key, value) in entries(table) {
+            let word: &str = key.get_ref();
+            let is_field = is_field(spec, word) && !matches!(value.get_ref(), DeValue::Boolean(_));
+            if !is_field {
+                comments.extend(self.comments_in(key, value));
+            }
+        }
+        self.lines(&comments, indent);
         self.doc(table.get("doc").map(|doc| self.value(doc)), indent);
         let marked = |mark: &&str| {
             matches!(
@@ -143,20 +212,23 @@ impl DeclarationWriter<'_> {
     /// What stands between the braces.
     fn fields(&self, spec: &ItemWord, table: &DeTable<'_>) -> Vec<String> {
         let mut fields = Vec::new();
-        let clause = |word: &str| spec.clauses.iter().any(|clause| clause.key == word);
         for (key, value) in entries(table) {
             let word: &str = key.get_ref();
             let inner = words::find(word, true).filter(|_| spec.fields.is_some());
+            let first = fields.len();
             match (inner, value.get_ref()) {
-                _ if clause(word) || word == "doc" => {}
+                _ if !is_field(spec, word) => continue,
                 (_, DeValue::Boolean(_)) => {}
                 (Some(inner), DeValue::Table(_)) if !inner.named => {
                     fields.push(self.head(inner, "", value));
                 }
                 (Some(inner), DeValue::Table(table)) => {
                     let named = entries(table).into_iter();
-                    fields
-                        .extend(named.map(|(name, value)| self.head(inner, name.get_ref(), value)));
+                    fields.extend(named.map(|(name, value)| {
+                        let field = self.head(inner, name.get_ref(), value);
+                        above(&self.comments_in(name, value), field)
+                    }));
+                    continue;
                 }
                 (None, DeValue::Table(table)) => {
                     let of = entries(table).into_iter();
@@ -169,7 +241,21 @@ impl DeclarationWriter<'_> {
                 }
                 _ => fields.push(format!("{word}: {}", self.value(value))),
             }
+            if let Some(field) = fields.get_mut(first) {
+                *field = above(&self.comments_in(key, value), std::mem::take(field));
+            }
         }
         fields
     }
+}
+
+/// A field between braces with comments above it.
+fn above(comments: &[String], field: String) -> String {
+    let lines = comments.iter().map(|line| format!("// {line}\n        "));
+    lines.chain([field]).collect()
+}
+
+/// Whether a key is a field between the braces of an item.
+fn is_field(spec: &ItemWord, word: &str) -> bool {
+    word != "doc" && !spec.clauses.iter().any(|clause| clause.key == word)
 }

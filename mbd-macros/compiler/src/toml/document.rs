@@ -2,25 +2,32 @@
 
 use std::fmt::Write;
 
+use super::comments::Comments;
 use super::write::{key, quoted};
 use crate::lexeme::{Bracket, Places, from_text, without_mark};
 use crate::messages::Messages;
 use crate::syntax::item::items;
 use crate::syntax::words::{self, ItemWord};
-use crate::syntax::{Cursor, Item, NameSyntax, ValueSyntax, model};
+use crate::syntax::{Cursor, Item, NameSyntax, ValueSyntax, Word, model};
 
-/// The TOML document of the text of a declaration; `None` of a text that cannot be read. Comments stay behind.
+/// The TOML document of the text of a declaration, with its comments; `None` of a text that cannot be read.
 #[must_use]
 pub fn text_to_toml(text: &str) -> Option<String> {
     let (lexemes, places, mut messages) = from_text(without_mark(text));
     let model = model(&lexemes, &mut messages)?;
     let name = model.name.as_ref().filter(|_| messages.is_empty())?;
+    let all = model.items.iter();
+    let all = all.flat_map(|item| std::iter::once(item).chain(&item.block));
+    let all = all.map(|item| &item.word).chain([name]);
+    let all = all.map(|word| places.position(word.at)).collect();
     let mut writer = DocumentWriter {
+        comments: Comments::of_text(without_mark(text)).assign(all),
         places: &places,
         out: String::new(),
         grouped: None,
         groups: Vec::new(),
     };
+    writer.comments(name);
     let generic = if model.generic { "<T>" } else { "" };
     writer.entry("model", &format!("{}{generic}", name.text));
     writer.doc(&model.doc);
@@ -31,10 +38,13 @@ pub fn text_to_toml(text: &str) -> Option<String> {
     for item in things {
         writer.thing(item, words::find(&item.word.text, false)?)?;
     }
+    let rest = writer.comments.rest().to_vec();
+    writer.lines(&rest);
     Some(writer.out)
 }
 
 struct DocumentWriter<'p> {
+    comments: Comments,
     places: &'p Places,
     out: String,
     /// The keyword of the table that is open for one item a line.
@@ -53,6 +63,18 @@ impl DocumentWriter<'_> {
         let _ = writeln!(self.out, "{key} = {}", quoted(value));
     }
 
+    /// The comments that belong to a word, each on a line.
+    fn comments(&mut self, word: &Word) {
+        let lines = self.comments.of(self.places.position(word.at)).to_vec();
+        self.lines(&lines);
+    }
+
+    fn lines(&mut self, comments: &[String]) {
+        for line in comments {
+            let _ = writeln!(self.out, "# {line}");
+        }
+    }
+
     fn doc(&mut self, doc: &str) {
         if !doc.is_empty() {
             self.entry("doc", doc);
@@ -60,6 +82,7 @@ impl DocumentWriter<'_> {
     }
 
     fn setting(&mut self, item: &Item<'_>) {
+        self.comments(&item.word);
         match item.clause(":") {
             Some(value) => {
                 let value = self.text(value);
@@ -84,15 +107,18 @@ impl DocumentWriter<'_> {
                 self.grouped = Some(spec.word);
             }
             if self.grouped == Some(spec.word) {
+                self.comments(&item.word);
                 let value = self.inline(item, spec);
                 let _ = writeln!(self.out, "{} = {value}", key(name));
                 return Some(());
             }
         }
         self.grouped = None;
+        self.out.push('\n');
+        self.comments(&item.word);
         let _ = match &name {
-            Some(name) => writeln!(self.out, "\n[{}.{}]", spec.word, key(name)),
-            None => writeln!(self.out, "\n[{}]", spec.word),
+            Some(name) => writeln!(self.out, "[{}.{}]", spec.word, key(name)),
+            None => writeln!(self.out, "[{}]", spec.word),
         };
         self.doc(&item.doc);
         if let (Some(mark), Some(_)) = (spec.mark, item.marked) {
@@ -104,9 +130,11 @@ impl DocumentWriter<'_> {
         let (starts, fields): (Vec<&Item<'_>>, Vec<&Item<'_>>) =
             item.block.iter().partition(is_start);
         for field in fields {
+            self.comments(&field.word);
             let (key, value) = self.field(field, spec)?;
             let _ = writeln!(self.out, "{key} = {value}");
         }
+        starts.iter().for_each(|start| self.comments(&start.word));
         // A text may say it in parts.
         let parts: Vec<(&str, String)> = starts
             .iter()

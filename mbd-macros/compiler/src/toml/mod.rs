@@ -4,6 +4,7 @@
 //! `model!` (a bare number or list of numbers may stand without quotes). [`write`] turns a scene into such a document, [`declaration`] a document into
 //! the text form, [`document`] the text form into a document.
 
+mod comments;
 mod declaration;
 mod document;
 mod formula;

@@ -15,6 +15,7 @@ use toml::Value;
 
 use super::formula::{number, place, text, vector};
 use crate::resolve::letter;
+use crate::syntax::words::{ABOUT, AT_START, LOCKED};
 use crate::units;
 
 /// Writes a scene as TOML. Numbers without a unit are SI; repeated items are written one by one.
@@ -401,7 +402,7 @@ fn connections(out: &mut String, scene: &Scene) {
         }
         joint_fields(out, &joint.law, scene);
         if scene.starts.detached.contains(&Detachable::Joint(index)) {
-            entry(out, "at_start", "detached");
+            entry(out, AT_START, "detached");
         }
         forces(out, index, joint, scene);
     }
@@ -470,15 +471,22 @@ fn forces(out: &mut String, index: usize, joint: &Joint, scene: &Scene) {
             .forces
             .iter()
             .find(|forces| forces.coordinate == number);
-        if several && (start.is_some() || forces.is_some()) {
+        let lock = scene.lock_of(index, number).map(Detachable::Joint);
+        let locked = lock.is_some_and(|lock| !scene.starts.detached.contains(&lock));
+        if several && (start.is_some() || forces.is_some() || locked) {
             let _ = writeln!(out, "\n[joint.{}.{}]", key(&joint.name), coordinate.name);
         }
+        if locked {
+            entry(out, AT_START, LOCKED);
+        }
         if let Some(start) = start {
-            let given = [(&START, &start.value), (&START_RATE, &start.rate)];
-            for (field, formula) in given {
-                if let Some(formula) = formula {
-                    entry(out, field.name, &text(formula, scene));
-                }
+            if let Some(value) = &start.value {
+                let about = if start.about { ABOUT } else { "" };
+                let said = format!("{about} {}", text(value, scene));
+                entry(out, START.name, said.trim_start());
+            }
+            if let Some(rate) = &start.rate {
+                entry(out, START_RATE.name, &text(rate, scene));
             }
         }
         let Some(forces) = forces else { continue };
@@ -535,7 +543,7 @@ fn write_line(out: &mut String, (index, line): (usize, &Line), scene: &Scene) {
     }
     entry(out, "damping", &text(&line.damping, scene));
     if scene.starts.detached.contains(&Detachable::Line(index)) {
-        entry(out, "at_start", "detached");
+        entry(out, AT_START, "detached");
     }
 }
 

@@ -233,7 +233,7 @@ fn a_text_as_a_document_and_back_is_the_same_scene_with_what_was_written() {
         "doc = \"A swing.\"",
         "L = \"80 cm\"",
         "tilt = { value = \"30 deg\", in = \"0 deg ..= 60 deg\" }",
-        "[body.\"link[i in 0..3]\"]\nmass = \"500 g\"",
+        "[body.\"link[i in 0..3]\"]\n# light\nmass = \"500 g\"",
         "frame.root = { at = \"[0.0, 0.0, L / 2]\", rotated = \"rpy(0, 0, 45 deg)\" }",
         "angle1 = { damping = \"3 N*mm*s\", start = \"tilt\" }",
         "bend = { value = \"pin[0].angle1\", in = \"deg\" }",

@@ -343,9 +343,9 @@ impl Dispersions {
             match &varied.known.target {
                 DispersionTarget::Param(_) | DispersionTarget::LaterParam => {}
                 DispersionTarget::Input(at) => plan.inputs[*at] = *value,
-                DispersionTarget::Start(name) => {
+                DispersionTarget::Start(at) => {
                     let table = start.get_or_insert_with(|| settings.start.clone());
-                    place(table, name, *value);
+                    place(table, at, name::dispersed(scene, settings, at, *value));
                 }
             }
         }
@@ -398,12 +398,12 @@ impl Constraint {
     }
 }
 
-/// Sets a number by its dotted name.
-fn place(table: &mut Table, name: &str, value: f64) {
+/// Sets a value by its dotted name.
+fn place(table: &mut Table, name: &str, value: toml::Value) {
     match name.split_once('.') {
         // A joint coordinate that is written as one word.
         _ if table.contains_key(name) => {
-            table.insert(name.to_owned(), toml::Value::Float(value));
+            table.insert(name.to_owned(), value);
         }
         Some((owner, rest)) => {
             let inner = table
@@ -411,11 +411,11 @@ fn place(table: &mut Table, name: &str, value: f64) {
                 .or_insert_with(|| toml::Value::Table(Table::new()));
             match inner {
                 toml::Value::Table(inner) => place(inner, rest, value),
-                other => *other = toml::Value::Float(value),
+                other => *other = value,
             }
         }
         None => {
-            table.insert(name.to_owned(), toml::Value::Float(value));
+            table.insert(name.to_owned(), value);
         }
     }
 }

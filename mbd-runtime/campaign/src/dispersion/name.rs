@@ -1,12 +1,13 @@
 //! What can be dispersed: params, what the start is said in, inputs. Each by the name that its column of the results has.
 
+use mbd_compiler::ABOUT;
 use mbd_runtime::scene::laws::constant;
 use mbd_runtime::scene::{Arguments, InputSource, Parameter, Quantity, Scene, Unit};
 use mbd_runtime::{Generic, Layout, Model, state_names};
 use toml::Value;
 
 use crate::run::names::{PlanError, unknown, wrong};
-use crate::run::plan::coordinate_unit;
+use crate::run::plan::{about, coordinate_unit};
 use crate::run::{RunPlan, Settings};
 
 /// Where a dispersed number goes.
@@ -141,23 +142,50 @@ fn declared(scene: &Scene, params: &[f64], name: &str) -> Option<f64> {
 
 /// What the settings give a joint coordinate; `None` where they say nothing. Numbers were checked when the run was planned.
 fn written(settings: &Settings, name: &str) -> Option<f64> {
-    let mut table = Some(&settings.start);
+    match setting(settings, name)? {
+        Value::Float(number) => Some(*number),
+        Value::Integer(number) => Some(*number as f64),
+        Value::String(text) => {
+            let number = mbd_compiler::read_number(about(text).unwrap_or(text));
+            number.ok().map(|(number, _)| number)
+        }
+        _ => None,
+    }
+}
+
+/// What the settings write under the dotted name of a coordinate.
+fn setting<'a>(settings: &'a Settings, name: &str) -> Option<&'a Value> {
+    let mut table = &settings.start;
+    if let Some(value) = table.get(name) {
+        return Some(value);
+    }
     let mut words = name.split('.').peekable();
     while let Some(word) = words.next() {
-        let value = table.and_then(|table| table.get(word));
-        match value {
-            Some(Value::Table(inner)) => table = Some(inner),
-            Some(Value::Float(number)) if words.peek().is_none() => return Some(*number),
-            Some(Value::Integer(number)) if words.peek().is_none() => return Some(*number as f64),
-            Some(Value::String(text)) if words.peek().is_none() => {
-                return mbd_compiler::read_number(text)
-                    .ok()
-                    .map(|(number, _)| number);
-            }
+        match (table.get(word)?, words.peek()) {
+            (Value::Table(inner), Some(_)) => table = inner,
+            (value, None) => return Some(value),
             _ => return None,
         }
     }
     None
+}
+
+/// How a dispersed start is written: a coordinate that is about a value stays about the value of the case.
+pub fn dispersed(scene: &Scene, settings: &Settings, name: &str, value: f64) -> Value {
+    let found = scene.joint_coordinate(name);
+    let declared = |(joint, number, is_rate): (usize, usize, bool)| {
+        let mut starts = scene.starts.coordinates.iter();
+        let own = starts.find(|start| (start.joint, start.coordinate) == (joint, number));
+        !is_rate && own.is_some_and(|start| start.about)
+    };
+    let gives_way = match setting(settings, name) {
+        Some(given) => given.as_str().and_then(about).is_some(),
+        None => found.is_some_and(declared),
+    };
+    match coordinate_unit(scene, name).filter(|_| gives_way) {
+        Some(unit) => Value::String(format!("{ABOUT} {value:?} {unit}")),
+        None => Value::Float(value),
+    }
 }
 
 /// Refuses to disperse a param that scenes have with different nominal values, or in different units: which of them is meant?

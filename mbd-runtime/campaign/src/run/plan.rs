@@ -1,10 +1,10 @@
 //! From settings to numbers: everything a run needs, checked against the scene.
 
-use mbd_compiler::nearest;
+use mbd_compiler::{ABOUT, nearest};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
-    Input, InputSource, JointStart, NodeModel, Part, PlacementError, Scene, declared_parts,
-    place_declared,
+    Input, InputSource, JointStart, NodeModel, Part, PlacementError, PlacementReport, Scene,
+    StartNumber, declared_parts, place_declared,
 };
 use mbd_runtime::{
     Content, Generic, Layout, Method, Name, Options, RunError, Sampling, Scalar, Simulation,
@@ -33,6 +33,8 @@ pub struct RunPlan {
     pub placed: Vec<String>,
     /// The joint coordinates that the settings start, and where [m or rad, and per second]: the state does not tell full turns.
     pub joints: Vec<(String, f64)>,
+    /// What placing the bodies decided: starts that are about a value, coordinates that nothing decides.
+    pub assembly: PlacementReport,
     /// Where the equilibrium points are searched from [m], 3 a node; `None` if nothing was said.
     pub nodes: Option<Vec<f64>>,
     /// What the caller supplies, held constant.
@@ -80,7 +82,7 @@ impl RunPlan {
             .transpose()?;
         let params = params(scene, &settings.params)?;
         let placed = placed(scene, &settings.start);
-        let (state, nodes, joints) = start((scene, layout), &params, &settings.start, &placed)?;
+        let start = start((scene, layout), &params, &settings.start, &placed)?;
         let placed = with_declared(scene, &settings.start, placed);
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
@@ -101,10 +103,11 @@ impl RunPlan {
             options,
             every,
             params,
-            state,
+            state: start.state,
             placed,
-            joints,
-            nodes,
+            joints: start.joints,
+            assembly: start.assembly,
+            nodes: start.nodes,
             estimate: settings.estimate.unwrap_or(true),
             inputs: inputs(scene, layout, &settings.inputs)?,
         })
@@ -134,7 +137,9 @@ impl RunPlan {
         given: &Table,
     ) -> Result<(), PlanError> {
         let placed = placed(scene.0, given);
-        (self.state, self.nodes, self.joints) = start(scene, &self.params, given, &placed)?;
+        let start = start(scene, &self.params, given, &placed)?;
+        (self.state, self.nodes) = (start.state, start.nodes);
+        (self.joints, self.assembly) = (start.joints, start.assembly);
         self.placed = with_declared(scene.0, given, placed);
         Ok(())
     }
@@ -287,7 +292,12 @@ fn held(input: &Input) -> String {
 }
 
 /// A state, the places of the equilibrium points where any is given, and the joint coordinates that are given.
-type PlannedStart = (Vec<f64>, Option<Vec<f64>>, Vec<(String, f64)>);
+struct PlannedStart {
+    state: Vec<f64>,
+    nodes: Option<Vec<f64>>,
+    joints: Vec<(String, f64)>,
+    assembly: PlacementReport,
+}
 
 /// The state and the places of the equilibrium points, from names of coordinates.
 fn start(
@@ -324,11 +334,11 @@ fn start(
         slots.extend(["x", "y", "z"].map(|c| (format!("{owner}.{c}"), "m", 0.0)));
     }
     let mut places_given = false;
-    let mut joints: Vec<(String, f64)> = Vec::new();
+    let mut joints: Vec<(String, StartNumber)> = Vec::new();
     for (name, value) in flat(given) {
         let setting = format!("start.{name}");
         if let Some(unit) = coordinate_unit(scene, &name) {
-            joints.push((name.clone(), number(&setting, value, unit)?));
+            joints.push((name.clone(), start_number(scene, &setting, value, unit)?));
             continue;
         }
         let Some(index) = slots.iter().position(|(slot, ..)| *slot == name) else {
@@ -349,9 +359,41 @@ fn start(
     let named = joints.iter().map(|(name, number)| (name.as_str(), *number));
     let starts = JointStart::by_name(scene, named)
         .map_err(|name| wrong(format!("start.{name}"), "is no joint coordinate"))?;
-    place_declared(scene, layout, (params, 0.0), &starts, &fixed, &mut numbers)
+    let from = (params, 0.0);
+    let assembly = place_declared(scene, layout, from, &starts, &fixed, &mut numbers)
         .map_err(|error| misplaced(scene, error))?;
-    Ok((numbers, places_given.then_some(nodes), joints))
+    let joints = joints.into_iter().map(|(name, said)| (name, said.number()));
+    Ok(PlannedStart {
+        state: numbers,
+        nodes: places_given.then_some(nodes),
+        joints: joints.collect(),
+        assembly,
+    })
+}
+
+/// What is said of a joint coordinate or its rate: a number, or `"about 30 deg"` of a coordinate.
+fn start_number(
+    scene: &Scene,
+    setting: &str,
+    value: &Value,
+    unit: &str,
+) -> Result<StartNumber, PlanError> {
+    let Some(text) = value.as_str().and_then(about) else {
+        return number(setting, value, unit).map(StartNumber::Exact);
+    };
+    let name = setting.strip_prefix("start.").unwrap_or(setting);
+    if matches!(scene.joint_coordinate(name), Some((.., true))) {
+        let text =
+            "is a rate, and `about` is said of coordinates: give its number alone, or leave it out";
+        return Err(wrong(setting, text));
+    }
+    number(setting, &Value::String(text.to_owned()), unit).map(StartNumber::About)
+}
+
+/// What stands behind `about`; `None` of a text that does not begin so.
+pub(crate) fn about(text: &str) -> Option<&str> {
+    let rest = text.trim_start().strip_prefix(ABOUT)?;
+    rest.starts_with(char::is_whitespace).then(|| rest.trim())
 }
 
 /// The unit of a joint coordinate, `pin.angle`, or of its rate, `pin.angle_rate`; `None` of another name.

@@ -333,6 +333,7 @@ pub(crate) fn driven_coordinates(
             coordinate,
             value: Some(course.value),
             rate: Some(course.rate),
+            about: false,
         }
     });
     driven.collect()

@@ -207,6 +207,43 @@ pub fn out_of_plane<S: Real>(
     sizes.fold(S::zero(), Real::max)
 }
 
+/// The units of the rows of a joint, in their order: `m` of one that the places of its ends change, else `rad`; of a coupling that of the coordinate
+/// that it is written for.
+pub fn row_units<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &crate::laws::Numbers<S>,
+    at: &At<'_, S>,
+    joint: usize,
+) -> Vec<&'static str> {
+    let (Some(declared), Some(slots)) = (scene.joints.get(joint), layout.joints.get(joint)) else {
+        return Vec::new();
+    };
+    if let Some(&(of, index)) = declared.law.couples().last() {
+        let coordinate = scene.coordinate(of, index);
+        let angle = coordinate.is_some_and(|(_, coordinate)| coordinate.is_angle());
+        return vec![if angle { "rad" } else { "m" }; slots.len];
+    }
+    let mut kinematics = Kinematics::new(layout);
+    let evaluation = kinematics.read(scene, layout, numbers, at);
+    let mut rows = Rows::default();
+    let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
+    if let Some(own) = ends(joint) {
+        evaluation.law_rows((joint, &own), ends, slots.law, &mut rows);
+        for (coordinate, course) in evaluation.motors(declared) {
+            rows.motor(&own, &coordinate, &course);
+        }
+    }
+    let is_length = |row: &Row<S>| {
+        let mut linear = row.columns.iter().flat_map(|columns| columns.linear.iter());
+        linear.any(|x| !x.is_zero())
+    };
+    let units = rows.rows().iter();
+    units
+        .map(|row| if is_length(row) { "m" } else { "rad" })
+        .collect()
+}
+
 /// Whether a joint is on the branch it means: three numbers, all positive if it is (1 where its rows have no other root). Positions alone
 /// matter; a joint or a place that is not there gives NaN.
 pub fn branch<S: Real>(

@@ -50,7 +50,7 @@ impl Placement<'_> {
     }
 
     /// Whether every joint holds whatever the coordinates: all of them place a part, by as many coordinates as they leave free.
-    fn holds_anywhere(&self) -> bool {
+    pub(super) fn holds_anywhere(&self) -> bool {
         let places = |joint: usize| {
             let law = &self.scene.joints[joint].law;
             let linked = self.links.iter().any(|link| link.joint == joint);

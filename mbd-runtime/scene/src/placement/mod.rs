@@ -13,14 +13,15 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::evaluate::{Scratch, driven_coordinates, evaluate};
 use crate::laws::body::{BodyMotion, attitude_of};
-use crate::laws::branch;
 use crate::laws::ground::ground;
 use crate::laws::numbers::Numbers;
+use crate::laws::{branch, row_units};
 use crate::{
     AngularVelocity, Arguments, FrameMotion, Layout, Part, Place, PointSlots, Quantity, Relative,
     Scene, Twist,
 };
 
+mod about;
 mod at_zero;
 mod couplings;
 
@@ -30,6 +31,8 @@ const ITERATIONS: usize = 100;
 const REACHES: [f64; 8] = [0.0, 0.1, 0.3, 0.3, 1.0, 1.0, 2.0, 3.0];
 /// A loop is closed when its rows are below this [m or 1].
 const CLOSED: f64 = 1e-11;
+/// Rates contradict each other where they leave the rows more than this part of what one of them asks for; less is what their digits leave.
+const CONTRADICTION: f64 = 1e-3;
 /// Freedoms of a body that floats.
 pub(crate) const FREE: usize = 6;
 /// The step of the differences that linearise (3).
@@ -46,6 +49,50 @@ pub struct JointStart {
     pub value: Option<f64>,
     /// Its rate [m/s or rad/s]; `None`: as the others decide, zero where they do not.
     pub rate: Option<f64>,
+    /// Whether the value gives way where loops do not close with it: the nearest that they close with is taken.
+    pub about: bool,
+}
+
+/// What placing bodies by joint coordinates decided beyond what it was told.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlacementReport {
+    /// The coordinates that are said to be about a value, in the order they were given.
+    pub about: Vec<AboutStart>,
+    /// Coordinates of loops that nothing said decides, joint and number: what is taken is near zero, or near what was taken before.
+    pub undecided: Vec<(usize, usize)>,
+}
+
+impl PlacementReport {
+    /// Coordinates that are about a value by their names, with what was said and what was taken [m or rad].
+    #[must_use]
+    pub fn told_about(&self, scene: &Scene) -> Vec<(String, f64, f64)> {
+        let told = self.about.iter().map(|start| {
+            let name = scene.coordinate_name(start.joint, start.coordinate);
+            (name, start.said, start.taken)
+        });
+        told.collect()
+    }
+
+    /// The coordinates that nothing decides, by their names.
+    #[must_use]
+    pub fn told_undecided(&self, scene: &Scene) -> Vec<String> {
+        let all = self.undecided.iter();
+        all.map(|&(joint, coordinate)| scene.coordinate_name(joint, coordinate))
+            .collect()
+    }
+}
+
+/// Where a coordinate starts that was said to be about a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AboutStart {
+    /// The joint, by index.
+    pub joint: usize,
+    /// The coordinate, by number.
+    pub coordinate: usize,
+    /// The value that was said [m or rad].
+    pub said: f64,
+    /// The value that it has [m or rad].
+    pub taken: f64,
 }
 
 impl Scene {
@@ -58,6 +105,15 @@ impl Scene {
         let (number, found) =
             measured.find(|(_, found)| found.name == word || found.rate == word)?;
         Some((joint, number, found.rate == word))
+    }
+
+    /// The name of a joint coordinate, `pin.angle`; empty of none.
+    #[must_use]
+    pub fn coordinate_name(&self, joint: usize, coordinate: usize) -> String {
+        let found = self.coordinate(joint, coordinate);
+        found.map_or_else(String::new, |(joint, it)| {
+            format!("{}.{}", joint.name, it.name)
+        })
     }
 
     /// The names of all joint coordinates, each followed by that of its rate.
@@ -82,11 +138,15 @@ impl PlacementError {
         let (joint, why) = match *self {
             PlacementError::Decided { joint } => (
                 joint,
-                "is placed already, by other joint coordinates or by the bodies it joins: leave out one of them".to_owned(),
+                "is placed already, by other joint coordinates or by the bodies it joins: leave out one of them, or say `about` before the start that may give way".to_owned(),
             ),
-            PlacementError::Open { joint, gap } => (
+            PlacementError::Rates { joint } => (
                 joint,
-                format!("stays open by {gap:.1e} [m or rad]: the starts that are given, and the lengths of its loop, let nothing close it; leave out a start there, give another, or change a length"),
+                "comes apart: the rates that its loop starts with contradict each other; leave out one of them".to_owned(),
+            ),
+            PlacementError::Open { joint, gap, unit } => (
+                joint,
+                format!("stays open by {gap:.1e} {unit}: the starts that are given, and the lengths of its loop, let nothing close it; leave out a start there, say `about` before one that may give way, or change a length"),
             ),
         };
         let name = scene.joints.get(joint).map(|joint| joint.name.clone());
@@ -94,17 +154,42 @@ impl PlacementError {
     }
 }
 
+/// What is said of a coordinate or a rate at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StartNumber {
+    /// It is this [SI].
+    Exact(f64),
+    /// It is this [SI] where loops close with it, and the nearest that they close with where not.
+    About(f64),
+}
+
+impl StartNumber {
+    /// The number that is said [SI].
+    #[must_use]
+    pub const fn number(self) -> f64 {
+        match self {
+            StartNumber::Exact(number) | StartNumber::About(number) => number,
+        }
+    }
+}
+
+impl From<f64> for StartNumber {
+    fn from(number: f64) -> Self {
+        StartNumber::Exact(number)
+    }
+}
+
 impl JointStart {
-    /// Values and rates by their names, brought together. The first name that is none is an error.
+    /// Values and rates by their names, brought together. The first name that is none is an error; a rate is what it is said to be about.
     ///
     /// # Errors
     /// That name.
     pub fn by_name<'a>(
         scene: &Scene,
-        given: impl IntoIterator<Item = (&'a str, f64)>,
+        given: impl IntoIterator<Item = (&'a str, StartNumber)>,
     ) -> Result<Vec<Self>, &'a str> {
         let mut starts: Vec<JointStart> = Vec::new();
-        for (name, number) in given {
+        for (name, said) in given {
             let (joint, coordinate, is_rate) = scene.joint_coordinate(name).ok_or(name)?;
             let same = |known: &JointStart| (known.joint, known.coordinate) == (joint, coordinate);
             let index = starts.iter().position(same).unwrap_or_else(|| {
@@ -113,15 +198,17 @@ impl JointStart {
                     coordinate,
                     value: None,
                     rate: None,
+                    about: false,
                 });
                 starts.len() - 1
             });
             let start = &mut starts[index];
-            *if is_rate {
-                &mut start.rate
+            if is_rate {
+                start.rate = Some(said.number());
             } else {
-                &mut start.value
-            } = Some(number);
+                start.value = Some(said.number());
+                start.about = matches!(said, StartNumber::About(_));
+            }
         }
         Ok(starts)
     }
@@ -135,12 +222,19 @@ pub enum PlacementError {
         /// The joint, by index.
         joint: usize,
     },
+    /// The rates that are given contradict each other: no rates of the other joints keep the loops closed.
+    Rates {
+        /// The joint that would come apart fastest, by index.
+        joint: usize,
+    },
     /// No coordinates of the other joints close the loops.
     Open {
         /// The joint that is open most, by index.
         joint: usize,
-        /// By how much [m or 1].
+        /// By how much, in `unit`.
         gap: f64,
+        /// `m`, or `rad` of axes that are not where they belong.
+        unit: &'static str,
     },
 }
 
@@ -159,6 +253,34 @@ struct MovingFrame {
     axes: Matrix3<f64>,
     velocity: Vector3<f64>,
     omega: Vector3<f64>,
+}
+
+/// What stays open most.
+#[derive(Clone, Copy)]
+struct OpenRow {
+    size: f64,
+    joint: usize,
+    unit: &'static str,
+}
+
+impl Default for OpenRow {
+    fn default() -> Self {
+        OpenRow {
+            size: f64::INFINITY,
+            joint: 0,
+            unit: "m",
+        }
+    }
+}
+
+impl OpenRow {
+    fn error(self) -> PlacementError {
+        PlacementError::Open {
+            joint: self.joint,
+            gap: self.size,
+            unit: self.unit,
+        }
+    }
 }
 
 struct Placement<'a> {
@@ -187,7 +309,7 @@ pub fn place(
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<(), PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     place_near(scene, layout, from, (given, &[]), fixed, state)
 }
 
@@ -202,13 +324,13 @@ pub(crate) fn place_near(
     (given, near): (&[JointStart], &[JointStart]),
     fixed: &[Part],
     state: &mut [f64],
-) -> Result<(), PlacementError> {
+) -> Result<PlacementReport, PlacementError> {
     if state.len() != layout.nx() {
-        return Ok(());
+        return Ok(PlacementReport::default());
     }
     let links = tree(scene, layout, given, fixed)?;
     if links.is_empty() && given.is_empty() {
-        return Ok(());
+        return Ok(PlacementReport::default());
     }
     let numbers = Numbers::new(scene, params);
     let mut frames = Vec::new();
@@ -248,10 +370,12 @@ pub(crate) fn place_near(
         all.push(driven);
     }
     match given.is_empty() {
-        true => placement.rest(&all, state),
-        false => placement.solve(&all, state)?,
+        true => {
+            placement.rest(&all, state);
+            Ok(PlacementReport::default())
+        }
+        false => placement.solve(&all, state),
     }
-    Ok(())
 }
 
 /// The spanning tree, in the order in which it is walked.
@@ -261,7 +385,14 @@ fn tree(
     given: &[JointStart],
     fixed: &[Part],
 ) -> Result<Vec<PlacingJoint>, PlacementError> {
-    let asked = |joint: usize| given.iter().any(|start| start.joint == joint);
+    // What holds exactly goes first, what may give way next: what is left over closes the loops.
+    let rank = |joint: usize| {
+        let own = given.iter().filter(|start| start.joint == joint);
+        let gives_way = |start: &JointStart| start.about && start.rate.is_none();
+        own.map(|start| u8::from(gives_way(start)))
+            .min()
+            .unwrap_or(2)
+    };
     // What flies from another body starts where that is.
     let flies = |joint: usize| {
         let from_body = matches!(scene.joints[joint].parent, Place::Body(..));
@@ -273,7 +404,7 @@ fn tree(
             (holds && scene.joints[joint].law.couples().is_empty()) || flies(joint)
         })
         .collect();
-    order.sort_by_key(|&joint| (flies(joint), !asked(joint), scene.joints[joint].cut));
+    order.sort_by_key(|&joint| (flies(joint), rank(joint), scene.joints[joint].cut));
     // What hangs together; the world and everything fixed are one.
     let mut together: Vec<Vec<Option<Part>>> = vec![vec![None]];
     together[0].extend(fixed.iter().copied().map(Some));
@@ -291,7 +422,7 @@ fn tree(
             })
         });
         if a == b {
-            if asked(joint) {
+            if rank(joint) == 0 {
                 return Err(PlacementError::Decided { joint });
             }
             continue;
@@ -329,12 +460,17 @@ fn tree(
 }
 
 impl Placement<'_> {
-    fn solve(&mut self, given: &[JointStart], state: &mut [f64]) -> Result<(), PlacementError> {
+    fn solve(
+        &mut self,
+        given: &[JointStart],
+        state: &mut [f64],
+    ) -> Result<PlacementReport, PlacementError> {
         let find = |joint: usize, coordinate: usize| {
             let mut starts = given.iter();
             starts.find(|start| (start.joint, start.coordinate) == (joint, coordinate))
         };
-        let (mut unknowns, mut rates) = (Vec::new(), Vec::new());
+        let (mut unknowns, mut yielding) = (Vec::new(), Vec::new());
+        let (mut said_rates, mut rates) = (Vec::new(), Vec::new());
         for link in &self.links {
             let joint = link.joint;
             // What flies closes no loop.
@@ -342,22 +478,42 @@ impl Placement<'_> {
                 continue;
             }
             for (k, q) in self.q[joint].iter_mut().enumerate() {
-                match find(joint, k).and_then(|start| start.value) {
+                let start = find(joint, k);
+                match start.and_then(|start| start.value) {
                     Some(value) => *q = value,
                     None => unknowns.push((joint, k)),
+                }
+                if start.is_some_and(|start| start.about && start.value.is_some()) {
+                    yielding.push((joint, k));
                 }
             }
             for (k, u) in self.u[joint].iter_mut().enumerate() {
                 match find(joint, k).and_then(|start| start.rate) {
-                    Some(rate) => *u = rate,
+                    Some(rate) => {
+                        *u = rate;
+                        said_rates.push((joint, k));
+                    }
                     None => rates.push((joint, k)),
                 }
             }
         }
-        self.close(&unknowns, state)?;
-        self.close_rates(&rates, state);
+        let wishes = about::wishes(given);
+        let said = self.q.clone();
+        let closed = self.close(&unknowns, state);
+        if wishes.is_empty() {
+            closed?;
+        } else if closed != Ok(true) || !self.grants(&wishes, state) {
+            self.q = said;
+            let all: Vec<(usize, usize)> = unknowns.iter().chain(&yielding).copied().collect();
+            self.close_near(&all, &wishes, state)?;
+        }
+        self.close_rates([&said_rates, &rates], state)?;
+        let assembly = PlacementReport {
+            about: self.granted(&wishes, state),
+            undecided: self.undecided(&unknowns, state),
+        };
         self.walk(state);
-        Ok(())
+        Ok(assembly)
     }
 
     /// Whether every joint is on the branch it means: rows have more roots than that.
@@ -384,8 +540,8 @@ impl Placement<'_> {
                 continue;
             }
             self.q[joint][k] += std::f64::consts::PI;
-            let (gap, _) = self.descend(unknowns, state);
-            if gap <= CLOSED && self.is_on_branch(state) {
+            let gap = self.descend(unknowns, state);
+            if gap.size <= CLOSED && self.is_on_branch(state) {
                 return true;
             }
             self.q.clone_from(&here);
@@ -393,60 +549,58 @@ impl Placement<'_> {
         false
     }
 
-    /// Solves (3) for the coordinates. Where it closes only with joints reversed, which a start refuses by name, that is what stays.
+    /// Moves coordinates away from where they are, each attempt further; the first leaves them.
+    fn scatter(&mut self, unknowns: &[(usize, usize)], attempt: usize) {
+        let reach = REACHES.get(attempt).copied().unwrap_or_default();
+        for (number, &(joint, k)) in unknowns.iter().enumerate() {
+            // Any numbers do that are unlike: no coordinate at the same place twice.
+            let turn = 2.4 * (number + 7 * attempt) as f64;
+            self.q[joint][k] += reach * turn.sin();
+        }
+        self.normalise();
+    }
+
+    /// Solves (3) for the coordinates; whether every joint is on the branch it means. Where it closes only with joints reversed, which a start refuses
+    /// by name, that is what stays.
     fn close(
         &mut self,
         unknowns: &[(usize, usize)],
         state: &mut [f64],
-    ) -> Result<(), PlacementError> {
+    ) -> Result<bool, PlacementError> {
         let start = self.q.clone();
-        let mut best = (f64::INFINITY, 0);
+        let mut best = OpenRow::default();
         let mut other_branch = None;
-        for (attempt, reach) in REACHES.into_iter().enumerate() {
+        for attempt in 0..REACHES.len() {
             self.q.clone_from(&start);
-            for (number, &(joint, k)) in unknowns.iter().enumerate() {
-                // Any numbers do that are unlike: no coordinate at the same place twice.
-                let turn = 2.4 * (number + 7 * attempt) as f64;
-                self.q[joint][k] += reach * turn.sin();
-            }
-            self.normalise();
-            let (gap, joint) = self.descend(unknowns, state);
-            if gap <= CLOSED {
+            self.scatter(unknowns, attempt);
+            let gap = self.descend(unknowns, state);
+            if gap.size <= CLOSED {
                 if self.is_on_branch(state) || self.turns_back(unknowns, state) {
-                    return Ok(());
+                    return Ok(true);
                 }
                 other_branch.get_or_insert_with(|| self.q.clone());
-            } else if gap < best.0 {
-                best = (gap, joint);
+            } else if gap.size < best.size {
+                best = gap;
             }
         }
-        let (gap, joint) = best;
         match other_branch {
             Some(q) => self.q = q,
-            None => return Err(PlacementError::Open { joint, gap }),
+            None => return Err(best.error()),
         }
-        Ok(())
+        Ok(false)
     }
 
-    /// Damped least squares from here; the largest row that is left, and its joint.
-    fn descend(&mut self, unknowns: &[(usize, usize)], state: &mut [f64]) -> (f64, usize) {
+    /// Damped least squares from here; what stays open most.
+    fn descend(&mut self, unknowns: &[(usize, usize)], state: &mut [f64]) -> OpenRow {
         let mut gaps = self.rows(Quantity::Constraint, state);
         let mut damping = 1e-3;
         for _ in 0..ITERATIONS {
             if gaps.amax() <= CLOSED || unknowns.is_empty() {
                 break;
             }
-            let mut slopes = DMatrix::zeros(gaps.len(), unknowns.len());
-            for (column, &(joint, k)) in unknowns.iter().enumerate() {
-                let here = self.q[joint][k];
-                let mut at = |q: f64| {
-                    self.q[joint][k] = q;
-                    self.rows(Quantity::Constraint, state)
-                };
-                let difference = at(here + DIFFERENCE) - at(here - DIFFERENCE);
-                self.q[joint][k] = here;
-                slopes.set_column(column, &(difference / (2.0 * DIFFERENCE)));
-            }
+            let slopes = self.slopes(unknowns, state, &|it, state| {
+                it.rows(Quantity::Constraint, state)
+            });
             let normal = slopes.transpose() * &slopes;
             let right = slopes.transpose() * &gaps;
             let scale = normal.diagonal().max();
@@ -472,43 +626,81 @@ impl Placement<'_> {
                 }
             }
         }
+        let size = gaps.amax();
+        if size <= CLOSED {
+            return OpenRow {
+                size,
+                joint: 0,
+                unit: "m",
+            };
+        }
         let worst = gaps.iamax();
-        let joint = self
-            .layout
-            .joints
-            .iter()
-            .position(|slots| (slots.row..slots.row + slots.len).contains(&worst));
-        let left = gaps.amax();
-        (
-            if left.is_finite() {
-                left
-            } else {
-                f64::INFINITY
-            },
-            joint.unwrap_or(0),
-        )
+        let joint = self.joint_of(worst);
+        let size = if size.is_finite() {
+            size
+        } else {
+            f64::INFINITY
+        };
+        let unit = self.unit_of(joint, worst, state);
+        OpenRow { size, joint, unit }
     }
 
-    /// Solves (3) for the rates: the smallest that do.
-    fn close_rates(&mut self, rates: &[(usize, usize)], state: &mut [f64]) {
-        let gaps = self.rows(Quantity::ConstraintRate, state);
-        if rates.is_empty() || gaps.amax() <= CLOSED {
-            return;
+    /// The unit of a row of a joint.
+    fn unit_of(&self, joint: usize, row: usize, state: &[f64]) -> &'static str {
+        let place = self.here(state);
+        let units = row_units(self.scene, self.layout, &self.numbers, &place.at(), joint);
+        let first = self.layout.joints.get(joint).map_or(0, |slots| slots.row);
+        units.get(row.saturating_sub(first)).copied().unwrap_or("m")
+    }
+
+    /// Solves (3) for the rates: the smallest that do. Rates that are `said` and contradict each other by more than their digits are told.
+    fn close_rates(
+        &mut self,
+        [said, rates]: [&[(usize, usize)]; 2],
+        state: &mut [f64],
+    ) -> Result<(), PlacementError> {
+        let mut gaps = self.rows(Quantity::ConstraintRate, state);
+        if gaps.amax() <= CLOSED {
+            return Ok(());
         }
-        let mut slopes = DMatrix::zeros(gaps.len(), rates.len());
-        for (column, &(joint, k)) in rates.iter().enumerate() {
-            self.u[joint][k] = 1.0;
-            slopes.set_column(
-                column,
-                &(self.rows(Quantity::ConstraintRate, state) - &gaps),
-            );
-            self.u[joint][k] = 0.0;
-        }
-        if let Ok(found) = slopes.svd(true, true).solve(&gaps, 1e-9) {
-            for (&(joint, k), rate) in rates.iter().zip(found.iter()) {
-                self.u[joint][k] = -rate;
+        if !rates.is_empty() {
+            let mut slopes = DMatrix::zeros(gaps.len(), rates.len());
+            for (column, &(joint, k)) in rates.iter().enumerate() {
+                self.u[joint][k] = 1.0;
+                slopes.set_column(
+                    column,
+                    &(self.rows(Quantity::ConstraintRate, state) - &gaps),
+                );
+                self.u[joint][k] = 0.0;
             }
+            if let Ok(found) = slopes.svd(true, true).solve(&gaps, 1e-9) {
+                for (&(joint, k), rate) in rates.iter().zip(found.iter()) {
+                    self.u[joint][k] = -rate;
+                }
+            }
+            gaps = self.rows(Quantity::ConstraintRate, state);
         }
+        // What each of them alone asks of the rows: the size that a contradiction is measured by.
+        let mut size: f64 = 0.0;
+        for &(joint, k) in said {
+            let rate = std::mem::take(&mut self.u[joint][k]);
+            let without = self.rows(Quantity::ConstraintRate, state);
+            self.u[joint][k] = rate;
+            size = size.max((&gaps - without).amax());
+        }
+        match !said.is_empty() && gaps.amax() > CONTRADICTION * size {
+            true => Err(PlacementError::Rates {
+                joint: self.joint_of(gaps.iamax()),
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// The joint of a row.
+    fn joint_of(&self, row: usize) -> usize {
+        let mut rows = self.layout.joints.iter();
+        let joint = rows.position(|slots| (slots.row..slots.row + slots.len).contains(&row));
+        joint.unwrap_or(0)
     }
 
     fn here(&self, state: &[f64]) -> Arguments<f64> {

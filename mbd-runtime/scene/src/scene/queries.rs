@@ -206,6 +206,16 @@ impl Scene {
         Some(format!("{}.{}", joint.name, coordinate.name))
     }
 
+    /// The lock of a coordinate, by its number among the joints; `None` of one that nothing locks.
+    #[must_use]
+    pub fn lock_of(&self, joint: usize, coordinate: usize) -> Option<usize> {
+        let holds = |law: &JointLaw| match law {
+            JointLaw::Lock(lock) => lock.couples == [(joint, coordinate)],
+            _ => false,
+        };
+        self.joints.iter().position(|joint| holds(&joint.law))
+    }
+
     /// The name of what an event sets.
     #[must_use]
     pub fn settable_name(&self, what: Settable) -> &str {

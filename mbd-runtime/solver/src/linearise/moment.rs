@@ -55,7 +55,7 @@ impl SceneMoment {
         });
         let mut system = System::new(generic.clone(), Vec::new(), false);
         system.hold(inputs);
-        system.count_turns_from_starts(&[], (time, state));
+        system.remember_starts(&[], (time, state));
         Ok(SceneMoment {
             slopes: Slopes::new(scene, layout, &generic.params),
             work: generic.scratch(),
@@ -70,7 +70,7 @@ impl SceneMoment {
     /// Counts turns of angles from these starts of joints on.
     pub(crate) fn begin_turns(&mut self, starts: &[JointStart]) {
         let at = (self.time, &self.state[..]);
-        self.system.count_turns_from_starts(starts, at);
+        self.system.remember_starts(starts, at);
     }
 
     /// The values of the angles of [`Layout::turns`] [rad].

@@ -149,9 +149,15 @@ impl<T: Float> NodeMemory<T> {
 
     /// Of a lock that holds nothing yet: it holds its coordinate at that one of these numbers.
     pub(crate) fn lock(&mut self, layout: &Layout, what: Detachable, numbers: &[f64]) {
-        let place = layout.held_of(what);
         let switch = layout.switch_of(what).and_then(|at| self.modes.get(at));
-        if let (Some(place), Some(Mode::Detached)) = (place, switch)
+        if let Some(Mode::Detached) = switch {
+            self.hold_at(layout, what, numbers);
+        }
+    }
+
+    /// A lock holds its coordinate at that one of these numbers from here on.
+    pub(crate) fn hold_at(&mut self, layout: &Layout, what: Detachable, numbers: &[f64]) {
+        if let Some(place) = layout.held_of(what)
             && let (Some(slot), Some(&number)) = (self.held.get_mut(place), numbers.get(place))
         {
             *slot = T::from_f64(number);

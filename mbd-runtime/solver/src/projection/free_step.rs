@@ -75,7 +75,7 @@ impl<T: Float> Reversible<T> for System<T> {
         Err(StepError::JointsApart {
             time: end,
             norm,
-            rows: self.worst_joints(),
+            rows: self.worst_joints((end, moved), ["m", "rad"]),
         })
     }
 

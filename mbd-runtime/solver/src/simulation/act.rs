@@ -233,7 +233,7 @@ impl<T: Float> Simulation<T> {
         held.map_err(|error| match error {
             StepError::JointsApart { norm, rows, .. } => {
                 let joints: Vec<String> =
-                    rows.iter().map(|(name, _)| format!("`{name}`")).collect();
+                    rows.iter().map(|(name, ..)| format!("`{name}`")).collect();
                 let why = format!(
                     "it leaves {} apart by {norm:.3e}: bodies would have to jump",
                     joints.join(", ")

@@ -168,6 +168,7 @@ impl<T: Float> Simulation<T> {
         self.take_up_params(&snapshot.params)
             .map_err(|cause| self.failed(cause))?;
         self.shown.forget();
+        self.joints_set.clear();
         self.system.take_up_origin(snapshot.from);
         self.changes.done.clone_from(&snapshot.done);
         self.changes.stop = None;

@@ -7,7 +7,8 @@ use mbd_scene::laws::starts;
 use mbd_scene::similar::did_you_mean;
 use mbd_scene::{
     Coordinate, Float, Formula, InputSlots, InputSource, Joint, JointStart, Layout, Model,
-    NodeModel, PlacementError, Quantity, Scene, declared_beside, declared_parts, place_declared,
+    NodeModel, PlacementError, PlacementReport, Quantity, Scene, StartNumber, declared_beside,
+    declared_parts, place_declared,
 };
 
 use super::act::Changes;
@@ -125,11 +126,11 @@ impl<T: Float> Simulation<T> {
         .map(|what| layout.len(what));
         let bodies = layout.len(Quantity::Bodies);
         let mut state = vec![T::zero(); length];
-        let start = declared_start(&*model, 0.0).map_err(refuse)?;
+        let (start, assembly) = declared_start(&*model, 0.0).map_err(refuse)?;
         for (slot, value) in state.iter_mut().zip(system.set_down(0.0, None, &start)) {
             *slot = value;
         }
-        system.count_turns_from_starts(&[], (0.0, &state));
+        system.remember_starts(&[], (0.0, &state));
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),
@@ -182,6 +183,8 @@ impl<T: Float> Simulation<T> {
             samplers: Vec::new(),
             given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
+            joints_set: Vec::new(),
+            assembly,
             singular_start: false,
             events: Vec::with_capacity(256),
             changes,
@@ -193,7 +196,10 @@ impl<T: Float> Simulation<T> {
         let checked = self.check_state(time, state);
         checked.map_err(|cause| self.failed(cause))?;
         let numbers: Vec<f64> = state.iter().map(|x| x.to_f64()).collect();
-        self.put(time, None, &numbers)
+        self.put(time, None, &numbers)?;
+        self.joints_set.clear();
+        self.assembly = PlacementReport::default();
+        Ok(())
     }
 
     /// Goes on from a state that is measured from an origin; `None`: that of the world.
@@ -221,8 +227,7 @@ impl<T: Float> Simulation<T> {
             *to = from;
         }
         self.take_back_actions()?;
-        self.system
-            .count_turns_from_starts(&[], (time, &self.state));
+        self.system.remember_starts(&[], (time, &self.state));
         self.time = time;
         self.as_declared = false;
         self.started = false;
@@ -237,14 +242,14 @@ impl<T: Float> Simulation<T> {
         if !self.as_declared {
             return;
         }
-        if let Ok(start) = declared_start(&*self.system.model, self.time) {
+        if let Ok((start, assembly)) = declared_start(&*self.system.model, self.time) {
             self.shown.forget();
+            self.assembly = assembly;
             let start = self.system.set_down(self.time, None, &start);
             for (slot, value) in self.state.iter_mut().zip(start) {
                 *slot = value;
             }
-            self.system
-                .count_turns_from_starts(&[], (self.time, &self.state));
+            self.system.remember_starts(&[], (self.time, &self.state));
         }
     }
 
@@ -270,38 +275,53 @@ impl<T: Float> Simulation<T> {
     }
 
     /// What [`Simulation::set_joints`] does.
-    pub(crate) fn give_joints(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
+    pub(crate) fn give_joints(&mut self, given: &[(&str, StartNumber)]) -> Result<(), RunError> {
         let model = self.system.model.clone();
         let (scene, layout) = (model.scene(), model.layout());
         let starts = self.joint_starts(given)?;
         let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let from = (&params[..], self.time);
-        if let Err(error) = place_declared(scene, layout, from, &starts, &[], &mut state) {
-            return Err(self.failed(misplaced(scene, error)));
-        }
+        let assembly = place_declared(scene, layout, from, &starts, &[], &mut state)
+            .map_err(|error| self.failed(misplaced(scene, error)))?;
         let numbers: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
         let checked = self.check_state(self.time, &numbers);
         checked.map_err(|cause| self.failed(cause))?;
         self.put(self.time, None, &state)?;
         self.system
-            .count_turns_from_starts(&starts, (self.time, &self.state));
+            .remember_starts(&starts, (self.time, &self.state));
+        let set = given.iter().map(|(name, said)| ((*name).to_owned(), *said));
+        self.joints_set = set.collect();
+        self.assembly = assembly;
         Ok(())
+    }
+
+    /// What [`Simulation::set_joint`] does.
+    pub(crate) fn give_joint(&mut self, name: &str, said: StartNumber) -> Result<(), RunError> {
+        let set = self.joints_set.clone();
+        let others = set.iter().filter(|(known, _)| known != name);
+        let mut all: Vec<(&str, StartNumber)> =
+            others.map(|(name, said)| (name.as_str(), *said)).collect();
+        all.push((name, said));
+        self.give_joints(&all)
     }
 
     /// What [`Simulation::set_turns`] does.
     pub(crate) fn give_turns(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
-        let starts = self.joint_starts(given)?;
+        let exact: Vec<(&str, StartNumber)> =
+            given.iter().map(|(name, x)| (*name, (*x).into())).collect();
+        let starts = self.joint_starts(&exact)?;
         self.system
-            .count_turns_from_starts(&starts, (self.time, &self.state));
+            .remember_starts(&starts, (self.time, &self.state));
         Ok(())
     }
 
     /// Starts of joints by the names of their coordinates.
-    fn joint_starts(&self, given: &[(&str, f64)]) -> Result<Vec<JointStart>, RunError> {
+    fn joint_starts(&self, given: &[(&str, StartNumber)]) -> Result<Vec<JointStart>, RunError> {
         let scene = self.system.model.scene();
-        if let Some((name, value)) = given.iter().find(|(_, value)| !value.is_finite()) {
-            let (slot, value) = ((*name).to_owned(), *value);
+        let mut all = given.iter();
+        if let Some((name, said)) = all.find(|(_, said)| !said.number().is_finite()) {
+            let (slot, value) = ((*name).to_owned(), said.number());
             return Err(self.failed(StepError::InvalidInput { slot, value }));
         }
         JointStart::by_name(scene, given.iter().copied()).map_err(|name| {
@@ -332,6 +352,7 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn begin(&mut self) -> Result<(), RunError> {
         self.started = true;
         self.as_declared = false;
+        self.joints_set.clear();
         self.shown.forget();
         self.origin = self.time;
         self.count = 0;
@@ -357,7 +378,7 @@ impl<T: Float> Simulation<T> {
         else {
             return Vec::new();
         };
-        let start = declared_start(model, self.time).unwrap_or_default();
+        let (start, _) = declared_start(model, self.time).unwrap_or_default();
         match start
             .iter()
             .map(|x| T::from_f64(*x))
@@ -431,12 +452,12 @@ impl<T: Float> Simulation<T> {
     }
 }
 
-/// The state in the world at the declared start: joint coordinates of which no start is declared are zero, what flies is at the world origin, at rest,
+/// The state in the world at the declared start, and what was decided for it: joint coordinates of which no start is declared are zero, what flies is at the world origin, at rest,
 /// unturned; declared states where they begin.
 pub(crate) fn declared_start<T: Float>(
     model: &dyn Model<T>,
     time: f64,
-) -> Result<Vec<f64>, StepError> {
+) -> Result<(Vec<f64>, PlacementReport), StepError> {
     let (scene, layout) = (model.scene(), model.layout());
     let mut state = vec![0.0; layout.nx()];
     for qw in layout.quaternions() {
@@ -449,12 +470,12 @@ pub(crate) fn declared_start<T: Float>(
     own.zip(starts(scene, &params))
         .for_each(|(state, start)| *state = start);
     declared_parts(scene, layout, &params, &mut state);
-    place_declared(scene, layout, (&params, time), &[], &[], &mut state)
+    let assembly = place_declared(scene, layout, (&params, time), &[], &[], &mut state)
         .map_err(|error| misplaced(scene, error))?;
     let own = state.iter_mut().skip(layout.states());
     own.zip(starts(scene, model.params()))
         .for_each(|(state, start)| *state = start.to_f64());
-    Ok(state)
+    Ok((state, assembly))
 }
 
 fn misplaced(scene: &Scene, error: PlacementError) -> StepError {

@@ -1,6 +1,6 @@
 //! The search of a trim: (2) of [`crate::trim`](super), and Newton steps that close the joints.
 
-use mbd_scene::{JointStart, Model, Quantity, Scene};
+use mbd_scene::{JointStart, Model, Quantity, Scene, StartNumber};
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
@@ -65,7 +65,7 @@ pub(crate) fn find<T: Scalar>(
     let free: Vec<usize> = free.collect::<Result<_, _>>()?;
     let state = asked.state.clone().unwrap_or_else(|| {
         // Where the declared start cannot be taken, what is asked for may place the bodies.
-        if let Ok(start) = declared_start(model, asked.time) {
+        if let Ok((start, _)) = declared_start(model, asked.time) {
             return start;
         }
         let mut state = vec![0.0; layout.nx()];
@@ -163,12 +163,11 @@ impl TrimProblem {
     /// Joint coordinates whose values are given.
     fn starts(&self, scene: &Scene) -> Vec<JointStart> {
         let fixed = self.fixed.iter();
-        let fixed = fixed.filter_map(|(name, value)| Some((name.as_str(), (*value)?)));
-        let guesses = self
-            .guesses
-            .iter()
-            .map(|(name, value)| (name.as_str(), *value));
-        let joints = fixed.chain(guesses);
+        let fixed =
+            fixed.filter_map(|(name, value)| Some((name.as_str(), StartNumber::Exact((*value)?))));
+        let guesses = self.guesses.iter();
+        let guesses = guesses.map(|(name, value)| (name.as_str(), StartNumber::About(*value)));
+        let joints = guesses.chain(fixed);
         let joints = joints.filter(|(name, _)| scene.joint_coordinate(name).is_some());
         JointStart::by_name(scene, joints).unwrap_or_default()
     }

@@ -105,3 +105,55 @@ until = \"1 s\"
     assert_eq!(scene(&toml), scene(&text));
     assert_eq!(scene(&back), scene(&text));
 }
+
+#[test]
+fn comments_stay_with_what_they_stood_above_or_beside_in_both_forms() {
+    const TEXT: &str = "// A pendulum from the lab.
+model Pend {
+  gravity: [0.0, 0.0, -9.81] m/s^2; // as measured
+  // Numbers.
+  const A = 3 m; // of A
+  /* A block
+   * of text. */
+  /// The bob.
+  body bob {
+    mass: 2 kg, // weighed
+    // Guessed.
+    inertia: diag(0.1, 0.2, 0.15) kg*m^2,
+    frame top at [0.0, 0.0, 0.5] m, /* \"top\" # of it */
+    frame low at [0.0, 0.0, -0.5] m,
+    start at [0, 0, -0.5 m], // put
+  }
+  // The pin.
+  joint pin: hinge from world to bob.top { axis: y } // oiled
+  output o = A + bob.low.position.z; // out
+  // The end.
+}
+[run]
+# Of the run.
+until = \"1 s\"
+";
+    let folder = Folder::new("comments");
+    let text = folder.file("pend.mbd", TEXT);
+    let toml = folder.file("pend.toml", &run(&["convert", &text]).unwrap());
+    let written = std::fs::read_to_string(&toml).unwrap();
+    for kept in [
+        "# A pendulum from the lab.\nmodel",
+        "# as measured\ngravity",
+        "# Numbers.\n# of A\nA = ",
+        "# A block\n# of text.\n[body.bob]\ndoc = \"The bob.\"\n# weighed\nmass",
+        "# Guessed.\ninertia",
+        "# \"top\" # of it\nframe.top",
+        "# put\nstart",
+        "# The pin.\n[joint.pin]",
+        "# oiled\naxis",
+        "# out\no = ",
+        "# The end.\n",
+        "[run]\n# Of the run.",
+    ] {
+        assert!(written.contains(kept), "{kept}\n{written}");
+    }
+    let back = run(&["convert", &toml, "--to", "mbd"]).unwrap();
+    let back = folder.file("back.mbd", &back);
+    assert_eq!(run(&["convert", &back]).unwrap(), written, "and back again");
+}

@@ -239,11 +239,30 @@ until = \"1 s\"
 "
         ),
     );
+    // Bars that cannot meet, of which nobody says where they start: a run would find it, and so does the check.
+    let short = folder.file(
+        "short.mbd",
+        &format!(
+            "model Short {{ gravity: none; world {{ frame far at [2, 0, 0] m }}
+    body a {{ {body}, frame l at [-0.1, 0, 0] m, frame r at [0.1, 0, 0] m }}
+    body b {{ {body}, frame l at [-0.2, 0, 0] m, frame r at [0.2, 0, 0] m }}
+    joint one: hinge from world to a.l {{ axis: z }}
+    joint two: hinge from a.r to b.l {{ axis: z }}
+    joint three: spherical from b.r to world.far;
+}}"
+        ),
+    );
+    let told = run(&["check", &short]).unwrap_err().to_string();
+    assert!(
+        told.contains("`two` stays open by 1.400e0 m; give a joint of each"),
+        "{told}"
+    );
     for command in ["check", "run"] {
         let told = run(&[command, &file]).unwrap_err().to_string();
         assert!(
-            told.contains("joint `end` stays open by 5.5e0 [m or rad]")
-                && told.contains("leave out a start there, give another, or change a length"),
+            told.contains("joint `end` stays open by 5.5e0 m: ")
+                && told
+                    .contains("leave out a start there, say `about` before one that may give way"),
             "{told}"
         );
     }

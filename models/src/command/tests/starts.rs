@@ -100,6 +100,66 @@ fn a_declared_start_that_the_joints_do_not_allow_is_told_in_both_families() {
     }
 }
 
+/// Three bars of 1 m, 2 m and 2 m between pivots 2 m apart.
+const LOOP: &str = "model Loop { gravity: none;
+    world { frame far at [2, 0, 0] m }
+    body crank { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [-0.5, 0, 0] m, frame b at [0.5, 0, 0] m }
+    body bar { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [-1, 0, 0] m, frame b at [1, 0, 0] m }
+    body rocker { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [-1, 0, 0] m, frame b at [1, 0, 0] m }
+    joint p: hinge from world to crank.a { axis: z, start: about 90 deg, start_rate: 1 rad/s }
+    joint q: hinge from crank.b to bar.a { axis: z }
+    joint r: hinge from world.far to rocker.a { axis: z }
+    joint s: hinge from bar.b to rocker.b { axis: z } }";
+
+#[test]
+fn a_start_about_a_value_tells_how_far_it_moved_in_text_and_toml() {
+    let folder = Folder::new("about");
+    let out = folder.0.join("out");
+    let text =
+        format!("{LOOP}\n[run]\nuntil = \"10 ms\"\n[run.start]\n\"r.angle\" = \"about 90 deg\"\n");
+    let file = folder.file("loop.mbd", &text);
+    let toml = folder.0.join("loop.toml");
+    let written = run(&["convert", &file, "--to", "toml"]).unwrap();
+    assert!(written.contains("start = \"about 90 deg\""), "{written}");
+    std::fs::write(&toml, written).unwrap();
+    for file in [file, toml.display().to_string()] {
+        let told = run(&["run", &file, "--out", &out.to_string_lossy()]).unwrap();
+        assert!(
+            told.contains("`p.angle` at ") && told.contains(" from 90.000000 deg"),
+            "{told}"
+        );
+        let json = std::fs::read_to_string(out.join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let about = summary["start_about"].as_array().unwrap();
+        assert_eq!(about.len(), 2);
+        // The tips of crank and rocker are a bar apart.
+        let of = |name: &str| {
+            let found = about.iter().find(|one| one["name"] == name).unwrap();
+            found["taken"].as_f64().unwrap()
+        };
+        let ([y, x], [v, u]) = (
+            of("p.angle").sin_cos().into(),
+            of("r.angle").sin_cos().into(),
+        );
+        let apart = f64::hypot(2.0 + 2.0 * u - x, 2.0 * v - y);
+        assert!((apart - 2.0).abs() < 1e-9, "{apart}");
+    }
+    for (start, said) in [
+        ("\"p.angle_rate\" = \"about 1 rad/s\"", "is a rate"),
+        ("\"p.angle\" = \"about 1\"", "needs a unit"),
+        ("\"crank.x\" = \"about 1 m\"", "about"),
+    ] {
+        let file = folder.file(
+            "loop.mbd",
+            &format!("{LOOP}\n[run]\nuntil = 1\n[run.start]\n{start}\n"),
+        );
+        let error = run(&["run", &file, "--out", &out.to_string_lossy()])
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
 /// A four-bar with all bars in one line, or with its crank turned.
 fn flat_linkage(start: &str, coordinates: &str) -> String {
     format!(

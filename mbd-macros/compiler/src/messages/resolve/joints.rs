@@ -327,6 +327,24 @@ pub fn start_of_coordinate(at: Region, name: &str, unit: &str) -> LexemeMessage 
     )
 }
 
+pub fn rate_about(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`about` is said of the place where `{name}` starts; of rates the smallest that fit the others are taken: leave `start_rate` out, or write its number alone"
+        ),
+    )
+}
+
+pub fn command_about(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`start` is where the filter of the motor of `{name}` begins, which holds to the digit: leave `about` out"
+        ),
+    )
+}
+
 pub fn start_of_part(at: Region, name: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -66,7 +66,7 @@ pub fn freed_never_locked(at: Region, coordinate: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "no event locks `{coordinate}`, so that nothing is there to be freed: write `lock: {coordinate}` in an event before, or hold it from the start by a `rigid` joint that is detached"
+            "no event locks `{coordinate}`, so that nothing is there to be freed: write `lock: {coordinate}` in an event before, or `at_start: locked` among the fields of the joint"
         ),
     )
 }

@@ -1,0 +1,237 @@
+//! Starts that are said to be about a value: they are that where the loops close with it, and the nearest that they close with where not.
+//!
+//! ```text
+//! min |a(y) − a0|   with Φ(y) = 0        a the coordinates that are said to be about a0 [rad and m, as numbers]                  (1)
+//! y ← y + N z, then closed again         N spans ker Φ_y;  z = argmin |A N z − (a0 − a)|,  A = ∂a/∂y                              (2)
+//! ```
+//!
+//! (2) ends where a step brings nothing nearer: there a0 − a is normal to what the loops allow. It is tried from several places of the coordinates
+//! that nobody gave, and the nearest counts. Rejected: rows for a(y) = a0 of a small weight, whose valley a damped step follows too slowly.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{
+    AboutStart, CLOSED, DIFFERENCE, ITERATIONS, JointStart, OpenRow, Placement, PlacementError,
+    REACHES,
+};
+use crate::Quantity;
+use crate::laws::turns::next_to;
+
+/// Singular values of Φ_y below this part of the largest count as zero.
+const SINGULAR: f64 = 1e-6;
+/// Steps of (2) end where they bring it nearer by less than this part.
+const SETTLED: f64 = 1e-12;
+/// The least part of a step of (2) that is tried.
+const LEAST: f64 = 1e-3;
+
+/// A joint coordinate, and the value that it is said to be about [m or rad].
+#[derive(Clone, Copy)]
+pub(super) struct Wish {
+    joint: usize,
+    coordinate: usize,
+    value: f64,
+}
+
+/// What is said to be about a value.
+pub(super) fn wishes(given: &[JointStart]) -> Vec<Wish> {
+    let about = given.iter().filter(|start| start.about);
+    let wish = about.filter_map(|start| {
+        Some(Wish {
+            joint: start.joint,
+            coordinate: start.coordinate,
+            value: start.value?,
+        })
+    });
+    wish.collect()
+}
+
+impl Placement<'_> {
+    /// Solves (1) from the coordinates as they are.
+    pub(super) fn close_near(
+        &mut self,
+        unknowns: &[(usize, usize)],
+        wishes: &[Wish],
+        state: &mut [f64],
+    ) -> Result<(), PlacementError> {
+        let start = self.q.clone();
+        let wished = |it: &(usize, usize)| wishes.iter().any(|w| (w.joint, w.coordinate) == *it);
+        let others = unknowns.iter().copied().filter(|it| !wished(it));
+        let mut others: Vec<(usize, usize)> = others.collect();
+        if others.is_empty() {
+            others.extend_from_slice(unknowns);
+        }
+        let (mut open, mut nearest, mut reversed) = (OpenRow::default(), None, None);
+        for attempt in 0..REACHES.len() {
+            self.q.clone_from(&start);
+            self.scatter(&others, attempt);
+            let gap = self.descend(unknowns, state);
+            if gap.size > CLOSED {
+                if gap.size < open.size {
+                    open = gap;
+                }
+                continue;
+            }
+            self.approach(unknowns, wishes, state);
+            if !self.is_on_branch(state) {
+                reversed.get_or_insert_with(|| self.q.clone());
+                continue;
+            }
+            let far = self.missing(wishes, state).norm();
+            if nearest.as_ref().is_none_or(|(least, _)| far < *least) {
+                nearest = Some((far, self.q.clone()));
+            }
+        }
+        let found = nearest.map(|(_, q)| q).or(reversed);
+        self.q = found.ok_or(open.error())?;
+        Ok(())
+    }
+
+    /// Steps of (2), from where the loops are closed.
+    fn approach(&mut self, unknowns: &[(usize, usize)], wishes: &[Wish], state: &mut [f64]) {
+        for _ in 0..ITERATIONS {
+            let missing = self.missing(wishes, state);
+            let rows = self.slopes(unknowns, state, &|it, state| {
+                it.rows(Quantity::Constraint, state)
+            });
+            let free = kernel(&rows);
+            if free.is_empty() {
+                return;
+            }
+            let moves = self.slopes(unknowns, state, &|it, state| -it.missing(wishes, state));
+            let step = (moves * &free).svd(true, true).solve(&missing, SINGULAR);
+            let Ok(step) = step.map(|z| free * z) else {
+                return;
+            };
+            let (before, mut part) = (self.q.clone(), 1.0);
+            let nearer = loop {
+                for (&(joint, k), by) in unknowns.iter().zip(step.iter()) {
+                    self.q[joint][k] += part * by;
+                }
+                self.normalise();
+                let gap = self.descend(unknowns, state);
+                let left = self.missing(wishes, state).norm();
+                if gap.size <= CLOSED && left < missing.norm() {
+                    break missing.norm() - left;
+                }
+                self.q.clone_from(&before);
+                part *= 0.5;
+                if part < LEAST {
+                    return;
+                }
+            };
+            if nearer <= SETTLED * missing.norm() {
+                return;
+            }
+        }
+    }
+
+    /// Whether what is said to be about a value has it.
+    pub(super) fn grants(&mut self, wishes: &[Wish], state: &mut [f64]) -> bool {
+        self.missing(wishes, state).amax() <= CLOSED.sqrt()
+    }
+
+    /// a0 − a of (1).
+    fn missing(&mut self, wishes: &[Wish], state: &mut [f64]) -> DVector<f64> {
+        let values = self.values(wishes, state);
+        let missing = wishes.iter().zip(values);
+        DVector::from_iterator(wishes.len(), missing.map(|(wish, x)| wish.value - x))
+    }
+
+    /// The coordinates as they are; of joints that close loops as their ends tell them, angles next to what is wished.
+    fn values(&mut self, wishes: &[Wish], state: &mut [f64]) -> Vec<f64> {
+        let links = &self.links;
+        let placing = |wish: &Wish| links.iter().any(|link| link.joint == wish.joint);
+        let told = match wishes.iter().all(placing) {
+            true => DVector::zeros(0),
+            false => self.rows(Quantity::Coordinates, state),
+        };
+        let value = |wish: &Wish| {
+            if self.links.iter().any(|link| link.joint == wish.joint) {
+                return self.q[wish.joint][wish.coordinate];
+            }
+            let before = self.scene.joints.iter().take(wish.joint);
+            let before: usize = before.map(|joint| joint.law.measured().count()).sum();
+            let value = told.get(2 * (before + wish.coordinate));
+            let value = value.copied().unwrap_or(f64::NAN);
+            let law = &self.scene.joints[wish.joint].law;
+            let of = law.measured().nth(wish.coordinate);
+            match of.is_some_and(|coordinate| coordinate.is_periodic()) {
+                true => next_to(value, wish.value),
+                false => value,
+            }
+        };
+        wishes.iter().map(value).collect()
+    }
+
+    /// What became of the wishes.
+    pub(super) fn granted(&mut self, wishes: &[Wish], state: &mut [f64]) -> Vec<AboutStart> {
+        let values = self.values(wishes, state);
+        let granted = wishes.iter().zip(values).map(|(wish, taken)| AboutStart {
+            joint: wish.joint,
+            coordinate: wish.coordinate,
+            said: wish.value,
+            taken,
+        });
+        granted.collect()
+    }
+
+    /// Those of the coordinates that nobody gave with which loops close otherwise, too, whatever else stays as it is.
+    pub(super) fn undecided(
+        &mut self,
+        unknowns: &[(usize, usize)],
+        state: &mut [f64],
+    ) -> Vec<(usize, usize)> {
+        if unknowns.is_empty() || self.holds_anywhere() {
+            return Vec::new();
+        }
+        let rows = self.slopes(unknowns, state, &|it, state| {
+            it.rows(Quantity::Constraint, state)
+        });
+        let free = kernel(&rows);
+        let least = SINGULAR * rows.column_iter().map(|it| it.norm()).fold(0.0, f64::max);
+        let all = unknowns.iter().enumerate();
+        let open = all.filter(|&(column, &(joint, k))| {
+            // A coordinate that moves no loop is zero, as said.
+            let in_loop = rows.column(column).norm() > least;
+            let measured = self.scene.joints[joint].law.measured().nth(k).is_some();
+            measured && in_loop && free.row(column).norm() > SINGULAR
+        });
+        open.map(|(_, coordinate)| *coordinate).collect()
+    }
+
+    /// The derivative of what the coordinates decide by some of them, by differences.
+    pub(super) fn slopes(
+        &mut self,
+        unknowns: &[(usize, usize)],
+        state: &mut [f64],
+        of: &dyn Fn(&mut Self, &mut [f64]) -> DVector<f64>,
+    ) -> DMatrix<f64> {
+        let mut columns = Vec::with_capacity(unknowns.len());
+        for &(joint, k) in unknowns {
+            let here = self.q[joint][k];
+            let mut at = |q: f64| {
+                self.q[joint][k] = q;
+                of(self, state)
+            };
+            let difference = at(here + DIFFERENCE) - at(here - DIFFERENCE);
+            self.q[joint][k] = here;
+            columns.push(difference / (2.0 * DIFFERENCE));
+        }
+        match columns.is_empty() {
+            true => DMatrix::zeros(of(self, state).len(), 0),
+            false => DMatrix::from_columns(&columns),
+        }
+    }
+}
+
+/// What a matrix takes to zero: orthonormal columns.
+fn kernel(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    if matrix.ncols() == 0 {
+        return DMatrix::zeros(0, 0);
+    }
+    let normal = (matrix.transpose() * matrix).symmetric_eigen();
+    let least = SINGULAR * SINGULAR * normal.eigenvalues.max().max(f64::MIN_POSITIVE);
+    let own = normal.eigenvalues.iter().enumerate();
+    let zero: Vec<usize> = own.filter(|(_, x)| **x <= least).map(|it| it.0).collect();
+    normal.eigenvectors.select_columns(&zero)
+}
