@@ -36,6 +36,7 @@ pub fn settings_of(own: Settings, model: &dyn Model<f64>, mut settings: Settings
     settings.estimate = own.estimate.or(settings.estimate);
     settings.instants = own.instants.or(settings.instants);
     merge(&mut settings.figures, own.figures);
+    merge(&mut settings.scales, own.scales);
     merge(&mut settings.start, own.start);
     merge(&mut settings.inputs, own.inputs);
     merge(&mut settings.params, own.params);

@@ -4,6 +4,7 @@ pub(crate) mod names;
 pub(crate) mod number;
 mod phases;
 pub(crate) mod plan;
+mod scales;
 mod settings;
 
 pub use names::PlanError;

@@ -13,6 +13,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use super::names::{PlanError, flat, no_column, unknown, wrong};
+use super::scales::scales;
 use super::number::{not_negative, number, numbers as numbers_of, positive, zeros};
 use super::settings::Settings;
 
@@ -197,6 +198,7 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
         }
         options.max_steps = steps;
     }
+    options.scales = scales(&settings.scales)?;
     // The balance of energy needs the work of what gives and takes it.
     options.work = scene.exchanges_energy();
     Ok(options)

@@ -51,6 +51,9 @@ pub struct Settings {
     /// Figures: a title, and the columns of the history it shows.
     #[serde(default)]
     pub figures: Table,
+    /// What the tolerance is relative to: `length`, `speed`, `angle`, `rate`, with units.
+    #[serde(default)]
+    pub scales: Table,
     /// Coordinates and speeds at the start, positions of equilibrium points to search from: `capsule.z = "2.6 m"`.
     #[serde(default)]
     pub start: Table,
@@ -106,7 +109,7 @@ pub fn misnamed_table(scene: &str) -> Option<(usize, String)> {
         {
             let near = nearest(word, ["run"]).map_or(".", |_| "; did you mean `[run]`?");
             let told = format!(
-                "there is no table `[{word}]` behind a declaration{near} there stand `[run]` and its tables `[run.start]`, `[run.inputs]`, `[run.params]`, `[run.figures]`"
+                "there is no table `[{word}]` behind a declaration{near} there stand `[run]` and its tables `[run.start]`, `[run.inputs]`, `[run.params]`, `[run.figures]`, `[run.scales]`"
             );
             return Some((index + 1, told));
         }

@@ -267,3 +267,43 @@ until = \"1 s\"
         );
     }
 }
+
+/// An orbit of 7000 km: a tolerance over metres asks for digits that nobody wants.
+#[test]
+fn a_run_says_what_its_tolerance_is_relative_to() {
+    let folder = Folder::new("scales");
+    let out = folder.0.join("out").display().to_string();
+    let orbit = |scales: &str| {
+        folder.file(
+            "orbit.mbd",
+            &format!(
+                "model Orbit {{ gravity: central {{ mu: 398600.4418 km^3/s^2 }};
+                    point craft {{ mass: 1 kg, start at [7000, 0, 0] km velocity [0, 7.546049108166282, 0] km/s }} }}
+                 [run]\nuntil = \"5828.516 s\"\nmethod = \"vern7\"\ntolerance = 1e-9\n{scales}"
+            ),
+        )
+    };
+    let flown = |scales: &str| {
+        let file = orbit(scales);
+        let told = run(&["run", &file, "--out", &out, "--json", "--no-estimate"]).unwrap();
+        let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let rows = std::fs::read_to_string(format!("{out}/history.csv")).unwrap();
+        let last = rows.lines().last().unwrap();
+        let x: f64 = last.split(',').nth(1).unwrap().parse().unwrap();
+        // A circle, whose period is 2π √(r³/μ): [km]
+        (told["steps"].as_u64().unwrap(), (x - 7e6).abs() / 7e6)
+    };
+    let (steps, _) = flown("");
+    let (few, off) = flown("[run.scales]\nlength = \"7000 km\"\nspeed = \"7.5 km/s\"\n");
+    assert!(5 * few < steps && off < 1e-7, "{few} {steps} {off}");
+    for (scales, said) in [
+        ("lenght = \"1 km\"", "there is no scale `lenght`; did you mean `length`?"),
+        ("length = \"7000 km\"", "give `length` and `speed` together"),
+        ("length = \"7000 s\"\nspeed = \"1 m/s\"", "wrong unit"),
+        ("angle = \"0 deg\"", "must be positive"),
+    ] {
+        let file = orbit(&format!("[run.scales]\n{scales}\n"));
+        let error = run(&["run", &file, "--out", &out]).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+    }
+}
