@@ -13,8 +13,8 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use super::names::{PlanError, flat, no_column, unknown, wrong};
-use super::scales::scales;
 use super::number::{not_negative, number, numbers as numbers_of, positive, zeros};
+use super::scales::scales;
 use super::settings::Settings;
 
 /// Everything a run needs, in SI numbers.

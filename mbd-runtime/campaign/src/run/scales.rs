@@ -29,7 +29,10 @@ pub fn scales(given: &Table) -> Result<Option<Scales>, PlanError> {
             let near = nearest(name, names());
             let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
             let list: Vec<&str> = names().collect();
-            let text = format!("there is no scale `{name}`{near} There are {}", list.join(", "));
+            let text = format!(
+                "there is no scale `{name}`{near} There are {}",
+                list.join(", ")
+            );
             return Err(wrong(setting, text));
         };
         let value = positive(&setting, value, unit)?;

@@ -277,9 +277,9 @@ fn a_run_says_what_its_tolerance_is_relative_to() {
         folder.file(
             "orbit.mbd",
             &format!(
-                "model Orbit {{ gravity: central {{ mu: 398600.4418 km^3/s^2 }};
-                    point craft {{ mass: 1 kg, start at [7000, 0, 0] km velocity [0, 7.546049108166282, 0] km/s }} }}
-                 [run]\nuntil = \"5828.516 s\"\nmethod = \"vern7\"\ntolerance = 1e-9\n{scales}"
+                "model Orbit {{ gravity: point_mass {{ mu: 398600.4418 km^3/s^2, center: [0, 0, 0] m }};
+                    point craft {{ mass: 1 kg, start at [7000, 0, 0] km velocity [0, 7.546053290107542, 0] km/s }} }}
+                 [run]\nuntil = \"5828.516638 s\"\nmethod = \"vern7\"\ntolerance = 1e-9\n{scales}"
             ),
         )
     };
@@ -297,7 +297,10 @@ fn a_run_says_what_its_tolerance_is_relative_to() {
     let (few, off) = flown("[run.scales]\nlength = \"7000 km\"\nspeed = \"7.5 km/s\"\n");
     assert!(5 * few < steps && off < 1e-7, "{few} {steps} {off}");
     for (scales, said) in [
-        ("lenght = \"1 km\"", "there is no scale `lenght`; did you mean `length`?"),
+        (
+            "lenght = \"1 km\"",
+            "there is no scale `lenght`; did you mean `length`?",
+        ),
         ("length = \"7000 km\"", "give `length` and `speed` together"),
         ("length = \"7000 s\"\nspeed = \"1 m/s\"", "wrong unit"),
         ("angle = \"0 deg\"", "must be positive"),
