@@ -267,3 +267,21 @@ fn the_order_of_a_method_is_kept_where_states_decide() {
         assert!(error < 200.0 * tolerance, "{tolerance} {error}");
     }
 }
+
+#[test]
+fn they_keep_them_in_single_precision() {
+    let model = Between::<f32>::new(BetweenParams::default()).expect("no params");
+    let exact = between(10.0);
+    for options in [Options::rk4(0.05), Options::rk4(0.0123)] {
+        let mut run = Simulation::new(&model, options).expect("a model that runs");
+        run.run(10.0).expect("a run that ends");
+        let state = run.state();
+        let off = [(state[0], exact[0]), (state[3], exact[1])];
+        let off = off.map(|(found, exact)| (f64::from(found) - exact).abs());
+        println!("{} {off:?}", options.method.name());
+        assert!(
+            off.iter().all(|off| *off < 1e-4),
+            "{options:?} {state:?} {exact:?}"
+        );
+    }
+}

@@ -17,7 +17,8 @@ use super::System;
 use crate::error::StepError;
 use crate::integrate::Rates;
 
-/// Where the rate of a guard is measured, in parts of the time since the start of the step, and how much further than it says a stage is moved.
+/// Where the rate of a guard is measured, in parts of the time since the start of the step, or further where numbers have fewer digits; and how much further than it
+/// says a stage is moved.
 const PROBE: f64 = 1e-6;
 const BEYOND: f64 = 1.01;
 /// Most looks for τ, and the largest part of the time since the start of the step that it may be: what is further behind is not behind by an error.
@@ -167,13 +168,15 @@ impl<T: Float> System<T> {
         let (mut side, mut behind) = near.behind()?;
         let mut earlier = 0.0;
         for _ in 0..MOST_LOOKS {
-            let probe = PROBE * span;
+            let probe = PROBE.max(T::EPSILON.to_f64().sqrt()) * span;
             self.guards_at(near, time, state, earlier + probe);
             let slope = (behind - near.guard(side)) / probe;
             if slope.is_nan() || slope <= 0.0 {
                 return None;
             }
-            earlier += BEYOND * behind / slope + 4.0 * f64::EPSILON * (time.abs() + span);
+            earlier += BEYOND * behind / slope
+                + 4.0 * f64::EPSILON * (time.abs() + span)
+                + T::EPSILON.to_f64() * span;
             if earlier > LARGEST * span {
                 return None;
             }
