@@ -44,7 +44,7 @@ impl<'a> Series<'a> {
         self
     }
 
-    /// Draws no marks at the pairs, however few they are: those of an outline are none of its data.
+    /// Draws no marks at the pairs, however few they are: those of a contour are none of its data.
     #[must_use]
     pub fn unmarked(mut self) -> Self {
         self.marked = false;

@@ -79,4 +79,5 @@ pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     EnergyKind, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,
     Pose, Quantity, Relative, RowSet, Rule, SecondArgument, Table, Twist, Unit, Variable,
+    twelve_digits,
 };

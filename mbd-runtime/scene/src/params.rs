@@ -60,7 +60,7 @@ impl fmt::Display for ParamError {
                 range: [low, high],
                 unit,
             } => {
-                let [value, low, high] = [value, low, high].map(|x| in_unit(*x, unit));
+                let [value, low, high] = [value, low, high].map(|x| unit.told(*x));
                 write!(
                     f,
                     "param `{param}` is {value}, outside its declared range {low} ..= {high}: change the value or widen the range in the declaration"
@@ -72,13 +72,6 @@ impl fmt::Display for ParamError {
             ),
         }
     }
-}
-
-/// A number in SI in a unit, without the digits that its conversion leaves.
-fn in_unit(value: f64, unit: &Unit) -> String {
-    let value = value / unit.factor;
-    let rounded = format!("{value:.11e}").parse().unwrap_or(value);
-    format!("{rounded} {}", unit.text).trim_end().to_owned()
 }
 
 impl std::error::Error for ParamError {}

@@ -11,8 +11,8 @@ use mbd_scene::{Direction, Float, Layout, Model, Place, Scene};
 
 use crate::approach::FEW_LOOKS;
 use crate::moving::moving;
+use crate::rearm::Rearmed;
 use crate::system::GuardSide;
-use crate::turned_back::TurnedBack;
 use crate::unilateral::{Mode, is_node_line, switches};
 
 /// What can happen inside a step.
@@ -62,8 +62,8 @@ pub(crate) struct Margins {
     pub sides: Vec<bool>,
     /// Per watched margin, of an event whose guard the joints hold at its value, what of it is rounding there (`held_guards`).
     held: Vec<Option<f64>>,
-    /// Per watched margin, of an event whose action turned its guard back, when and where.
-    pub turned_back: Vec<TurnedBack>,
+    /// Per watched margin, of an event that its own action armed again, when and where.
+    pub rearmed: Vec<Rearmed>,
     /// How far a line's margin must be passed to count in this step, whatever its own tolerance [m].
     resolved: f64,
     /// The longest C/K of a watched line [s].
@@ -175,7 +175,7 @@ impl Margins {
         Margins {
             watched,
             held: vec![None; count],
-            turned_back: vec![TurnedBack::default(); count],
+            rearmed: vec![Rearmed::default(); count],
             sides: vec![false; scene.events.len()],
             resolved: 0.0,
             delay: longest_delay(model.lines()),
@@ -252,9 +252,9 @@ impl Margins {
     /// Reads the margins from the value of `Quantity::Guards`.
     pub(crate) fn read<T: Float>(&mut self, guards: &[T], modes: &[Mode]) {
         let guard = |index: usize| guards.get(index).map_or(f64::NAN, |x| x.to_f64());
-        let kept = self.held.iter().zip(&self.turned_back);
+        let kept = self.held.iter().zip(&self.rearmed);
         let all = self.now.iter_mut().zip(&self.watched).zip(kept);
-        for ((margin, watched), (held, turned_back)) in all {
+        for ((margin, watched), (held, rearmed)) in all {
             *margin = match *watched {
                 WatchedGuard::Declared { .. } if held.is_some() => f64::INFINITY,
                 WatchedGuard::Element {
@@ -269,7 +269,7 @@ impl Margins {
                 }
                 WatchedGuard::Declared { event, at, .. } => {
                     let positive = self.sides.get(event).copied().unwrap_or(false);
-                    side_margin(guard(at) - turned_back.value, positive)
+                    side_margin(guard(at) - rearmed.value, positive)
                 }
             };
         }
@@ -355,7 +355,7 @@ impl Margins {
             let is_held = self.held.get(index)?.is_some();
             (!is_held).then_some(GuardSide {
                 at,
-                value: self.turned_back.get(index)?.value,
+                value: self.rearmed.get(index)?.value,
                 positive: *self.sides.get(event)?,
             })
         })
@@ -370,19 +370,19 @@ impl Margins {
     }
 
     /// Puts a declared event back on the side that it came from.
-    pub(crate) fn turn_back(&mut self, index: usize, at: TurnedBack) {
+    pub(crate) fn rearm(&mut self, index: usize, at: Rearmed) {
         let event = self.event_of(index);
         let side = event.and_then(|event| self.sides.get_mut(event));
-        if let (Some(side), Some(turned_back)) = (side, self.turned_back.get_mut(index)) {
+        if let (Some(side), Some(rearmed)) = (side, self.rearmed.get_mut(index)) {
             *side = !*side;
-            *turned_back = at;
+            *rearmed = at;
         }
     }
 
-    /// When the action of a declared event turned its guard back last [s].
-    pub(crate) fn turned_back_at(&self, event: usize) -> Option<f64> {
+    /// When a declared event was armed again by its own action last [s].
+    pub(crate) fn rearmed_at(&self, event: usize) -> Option<f64> {
         let own = (0..self.watched.len()).find(|&index| self.event_of(index) == Some(event));
-        self.turned_back.get(own?)?.time
+        self.rearmed.get(own?)?.time
     }
 
     /// Whether the joints hold the guard of a declared event at its value.
@@ -400,8 +400,8 @@ impl Margins {
     /// Lets go of a guard that was held: it is at its value, and the noise of its evaluation is none of its motion.
     pub(crate) fn release(&mut self, index: usize, (time, guard): (f64, f64)) {
         let held = self.held.get_mut(index).and_then(Option::take);
-        if let (Some(rounding), Some(turned_back)) = (held, self.turned_back.get_mut(index)) {
-            *turned_back = TurnedBack {
+        if let (Some(rounding), Some(rearmed)) = (held, self.rearmed.get_mut(index)) {
+            *rearmed = Rearmed {
                 time: Some(time),
                 rounding,
                 value: guard,
@@ -425,7 +425,7 @@ impl Margins {
             if !of(index) {
                 continue;
             }
-            let value = self.turned_back.get(index).map_or(0.0, |it| it.value);
+            let value = self.rearmed.get(index).map_or(0.0, |it| it.value);
             let guard = |list: &[T]| list.get(at).map_or(f64::NAN, |x| x.to_f64() - value);
             let (now, then) = (guard(guards), guard(later));
             let leaves = now == 0.0 || (now > 0.0) != (then > 0.0);
@@ -441,9 +441,9 @@ impl Margins {
     /// the side that the motion takes it to.
     pub(crate) fn clear_noise(&mut self, index: usize, part: f64) {
         let side = self.event_of(index).and_then(|event| self.sides.get(event));
-        if let (Some(&positive), Some(turned_back)) = (side, self.turned_back.get_mut(index)) {
-            let noise = part * turned_back.rounding;
-            turned_back.value -= if positive { noise } else { -noise };
+        if let (Some(&positive), Some(rearmed)) = (side, self.rearmed.get_mut(index)) {
+            let noise = part * rearmed.rounding;
+            rearmed.value -= if positive { noise } else { -noise };
         }
     }
 
@@ -461,27 +461,18 @@ impl Margins {
     }
 
     /// Whether a declared event is at its value at the last look.
-    pub(crate) fn at_value(&self) -> bool {
+    pub(crate) fn are_at_value(&self) -> bool {
         let mut declared = self.declared();
         declared.any(|(index, _)| self.now.get(index) == Some(&0.0))
     }
 
-    /// Whether a declared event would pass within a part of another step, as fast as it came near in the one that was looked at.
+    /// Whether a declared event passes within a part of another step like the one that was looked at; with none of it: whether one came to its value.
     pub(crate) fn are_close(&self, part: f64) -> bool {
         let mut declared = self.declared();
         declared.any(|(index, _)| {
             let at = |list: &[f64]| list.get(index).copied().unwrap_or(f64::INFINITY);
             let (start, end) = (at(&self.start), at(&self.now));
-            start.is_finite() && end < part * (start - end)
-        })
-    }
-
-    /// Whether a declared event is at its value at the last look, and was not before.
-    pub(crate) fn are_at_value(&self) -> bool {
-        let declared = self.declared();
-        declared.into_iter().any(|(index, _)| {
-            let at = |list: &[f64]| list.get(index).copied();
-            at(&self.now) == Some(0.0) && at(&self.start).is_some_and(|start| start > 0.0)
+            start > 0.0 && start.is_finite() && end <= part * (start - end)
         })
     }
 
@@ -509,8 +500,8 @@ impl Margins {
         guards: &[T],
         mut crossed: impl FnMut(usize),
     ) {
-        let kept = self.held.iter_mut().zip(&self.turned_back);
-        for (watched, (held, turned_back)) in self.watched.iter().zip(kept) {
+        let kept = self.held.iter_mut().zip(&self.rearmed);
+        for (watched, (held, rearmed)) in self.watched.iter().zip(kept) {
             let WatchedGuard::Declared {
                 event,
                 at,
@@ -521,9 +512,9 @@ impl Margins {
                 continue;
             };
             let guard = guards.get(at).map_or(f64::NAN, |guard| guard.to_f64());
-            let guard = guard - turned_back.value;
-            let just_now = turned_back.time == Some(time);
-            let rounding = [just_now.then_some(turned_back.rounding), *held];
+            let guard = guard - rearmed.value;
+            let just_now = rearmed.time == Some(time);
+            let rounding = [just_now.then_some(rearmed.rounding), *held];
             let mut rounding = rounding.iter().flatten();
             if rounding.any(|rounding| guard.abs() <= *rounding) {
                 continue;

@@ -88,8 +88,8 @@ impl<T: Float> Simulation<T> {
             self.margins.before.copy_from_slice(&self.margins.now);
             (earlier, low) = (low, high);
         }
-        let jumps = self.system.may_jump();
-        if declares && (self.margins.are_at_value() || jumps && self.margins.are_close(CLOSE)) {
+        let close = if self.system.may_jump() { CLOSE } else { 0.0 };
+        if declares && self.margins.are_close(close) {
             // What passes right behind this step is not to be seen by its last stages.
             self.make_step_before(step)?;
             self.look_at_end(step)?;
@@ -492,17 +492,43 @@ impl<T: Float> Simulation<T> {
         if !self.margins.declares() {
             return Ok(());
         }
-        self.inside.copy_from_slice(&self.state);
-        self.read_margins(self.time, 0.0)?;
-        let guards = self.scratch.get(..self.guards).unwrap_or(&[]).to_vec();
+        let here = self.guards_here()?;
         self.look_ahead(TOGETHER)?;
-        let later = self.scratch.get(..self.guards).unwrap_or(&[]);
-        if !self.margins.settle_sides(of, &guards, later) {
+        if !self.take_sides_of_last_look(of, &here) {
             // At rest: what its acceleration makes of it.
             self.look_along(AT_REST)?;
-            let later = self.scratch.get(..self.guards).unwrap_or(&[]);
-            self.margins.settle_sides(of, &guards, later);
+            self.take_sides_of_last_look(of, &here);
         }
+        self.begin_sides()
+    }
+
+    /// What hangs on time alone and starts at its value comes from where it was before: `time rises t0` passes in a run from t0.
+    pub(crate) fn settle_clocks(&mut self, clocks: &[usize]) -> Result<(), StepError> {
+        if clocks.is_empty() {
+            return Ok(());
+        }
+        let here = self.guards_here()?;
+        self.look_ahead(-TOGETHER)?;
+        self.take_sides_of_last_look(&|index| clocks.contains(&index), &here);
+        self.begin_sides()
+    }
+
+    /// The guards at the accepted state.
+    fn guards_here(&mut self) -> Result<Vec<T>, StepError> {
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        let guards = self.scratch.get(..self.guards);
+        Ok(guards.unwrap_or(&[]).to_vec())
+    }
+
+    /// Declared events whose guards are at their value here are on the side of the last look; whether these were all decided.
+    fn take_sides_of_last_look(&mut self, of: &dyn Fn(usize) -> bool, here: &[T]) -> bool {
+        let there = self.scratch.get(..self.guards).unwrap_or(&[]);
+        self.margins.settle_sides(of, here, there)
+    }
+
+    /// Margins of the accepted state by the sides that were taken.
+    fn begin_sides(&mut self) -> Result<(), StepError> {
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)?;
         self.margins.start.copy_from_slice(&self.margins.now);
@@ -521,24 +547,6 @@ impl<T: Float> Simulation<T> {
         declared.filter(|index| of_time(*index)).collect()
     }
 
-    /// What hangs on time alone and starts at its value comes from where it was before: `time rises t0` passes in a run from t0.
-    pub(crate) fn settle_clocks(&mut self, clocks: &[usize]) -> Result<(), StepError> {
-        if clocks.is_empty() {
-            return Ok(());
-        }
-        self.inside.copy_from_slice(&self.state);
-        self.read_margins(self.time, 0.0)?;
-        let guards = self.scratch.get(..self.guards).unwrap_or(&[]).to_vec();
-        self.look_ahead(-TOGETHER)?;
-        let earlier = self.scratch.get(..self.guards).unwrap_or(&[]);
-        self.margins
-            .settle_sides(&|index| clocks.contains(&index), &guards, earlier);
-        self.inside.copy_from_slice(&self.state);
-        self.read_margins(self.time, 0.0)?;
-        self.margins.start.copy_from_slice(&self.margins.now);
-        Ok(())
-    }
-
     /// Evaluates the first stage a little later, where events start at their value: what jumps there, `if(v < 0 m/s, …)` from rest, is what it is on the side
     /// that the motion goes to.
     pub(crate) fn begin_behind(&mut self) -> Result<(), StepError> {
@@ -546,8 +554,7 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         for ahead in AHEAD {
-            let at_value = self.margins.at_value();
-            if !at_value {
+            if !self.margins.are_at_value() {
                 break;
             }
             self.look_ahead(ahead)?;

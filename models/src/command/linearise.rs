@@ -238,6 +238,9 @@ fn turning(here: &Trajectory, space: &StateSpace) -> String {
     let fastest = sizes.iter().copied().fold(0.0, f64::max);
     let own = sizes.into_iter().filter(|size| *size > 1e-6 * fastest);
     let slowest = own.fold(f64::INFINITY, f64::min);
+    if slowest.is_infinite() {
+        return String::new();
+    }
     let mut notes: Vec<String> = Vec::new();
     for (owner, _) in space
         .states
@@ -256,7 +259,7 @@ fn turning(here: &Trajectory, space: &StateSpace) -> String {
             .sum::<f64>()
             .sqrt();
         let note = format!("`{owner}`, at {} rad/s", significant(rate, 4));
-        if rate > 0.0 && rate > NOTED * slowest.min(f64::MAX) && !notes.contains(&note) {
+        if rate > 0.0 && rate > NOTED * slowest && !notes.contains(&note) {
             notes.push(note);
         }
     }

@@ -2,7 +2,7 @@
 
 use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::{Formula, Function, Scene};
-use mbd_runtime::{Model, Sampling, Simulation, Trajectory};
+use mbd_runtime::{Deviation, Model, Sampling, Simulation, Trajectory};
 
 use super::outcome::{CONTENT, RunOutcome};
 use mbd_campaign::run::RunPlan;
@@ -69,30 +69,11 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         asked.contains(&name) || asked.contains(&owner)
     };
     let deviations = first.deviations(&rows, &finer, |column| turn(model.scene(), column));
-    let largest = |unit: &str| {
-        let same = first.names().iter().zip(&deviations);
-        let sizes = same.filter(|(name, _)| name.unit == unit);
-        sizes.map(|(_, (_, size))| *size).fold(0.0, f64::max)
-    };
-    let scale = |unit: &str, own: f64| {
-        // Torques are measured by the energy that moves, and forces by that over the way: where nothing else has their unit, zero has a size.
-        let other = match unit {
-            "N m" => largest("J"),
-            "N" => largest("J") / largest("m"),
-            _ => 0.0,
-        };
-        let largest = largest(unit).max(if other.is_finite() { other } else { 0.0 });
-        let scale = own.max(SMALL_PART * largest);
-        match unit {
-            "rad" => scale.max(SMALL_ANGLE),
-            "deg" => scale.max(SMALL_ANGLE.to_degrees()),
-            _ => scale,
-        }
-    };
+    let sizes = Sizes::of(first, &deviations);
     let all = first.names().iter().zip(&deviations);
     let told = all.filter(|(name, _)| counts(&name.name));
     let estimates = told.filter_map(|(name, (deviation, size))| {
-        let scale = scale(&name.unit, *size);
+        let scale = sizes.scale(&name.unit, *size);
         (scale > NOTHING).then(|| Estimate {
             column: name.name.clone(),
             is_metric: false,
@@ -101,9 +82,22 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
             relative: deviation.rms / scale,
         })
     });
-    let metrics = first.metrics(model.scene());
-    let metrics = metrics.iter().zip(finer.metrics(model.scene()));
-    let metrics = metrics.filter_map(|(here, finer)| {
+    let metrics = of_metrics(model.scene(), [first, &finer], &sizes, until);
+    estimates
+        .chain(metrics)
+        .max_by(|a, b| a.relative.total_cmp(&b.relative))
+}
+
+/// The errors of metrics: one number each.
+fn of_metrics(
+    scene: &Scene,
+    [first, finer]: [&Trajectory; 2],
+    sizes: &Sizes,
+    until: f64,
+) -> Vec<Estimate> {
+    let metrics = first.metrics(scene);
+    let metrics = metrics.iter().zip(finer.metrics(scene));
+    let told = metrics.filter_map(|(here, finer)| {
         let (here_value, value) = (here.value.ok()?, finer.value.ok()?);
         let error = (value - here_value).abs();
         // What is taken over time is measured by the time, times what it is taken of, where that is known.
@@ -113,9 +107,9 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
             }
             Take::Integral => {
                 let of = here.unit.strip_suffix(" s").unwrap_or_default();
-                value.abs().max(SMALL_PART * until * largest(of))
+                value.abs().max(SMALL_PART * until * sizes.largest(of))
             }
-            _ => scale(&here.unit, value.abs()),
+            _ => sizes.scale(&here.unit, value.abs()),
         };
         (scale > NOTHING).then(|| Estimate {
             column: here.name.clone(),
@@ -125,8 +119,46 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
             relative: error / scale,
         })
     });
-    let estimates = estimates.chain(metrics);
-    estimates.max_by(|a, b| a.relative.total_cmp(&b.relative))
+    told.collect()
+}
+
+/// The largest value of each column, with its unit: what errors are measured by.
+struct Sizes(Vec<(String, f64)>);
+
+impl Sizes {
+    fn of(run: &Trajectory, deviations: &[(Deviation, f64)]) -> Self {
+        let columns = run.names().iter().zip(deviations);
+        Sizes(
+            columns
+                .map(|(name, (_, size))| (name.unit.clone(), *size))
+                .collect(),
+        )
+    }
+
+    /// The largest value of a unit.
+    fn largest(&self, unit: &str) -> f64 {
+        let same = self.0.iter().filter(|(own, _)| own == unit);
+        same.map(|(_, size)| *size).fold(0.0, f64::max)
+    }
+
+    /// What the error of something of a unit is measured by, that is itself never more than `own`.
+    fn scale(&self, unit: &str, own: f64) -> f64 {
+        // Torques are measured by the energy that moves, and forces by that over the way: where nothing else has their unit, zero has a size.
+        let other = match unit {
+            "N m" => self.largest("J"),
+            "N" => self.largest("J") / self.largest("m"),
+            _ => 0.0,
+        };
+        let largest = self
+            .largest(unit)
+            .max(if other.is_finite() { other } else { 0.0 });
+        let scale = own.max(SMALL_PART * largest);
+        match unit {
+            "rad" => scale.max(SMALL_ANGLE),
+            "deg" => scale.max(SMALL_ANGLE.to_degrees()),
+            _ => scale,
+        }
+    }
 }
 
 /// How much apart values of an output mean the same [its unit]: a turn, where it is an `atan2`.

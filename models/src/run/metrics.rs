@@ -1,6 +1,6 @@
 //! The metrics that a scene declares, of one run.
 
-use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::{Scene, twelve_digits};
 use mbd_runtime::{MetricValue, MissingMetric};
 
 use super::outcome::RunOutcome;
@@ -21,7 +21,7 @@ pub fn metrics(scene: &Scene, outcome: &RunOutcome) -> Vec<MetricValue> {
 #[must_use]
 pub fn windows(scene: &Scene, until: f64) -> Vec<String> {
     // An end that an event made has rounding in its last digits.
-    let until = format!("{until:.11e}").parse().unwrap_or(until);
+    let until = twelve_digits(until);
     let told = scene.runs.metrics.iter().filter_map(|metric| {
         let name = &metric.name;
         match (metric.from, metric.to) {

@@ -1,13 +1,13 @@
 //! Coordinates that events lock where they are, and free again.
 
 use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
-use mbd_runtime::{Generic, Method, Model, Options, Quantity, Simulation, StepError, model, trim};
+use mbd_runtime::{Generic, Model, Options, Quantity, Simulation, StepError, model, trim};
 use mbd_scene::Detachable;
 use tests::agreement::agrees;
 use tests::declared::read;
 use tests::largest_difference;
 
-use super::methods;
+use super::methods_in;
 
 /// A hub that floats with a panel on a hinge through both centres of mass: it turns against the hub until it meets a latch at 90 deg. A torque on
 /// the panel then turns both, and from 3 s on, when the latch opens, the panel alone.
@@ -74,11 +74,7 @@ fn a_latch_leaves_the_angular_momentum_and_takes_what_a_plastic_impact_does() {
         let generic = Generic::<f64>::with_defaults(model.scene().clone()).expect("defaults");
         let interpreted = Interpreted::<f64>::new(model.scene().clone(), &[0.0]).expect("defaults");
         for model in [model, &generic, &interpreted] {
-            for options in methods() {
-                let of_tree = model.layout().tree.is_some();
-                if of_tree && matches!(options.method, Method::Rattle { .. }) {
-                    continue;
-                }
+            for options in methods_in(model.scene().coordinates) {
                 let word = format!("{} {}", options.method.name(), model.scene().name);
                 let mut run = Simulation::new(model, options).expect("options that fit");
                 run.run(2.0).expect("caught");
@@ -376,11 +372,7 @@ fn a_coordinate_that_is_locked_at_the_start_stays_there_until_an_event_frees_it(
         free.starts.detached.extend(lock);
         let free = Generic::<f64>::with_defaults(free).expect("defaults");
         for model in [model, &generic, &interpreted] {
-            for options in methods() {
-                let of_tree = model.layout().tree.is_some();
-                if of_tree && matches!(options.method, Method::Rattle { .. }) {
-                    continue;
-                }
+            for options in methods_in(model.scene().coordinates) {
                 let word = format!("{} {}", options.method.name(), model.scene().name);
                 let mut run = Simulation::new(model, options).expect("options that fit");
                 for held in [400f64.to_radians(), 0.5] {

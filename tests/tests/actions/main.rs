@@ -9,7 +9,8 @@ mod own_guard;
 mod refused;
 mod repeated;
 
-use mbd_runtime::Options;
+use mbd_runtime::{Method, Options};
+use mbd_scene::Coordinates;
 
 const G: f64 = 9.81;
 
@@ -23,4 +24,12 @@ fn methods() -> [Options; 6] {
         Options::rodas5p(1e-11),
         Options::auto(1e-11),
     ]
+}
+
+/// Those that a model in these coordinates runs with: Rattle needs absolute ones.
+fn methods_in(coordinates: Coordinates) -> impl Iterator<Item = Options> {
+    let all = methods().into_iter();
+    all.filter(move |options| {
+        coordinates == Coordinates::Absolute || !matches!(options.method, Method::Rattle { .. })
+    })
 }

@@ -6,7 +6,7 @@ use mbd_scene::{Coordinates, Scene};
 use tests::assert_close;
 use tests::declared::read;
 
-use super::{G, methods};
+use super::{G, methods_in};
 
 const BOTH: [Coordinates; 2] = [Coordinates::Absolute, Coordinates::Relative];
 
@@ -109,11 +109,7 @@ fn a_latch_that_is_asked_for_by_a_distance_catches_once_and_again_after_it_was_o
            output count = n; output x = rail.slide; }",
     );
     for coordinates in BOTH {
-        for options in methods() {
-            let of_tree = coordinates == Coordinates::Relative;
-            if of_tree && matches!(options.method, mbd_runtime::Method::Rattle { .. }) {
-                continue;
-            }
+        for options in methods_in(coordinates) {
             let word = format!("{} {coordinates:?}", options.method.name());
             let mut run = run(scene.clone().in_coordinates(coordinates), options);
             let mut seen = |end: f64| {

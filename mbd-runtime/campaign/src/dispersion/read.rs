@@ -1,6 +1,7 @@
 //! From a distribution as it is written to one in SI.
 
 use std::collections::BTreeMap;
+use std::num::ParseFloatError;
 use std::path::Path;
 
 use mbd_compiler::{mixes_turns, read_number};
@@ -104,6 +105,12 @@ pub fn read(
     })
 }
 
+/// How many percent a text says; `None` of what ends in no `%`.
+fn percentage(value: &Value) -> Option<Result<f64, ParseFloatError>> {
+    let text = value.as_str()?.trim().strip_suffix('%')?;
+    Some(text.trim().parse())
+}
+
 struct DispersionReader<'r> {
     setting: &'r str,
     known: &'r Dispersible,
@@ -118,10 +125,7 @@ impl DispersionReader<'_> {
     /// A value, or so many percent of the nominal one.
     fn number(&self, name: &str, value: &Value) -> Result<f64, PlanError> {
         let setting = format!("{}.{name}", self.setting);
-        let percent = value
-            .as_str()
-            .and_then(|text| text.trim().strip_suffix('%'));
-        match percent.map(|text| text.trim().parse::<f64>()) {
+        match percentage(value) {
             None => number(&setting, value, &self.known.unit),
             Some(Ok(percent)) if percent.is_finite() => {
                 if self.known.nominal == 0.0 {
@@ -181,11 +185,8 @@ impl DispersionReader<'_> {
             self.needed("low", &self.written.low)?,
             self.needed("high", &self.written.high)?,
         ];
-        let percentage = |value: &Option<Value>| {
-            let text = value.as_ref()?.as_str()?.trim().strip_suffix('%')?;
-            text.trim().parse::<f64>().ok()
-        };
-        if let [Some(low), Some(high)] = [&self.written.low, &self.written.high].map(percentage)
+        let percent = |value: &Option<Value>| percentage(value.as_ref()?)?.ok();
+        if let [Some(low), Some(high)] = [&self.written.low, &self.written.high].map(percent)
             && low < 100.0
             && high < 100.0
         {

@@ -10,10 +10,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{
-    AboutStart, CLOSED, DIFFERENCE, ITERATIONS, JointStart, OpenRow, Placement, PlacementError,
-    REACHES,
-};
+use super::close::{ITERATIONS, OpenRow, REACHES};
+use super::{AboutStart, CLOSED, JointStart, Placement, PlacementError};
 use crate::Quantity;
 use crate::laws::turns::next_to;
 
@@ -197,30 +195,6 @@ impl Placement<'_> {
             measured && in_loop && free.row(column).norm() > SINGULAR
         });
         open.map(|(_, coordinate)| *coordinate).collect()
-    }
-
-    /// The derivative of what the coordinates decide by some of them, by differences.
-    pub(super) fn slopes(
-        &mut self,
-        unknowns: &[(usize, usize)],
-        state: &mut [f64],
-        of: &dyn Fn(&mut Self, &mut [f64]) -> DVector<f64>,
-    ) -> DMatrix<f64> {
-        let mut columns = Vec::with_capacity(unknowns.len());
-        for &(joint, k) in unknowns {
-            let here = self.q[joint][k];
-            let mut at = |q: f64| {
-                self.q[joint][k] = q;
-                of(self, state)
-            };
-            let difference = at(here + DIFFERENCE) - at(here - DIFFERENCE);
-            self.q[joint][k] = here;
-            columns.push(difference / (2.0 * DIFFERENCE));
-        }
-        match columns.is_empty() {
-            true => DMatrix::zeros(of(self, state).len(), 0),
-            false => DMatrix::from_columns(&columns),
-        }
     }
 }
 

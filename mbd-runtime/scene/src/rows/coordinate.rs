@@ -118,10 +118,10 @@ impl<S: Real> Ends<'_, S> {
     /// θ of (5).
     fn thread_angle(&self, axis: &Axis, pitch: usize) -> S {
         let [cosine, sine] = angle_about(*axis);
-        let turned = self.displacement(axis) / self.lead(pitch);
-        let (sin, cos) = turned.sin_cos();
+        let angle = self.displacement(axis) / self.lead(pitch);
+        let (sin, cos) = angle.sin_cos();
         let [c, s] = [cosine, sine].map(|[a, b]| self.cosine(&a, &b));
-        turned + (s * cos - c * sin).atan2(c * cos + s * sin)
+        angle + (s * cos - c * sin).atan2(c * cos + s * sin)
     }
 
     /// a1·d [m].

@@ -13,6 +13,21 @@ pub struct Unit {
     pub dimension: Dimension,
 }
 
+impl Unit {
+    /// A number [SI] in this unit, as it is told.
+    #[must_use]
+    pub fn told(&self, value: f64) -> String {
+        let number = twelve_digits(value / self.factor);
+        format!("{number} {}", self.text).trim_end().to_owned()
+    }
+}
+
+/// A number without the digits that a conversion of units or a located time leaves behind the twelfth.
+#[must_use]
+pub fn twelve_digits(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
 /// Exponents of mass, length, time and electric current, **doubled** so that square roots stay whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Dimension {

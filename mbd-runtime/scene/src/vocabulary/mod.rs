@@ -21,7 +21,7 @@ pub(crate) use coordinate::angle_about;
 pub use coordinate::{Coordinate, Measure};
 pub use cost::Cost;
 pub use coupling::{Coupled, MOST_COUPLED, Relation};
-pub use dimension::{Dimension, Unit};
+pub use dimension::{Dimension, Unit, twelve_digits};
 pub use field::{Field, Fields, Rule};
 pub use formula::{EnergyKind, Fixed, Formula, Function, Place};
 pub use motion::{FrameMotion, Pose, Relative, Twist};

@@ -104,8 +104,8 @@ fn eigenvalues(a: &DMatrix<f64>) -> Vec<Complex<f64>> {
     let n = a.nrows();
     let found = (0..BASES).find_map(|number| {
         let basis = basis(n, number);
-        let turned = &basis * a * basis.transpose();
-        Schur::try_new(turned, f64::EPSILON, STEPS * n)
+        let rotated = &basis * a * basis.transpose();
+        Schur::try_new(rotated, f64::EPSILON, STEPS * n)
     });
     match found {
         Some(schur) => schur.complex_eigenvalues().iter().copied().collect(),

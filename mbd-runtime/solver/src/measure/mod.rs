@@ -535,10 +535,10 @@ impl Measures {
             let size = self.columns.get(*column).map_or(0.0, |known| known.size);
             let stride = Polynomial::stride(count);
             let values = (0..count).map(|place| self.value_at(half, place * stride, *column));
-            let nothing = [f64::INFINITY, f64::NEG_INFINITY];
-            let values = values.fold(nothing, |[least, most], value| {
-                [least.min(value), most.max(value)]
-            });
+            let values = values.fold(
+                [f64::INFINITY, f64::NEG_INFINITY],
+                |[least, most], value| [least.min(value), most.max(value)],
+            );
             let Some(sum) = self.sums.get_mut(index) else {
                 continue;
             };

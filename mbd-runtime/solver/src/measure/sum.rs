@@ -147,9 +147,11 @@ impl Sum {
         self.span += high - low;
         let level = of.level.unwrap_or(f64::NAN);
         // What rests at the level, as a contact that is open, is not above it where a step ends a rounding behind its event, or the polynomial swings.
-        let reaches = most > level + nothing
-            || polynomial.bounds()[1] > level
-                && largest(polynomial, part, rough, |x| x) > level + allowed.max(nothing);
+        let reaches = || {
+            most > level + nothing
+                || polynomial.bounds()[1] > level
+                    && largest(polynomial, part, rough, |x| x) > level + allowed.max(nothing)
+        };
         match of.take {
             Take::Max => {
                 let found = largest(polynomial, part, rough, |x| x);
@@ -163,11 +165,11 @@ impl Sum {
                 self.sum += 0.5 * width * polynomial.integral(part, |x| x);
             }
             Take::Rms => self.sum += 0.5 * width * polynomial.integral(part, |x| x * x),
-            Take::TimeAbove if reaches => polynomial.monotone(part, |ends| {
+            Take::TimeAbove if reaches() => polynomial.monotone(part, |ends| {
                 let (from, to) = above(polynomial, level, ends);
                 self.sum += 0.5 * width * (to - from);
             }),
-            Take::FirstAbove if reaches && self.first.is_nan() => {
+            Take::FirstAbove if self.first.is_nan() && reaches() => {
                 polynomial.monotone(part, |ends| {
                     let (from, to) = above(polynomial, level, ends);
                     let is_above = to > from || polynomial.at(to) > level;

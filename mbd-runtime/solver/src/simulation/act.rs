@@ -106,7 +106,7 @@ impl<T: Float> Simulation<T> {
         let [_, rates] = self.guards_and_rates()?;
         self.apply(acting)?;
         self.settle(acting)?;
-        self.turn_back(acting, &rates)?;
+        self.rearm(acting, &rates)?;
         let after = self.energies();
         let jump = |(before, after): ([f64; 3], [f64; 3])| [0, 1, 2].map(|k| after[k] - before[k]);
         let acted = Acted {
@@ -125,7 +125,7 @@ impl<T: Float> Simulation<T> {
                 return Err(StepError::EventChatter {
                     line: self.event_names(&[event]),
                     count: 2,
-                    window: self.time - self.margins.turned_back_at(event).unwrap_or(self.time),
+                    window: self.time - self.margins.rearmed_at(event).unwrap_or(self.time),
                 });
             }
             if self.chatter.sees(self.time) {

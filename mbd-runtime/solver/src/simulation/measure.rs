@@ -48,7 +48,7 @@ impl<T: Float> Simulation<T> {
                 self.system.stay(start + span, &mut self.inside)?;
             }
             let mut time = start + span;
-            if theta >= 1.0 && self.system.latest < f64::INFINITY {
+            if theta >= 1.0 {
                 let end = [time, size];
                 time = self.system.end_before(end, &self.state, &mut self.inside);
             }

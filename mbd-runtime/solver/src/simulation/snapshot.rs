@@ -12,7 +12,7 @@ use crate::integrate::{Control, StiffnessTest};
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::origin::MovingOrigin;
-use crate::turned_back::TurnedBack;
+use crate::rearm::Rearmed;
 use crate::watch::Watch;
 
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
@@ -36,8 +36,8 @@ pub struct Snapshot<T> {
     balance: Option<EnergyBalance>,
     momentum: Option<MomentumBalance>,
     sides: Vec<bool>,
-    #[serde(default)]
-    turned_back: Vec<TurnedBack>,
+    #[serde(default, alias = "turned_back")]
+    rearmed: Vec<Rearmed>,
     drift: f64,
     rows: SavedStrategy,
     /// The inputs that are held, and whether that is nobody's gift.
@@ -92,7 +92,7 @@ impl<T: Float> Simulation<T> {
         to.balance = self.balance;
         to.momentum = self.momentum;
         to.sides.clone_from(&self.margins.sides);
-        to.turned_back.clone_from(&self.margins.turned_back);
+        to.rearmed.clone_from(&self.margins.rearmed);
         to.drift = self.system.drift;
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
@@ -194,8 +194,8 @@ impl<T: Float> Simulation<T> {
         self.balance = snapshot.balance;
         self.momentum = snapshot.momentum;
         self.margins.sides.copy_from_slice(&snapshot.sides);
-        let turned_back = self.margins.turned_back.iter_mut();
-        let saved = turned_back.zip(&snapshot.turned_back);
+        let rearmed = self.margins.rearmed.iter_mut();
+        let saved = rearmed.zip(&snapshot.rearmed);
         saved.for_each(|(own, saved)| *own = *saved);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             *control = saved.clone();

@@ -142,8 +142,8 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         // Where the step ends on an event, what jumps there has not jumped yet.
-        let (end, limited) = (self.time + step, self.system.latest < f64::INFINITY);
-        let now = match limited {
+        let end = self.time + step;
+        let now = match self.system.sees_before() {
             false => self
                 .system
                 .energy_and_power(self.meter, end, self.method.next()),

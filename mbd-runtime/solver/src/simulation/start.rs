@@ -26,11 +26,11 @@ use crate::integrate::{
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
 use crate::origin::MovingOrigin;
+use crate::rearm::Rearmed;
 use crate::rounding::Rounding;
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
-use crate::turned_back::TurnedBack;
 use crate::watch::Watch;
 
 /// Below this margin, the square of an angle between rows, a start is singular: rounding leaves 1e-20 there.
@@ -438,7 +438,7 @@ impl<T: Float> Simulation<T> {
             );
         }
         self.system.follow_commands(self.time, None, &self.state)?;
-        self.margins.turned_back.fill(TurnedBack::default());
+        self.margins.rearmed.fill(Rearmed::default());
         self.begin_margins(&mut |_| ())?;
         let clocks = self.clocks();
         self.settle_sides(&|index| !clocks.contains(&index))?;

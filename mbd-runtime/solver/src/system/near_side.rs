@@ -114,6 +114,11 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// Whether stages see nothing of what is behind the end of the step.
+    pub(crate) fn sees_before(&self) -> bool {
+        self.latest < f64::INFINITY
+    }
+
     /// Evaluates a stage again that is behind an event, by (1).
     pub(super) fn keep_before(
         &mut self,

@@ -48,8 +48,8 @@ pub fn table_gap(
         at,
         format!(
             "table `{table}` has no value at `({}, {})`: it has one for every pair of its numbers{more}",
-            shown(x),
-            shown(z)
+            x.1.told(x.0),
+            z.1.told(z.0)
         ),
     )
 }
@@ -57,13 +57,6 @@ pub fn table_gap(
 pub fn table_repeats(at: Region, first: Region) -> LexemeMessage {
     LexemeMessage::new(at, "this row has the arguments of one above")
         .also(first, "the first of them")
-}
-
-/// A number in its unit, to 12 digits.
-fn shown((value, unit): (f64, &Unit)) -> String {
-    let scaled = value / unit.factor;
-    let digits = format!("{scaled:.11e}").parse().unwrap_or(scaled);
-    format!("{digits} {}", unit.text).trim_end().to_owned()
 }
 
 pub fn table_order(at: Region) -> LexemeMessage {

@@ -1,5 +1,5 @@
-//! Events whose action turns their own guard back: of a ball that bounces, v := −e v where z falls 0. Such an event has not left the side that it came
-//! from, and is watched for from there. Where it happens again within what is one time with the action it would do so without end: a ball that lies
+//! Events whose action sends their own guard back: of a ball that bounces, v := −e v where z falls 0. Such an event has not left the side that it came
+//! from, and is armed again from there. Where it happens again within what is one time with the action it would do so without end: a ball that lies
 //! there, whose bounces are shorter than times are told apart.
 //!
 //! ```text
@@ -19,9 +19,9 @@ use crate::simulation::Simulation;
 /// Below this part of the rate before the action a rate is none; a guard within this time [s] of its value, by that rate, is at its value.
 const NONE: f64 = 1e-9;
 
-/// When the action of an event turned its guard back, and where.
+/// When an event was armed again by its own action, and where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct TurnedBack {
+pub(crate) struct Rearmed {
     /// When last [s].
     pub time: Option<f64>,
     /// Below this the guard was at its value then.
@@ -48,7 +48,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Events that have acted, whose guards had these rates before: those for which (1) holds are on the side that they came from.
-    pub(crate) fn turn_back(&mut self, acting: &[usize], before: &[f64]) -> Result<(), StepError> {
+    pub(crate) fn rearm(&mut self, acting: &[usize], before: &[f64]) -> Result<(), StepError> {
         let declared: Vec<(usize, usize)> = self.margins.declared().collect();
         let [here, after] = self.guards_and_rates()?;
         self.look_along(AT_REST)?;
@@ -67,26 +67,26 @@ impl<T: Float> Simulation<T> {
             let none = NONE * of(before).abs();
             let returns = back > none || back.abs() <= none && goes_on > none * AT_REST;
             let guard = of(&here);
-            let last = self.margins.turned_back.get_mut(index);
+            let last = self.margins.rearmed.get_mut(index);
             let Some(last) = last else { continue };
             if (guard - last.value).abs() > none || !returns {
                 last.value = 0.0;
                 continue;
             }
-            let at = TurnedBack {
+            let at = Rearmed {
                 time: Some(self.time),
                 rounding: none,
                 value: guard,
             };
-            self.margins.turn_back(index, at);
+            self.margins.rearm(index, at);
         }
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)
     }
 
-    /// Whether an event that its action has turned back happens again within what is one time with that.
+    /// Whether an event that its action armed again happens again within what is one time with that.
     pub(crate) fn happens_at_once(&self, event: usize) -> bool {
-        let since = self.margins.turned_back_at(event);
+        let since = self.margins.rearmed_at(event);
         since.is_some_and(|since| self.time - since <= TOGETHER.max(self.resolved(0.0)))
     }
 }

@@ -1,0 +1,93 @@
+//! The spanning tree along which bodies are placed: joints of which something is said first.
+
+use super::{FREE, JointStart, PlacementError};
+use crate::{Layout, Part, Place, Scene};
+
+/// A joint walked from the part that is placed to the one it places.
+#[derive(Clone, Copy)]
+pub(super) struct PlacingJoint {
+    pub joint: usize,
+    pub to: Part,
+    pub to_parent: bool,
+}
+
+/// The spanning tree, in the order in which it is walked.
+pub(super) fn tree(
+    scene: &Scene,
+    layout: &Layout,
+    given: &[JointStart],
+    fixed: &[Part],
+) -> Result<Vec<PlacingJoint>, PlacementError> {
+    // What holds exactly goes first, what may give way next: what is left over closes the loops.
+    let rank = |joint: usize| {
+        let own = given.iter().filter(|start| start.joint == joint);
+        let gives_way = |start: &JointStart| start.about && start.rate.is_none();
+        own.map(|start| u8::from(gives_way(start)))
+            .min()
+            .unwrap_or(2)
+    };
+    // What flies from another body starts where that is.
+    let flies = |joint: usize| {
+        let from_body = matches!(scene.joints[joint].parent, Place::Body(..));
+        from_body && scene.joints[joint].law.freedoms() == FREE
+    };
+    let mut order: Vec<usize> = (0..layout.joints.len())
+        .filter(|&joint| {
+            let holds = layout.starts_joined(joint);
+            (holds && scene.joints[joint].law.couples().is_empty()) || flies(joint)
+        })
+        .collect();
+    order.sort_by_key(|&joint| (flies(joint), rank(joint), scene.joints[joint].cut));
+    // What hangs together; the world and everything fixed are one.
+    let mut together: Vec<Vec<Option<Part>>> = vec![vec![None]];
+    together[0].extend(fixed.iter().copied().map(Some));
+    let mut edges = Vec::new();
+    for joint in order {
+        let [Some(&parent), Some(&child)] = [0, 1].map(|k| layout.joints[joint].ends.get(k)) else {
+            continue;
+        };
+        let ends = [parent, child];
+        let [a, b] = ends.map(|end| {
+            let found = together.iter().position(|set| set.contains(&end));
+            found.unwrap_or_else(|| {
+                together.push(vec![end]);
+                together.len() - 1
+            })
+        });
+        if a == b {
+            if rank(joint) == 0 {
+                return Err(PlacementError::Decided { joint });
+            }
+            continue;
+        }
+        let moved = together.remove(a.max(b));
+        together[a.min(b)].extend(moved);
+        edges.push((joint, ends));
+    }
+    let mut placed: Vec<Option<Part>> = vec![None];
+    placed.extend(fixed.iter().copied().map(Some));
+    let mut links = Vec::new();
+    while !edges.is_empty() {
+        let next = edges
+            .iter()
+            .position(|(_, ends)| ends.iter().any(|end| placed.contains(end)));
+        let Some(next) = next else {
+            // Nothing ties these to the world: the first of them stays where it is.
+            let (_, ends) = edges[0];
+            placed.push(ends[0]);
+            continue;
+        };
+        let (joint, [parent, child]) = edges.remove(next);
+        let to_parent = placed.contains(&child);
+        let to = if to_parent { parent } else { child };
+        if let Some(to) = to {
+            links.push(PlacingJoint {
+                joint,
+                to,
+                to_parent,
+            });
+            placed.push(Some(to));
+        }
+    }
+    Ok(links)
+}
