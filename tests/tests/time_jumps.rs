@@ -272,7 +272,15 @@ fn the_order_of_a_method_is_kept_where_states_decide() {
 fn they_keep_them_in_single_precision() {
     let model = Between::<f32>::new(BetweenParams::default()).expect("no params");
     let exact = between(10.0);
-    for options in [Options::rk4(0.05), Options::rk4(0.0123)] {
+    // One of these meets the place to the last digit, where no side is.
+    for options in [
+        Options::rk4(0.05),
+        Options::rk4(0.0123),
+        Options::tsit5(1e-3),
+        Options::tsit5(1e-4),
+        Options::tsit5(1e-5),
+        Options::vern7(1e-5),
+    ] {
         let mut run = Simulation::new(&model, options).expect("a model that runs");
         run.run(10.0).expect("a run that ends");
         let state = run.state();
@@ -283,5 +291,34 @@ fn they_keep_them_in_single_precision() {
             off.iter().all(|off| *off < 1e-4),
             "{options:?} {state:?} {exact:?}"
         );
+    }
+}
+
+/// Halves of seconds and metres are met to the last digit: x = ½ − t²/2 = 0 at 1 s, then −t + t².
+#[test]
+fn a_place_that_is_met_to_the_last_digit_has_the_force_behind_it() {
+    for from in [0.5, -0.25] {
+        for options in [
+            Options::rk4(0.25),
+            Options::rk4(0.5),
+            Options::tsit5(1e-6),
+            Options::rattle(0.25),
+        ] {
+            let model = Between::<f64>::new(BetweenParams::default()).expect("no params");
+            let mut run = Simulation::new(&model, options).expect("a model that runs");
+            run.set_state(0.0, &[from, 0.0, 0.0, 0.0, 0.0, 0.0])
+                .expect("a state");
+            let [met, after] = if from > 0.0 {
+                [1.0, -0.1875]
+            } else {
+                // x = t² − ¼ = 0 at ½ s, then t − t²/2.
+                [0.5, 0.46875]
+            };
+            run.run(met + 0.75).expect("a run that ends");
+            let at = run.events().first().expect("it passes").time;
+            assert!((at - met).abs() < 1e-12, "{options:?} {at}");
+            let off = (run.state()[0] - after).abs();
+            assert!(off < 1e-10, "{options:?} {off:e}");
+        }
     }
 }

@@ -392,7 +392,8 @@ impl<T: Float> Simulation<T> {
         switched?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
-        self.begin_noting()
+        self.begin_noting()?;
+        self.begin_behind()
     }
 
     /// Margins at the accepted state after something jumped there; declared events that jumped past their zero happen now.
@@ -547,8 +548,8 @@ impl<T: Float> Simulation<T> {
         declared.filter(|index| of_time(*index)).collect()
     }
 
-    /// Evaluates the first stage a little later, where events start at their value: what jumps there, `if(v < 0 m/s, …)` from rest, is what it is on the side
-    /// that the motion goes to.
+    /// Evaluates the first stage a little later, where events start at their value, or a step ended on it to the last digit: what jumps there,
+    /// `if(v < 0 m/s, …)` from rest, is what it is on the side that the motion goes to.
     pub(crate) fn begin_behind(&mut self) -> Result<(), StepError> {
         if !self.system.may_jump() {
             return Ok(());

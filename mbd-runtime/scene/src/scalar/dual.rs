@@ -37,10 +37,11 @@ impl<T: Real, const N: usize> Dual<T, N> {
 
     /// f(value) with derivative f′.
     fn chain(self, value: T, slope: T) -> Self {
-        Dual {
-            value,
-            slopes: self.slopes.map(|s| s * slope),
+        let mut slopes = self.slopes;
+        for own in &mut slopes {
+            *own = *own * slope;
         }
+        Dual { value, slopes }
     }
 
     /// `a` where the mask holds, `b` elsewhere; `value` is that of the result.
@@ -49,10 +50,11 @@ impl<T: Real, const N: usize> Dual<T, N> {
     }
 
     fn zip(self, other: Self, value: T, f: impl Fn(T, T) -> T) -> Self {
-        Dual {
-            value,
-            slopes: std::array::from_fn(|i| f(self.slopes[i], other.slopes[i])),
+        let mut slopes = self.slopes;
+        for (slope, other) in slopes.iter_mut().zip(&other.slopes) {
+            *slope = f(*slope, *other);
         }
+        Dual { value, slopes }
     }
 }
 

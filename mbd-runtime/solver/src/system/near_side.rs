@@ -65,7 +65,8 @@ impl<T: Float> NearSide<T> {
     fn behind(&self) -> Option<(GuardSide, f64)> {
         let all = self.sides.iter().filter_map(|side| {
             let guard = self.guards.get(side.at)?.to_f64() - side.value;
-            let is_behind = (guard > 0.0) != side.positive;
+            // At its value a guard is on no side: what jumps there may have jumped.
+            let is_behind = guard == 0.0 || (guard > 0.0) != side.positive;
             is_behind.then_some((*side, guard.abs()))
         });
         all.max_by(|(_, a), (_, b)| a.total_cmp(b))
