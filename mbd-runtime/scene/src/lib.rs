@@ -9,6 +9,7 @@
 //! This crate knows no tokens and does no input or output.
 
 mod direction;
+pub mod double;
 mod elimination;
 mod evaluate;
 mod event;

@@ -39,8 +39,8 @@ pub(crate) struct Commands {
     /// Of each motor, then each line that is told its rate: whether the rates of value and rate are known.
     known: Vec<[bool; 2]>,
     in_parts: Vec<CourseInParts>,
-    pub last: Vec<ToldMotion<f64>>,
-    pub now: Vec<ToldMotion<f64>>,
+    pub last: Vec<ToldMotion>,
+    pub now: Vec<ToldMotion>,
 }
 
 impl Commands {
@@ -189,7 +189,7 @@ fn prescribed_name(scene: &Scene, of: PrescribedMotion) -> String {
 }
 
 /// The change of a number over the last step as it follows and as its rate tells it, where (2) does not hold.
-fn untrue<T: Float>(now: &ToldMotion<f64>, order: usize, span: f64) -> Option<[f64; 2]> {
+fn untrue<T: Float>(now: &ToldMotion, order: usize, span: f64) -> Option<[f64; 2]> {
     let (told, follows) = (now.told[order + 1], now.follows[order]);
     let bend = now.told.get(order + 2).map_or(0.0, |next| next * span);
     let size = told.abs().max(follows.abs()).max(bend.abs());

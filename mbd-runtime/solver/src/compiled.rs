@@ -24,7 +24,7 @@ use crate::trim::{TrimError, TrimProblem, Trimmed};
 
 /// Declares every door once: the name that the public method calls, and the function behind it.
 macro_rules! doors {
-    ($(fn $name:ident($($argument:ident: $given:ty),*) -> $result:ty = $path:path;)*) => {
+    ($(fn $name:ident($($argument:ident: $given:ty),*) -> $result:ty = $path:expr;)*) => {
         /// A scalar that the solvers of this crate are compiled for: `f64`, and with the feature `f32` (on unless `default-features = false`) `f32`.
         #[diagnostic::on_unimplemented(
             message = "the solvers are not compiled for `{Self}`",
@@ -41,7 +41,7 @@ macro_rules! doors {
         #[cfg(feature = "f32")]
         doors!(f32, $(fn $name($($argument: $given),*) -> $result = $path;)*);
     };
-    ($scalar:ty, $(fn $name:ident($($argument:ident: $given:ty),*) -> $result:ty = $path:path;)*) => {
+    ($scalar:ty, $(fn $name:ident($($argument:ident: $given:ty),*) -> $result:ty = $path:expr;)*) => {
         impl Scalar for $scalar {
             $(
                 #[inline(never)]
@@ -77,8 +77,8 @@ doors! {
     fn name_event(run: &Simulation<Self>, what: Happening) -> String = Simulation::name_event;
     fn make_generic(scene: Scene, params: &[Self]) -> Result<Generic<Self>, ParamError> = Generic::make;
     fn change_generic(model: &Generic<Self>, params: &[Self]) -> Result<Generic<Self>, ParamError> = Generic::change;
-    fn make_work(model: &Generic<Self>) -> Work<Self> = Generic::scratch;
-    fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = Generic::run;
+    fn make_work(model: &Generic<Self>) -> Work<Self> = <Generic<Self>>::scratch;
+    fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = <Generic<Self>>::run;
     fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run;
     fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), known: Option<[&[f64]; 2]>, along: &[&str]) -> Result<StateSpace, LinearisationError> = StateSpace::make;
     fn space_here(run: &mut Simulation<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = Simulation::space_here;
@@ -543,7 +543,7 @@ impl<T: Scalar> Model<T> for Generic<T> {
     }
 
     fn lines(&self) -> &[LineNumbers<T>] {
-        &self.numbers.lines
+        &self.lines
     }
 
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]) {

@@ -3,7 +3,7 @@
 
 use mbd_scene::Scratch;
 use mbd_scene::laws::Numbers;
-use mbd_scene::{Arguments, At, Float, Layout, Model, Quantity, Scene};
+use mbd_scene::{Arguments, At, Float, Layout, Model, Quantity, Scene, double};
 
 /// Numbers and scratch of one scene.
 #[derive(Clone, Debug)]
@@ -13,13 +13,22 @@ pub(crate) struct Laws {
     arguments: Arguments<f64>,
 }
 
+/// Params in `f64`.
+pub(crate) fn params_of<T: Float>(params: &[T]) -> Vec<f64> {
+    params.iter().map(|x| x.to_f64()).collect()
+}
+
+/// The numbers of the scene of a model, with its params.
+pub(crate) fn numbers_of<T: Float>(model: &dyn Model<T>) -> Numbers<f64> {
+    double::numbers(model.scene(), &params_of(model.params()))
+}
+
 impl Laws {
     /// Those of the scene of a model, with its parameters.
     pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
-        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         Laws {
-            numbers: Numbers::new(model.scene(), &params),
-            scratch: Scratch::new(model.layout()),
+            numbers: numbers_of(model),
+            scratch: double::scratch(model.layout()),
             arguments: Arguments::default(),
         }
     }
@@ -39,7 +48,7 @@ impl Laws {
     ) {
         out.fill(0.0);
         self.run(model, at, |scene, layout, numbers, at, scratch| {
-            mbd_scene::evaluate(what, scene, layout, numbers, at, scratch, out);
+            double::evaluate(what, scene, layout, numbers, at, scratch, out);
         });
     }
 

@@ -10,12 +10,13 @@
 //! projected state; the error estimate is made of the stages alone and does not see the move.
 
 use mbd_scene::laws::{self, Numbers};
-use mbd_scene::{At, Float, Quantity};
+use mbd_scene::{Arguments, At, Float, Quantity};
 
 use crate::columns::joint_name;
 use crate::displace::{displace, square};
 use crate::error::{Source, StepError};
 use crate::fallback::{Dependence, NEW, dependent};
+use crate::laws::numbers_of;
 use crate::list::{all_finite, largest};
 use crate::moving::moving;
 use crate::options::Stabilise;
@@ -436,6 +437,15 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// What the laws need that are asked at a start or for a message, in `f64` whatever the scalar of the run.
+    #[cold]
+    fn in_double(&self, time: f64, state: &[T]) -> (Numbers<f64>, Arguments<f64>) {
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let mut arguments = Arguments::default();
+        arguments.read(&at, |x| x.to_f64());
+        (numbers_of(&*self.model), arguments)
+    }
+
     /// The joints whose rows are furthest from zero, largest first, from the rows that were read last, with the unit of the worst row of each: of a
     /// length, or of an angle.
     #[cold]
@@ -445,9 +455,9 @@ impl<T: Float> System<T> {
         [length, angle]: [&'static str; 2],
     ) -> Vec<(String, f64, &'static str)> {
         let (scene, layout) = (self.model.scene(), self.model.layout());
-        let numbers = Numbers::new(scene, self.model.params());
         let own = state.get(..self.nx).unwrap_or_default();
-        let at = self.nodes.at(T::from_f64(time), own, &self.inputs);
+        let (numbers, arguments) = self.in_double(time, own);
+        let at = arguments.at();
         let worst = self.worst(self.open_joints()).into_iter();
         let told = worst.map(|(joint, size)| {
             let slots = layout.joints.get(joint);
@@ -486,10 +496,10 @@ impl<T: Float> System<T> {
         if layout.directions.plane.is_none() {
             return Ok(());
         }
-        let numbers = Numbers::new(scene, self.model.params());
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let (numbers, arguments) = self.in_double(time, state);
+        let at = arguments.at();
         let held = (0..layout.joints.len()).filter(|&joint| layout.joints[joint].holds);
-        let off = |joint| laws::out_of_plane(scene, layout, &numbers, &at, joint).to_f64();
+        let off = |joint| laws::out_of_plane(scene, layout, &numbers, &at, joint);
         let worst = self.worst(held.map(|joint| (joint, off(joint))));
         let norm = worst.first().map_or(0.0, |first| first.1);
         let named = |(joint, size)| (joint_name(scene, joint).to_owned(), size, "m or rad");
@@ -503,15 +513,15 @@ impl<T: Float> System<T> {
     /// Rows have more roots than the one that is meant: every joint must be on its own.
     fn check_branches(&self, time: f64, state: &[T]) -> Result<(), StepError> {
         let (scene, layout) = (self.model.scene(), self.model.layout());
-        let numbers = Numbers::new(scene, self.model.params());
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let (numbers, arguments) = self.in_double(time, state);
+        let at = arguments.at();
         let joints = layout.joints.iter().enumerate();
         let flipped: Vec<String> = joints
             .filter(|(joint, slots)| {
                 let signs = laws::branch(scene, layout, &numbers, &at, *joint);
                 let joined = slots.switch.and_then(|at| self.modes().get(at));
                 let held = slots.len > 0 && joined != Some(&Mode::Detached);
-                held && !signs.iter().all(|sign| *sign > T::zero())
+                held && !signs.iter().all(|sign| *sign > 0.0)
             })
             .map(|(joint, _)| joint_name(scene, joint).to_owned())
             .collect();

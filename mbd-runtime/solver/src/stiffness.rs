@@ -3,6 +3,7 @@
 use mbd_scene::laws::{GravityNumbers, Numbers};
 use mbd_scene::{Float, Joint, Model, Part, Place, StopSlots};
 
+use crate::laws::numbers_of;
 use crate::moving::Moving;
 use crate::unilateral::is_node_line;
 
@@ -36,8 +37,7 @@ impl Stiffness {
     /// That of a model, for its parameters.
     pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
         let scene = model.scene();
-        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
-        let numbers = Numbers::new(scene, &params);
+        let numbers = numbers_of(model);
         let lines = scene.lines.iter().zip(model.lines());
         let lines = lines
             .enumerate()

@@ -114,7 +114,7 @@ pub(crate) enum Bank {
 }
 
 /// Tells every number that [`BlockSystem::solve`] reads of a factor.
-pub(crate) fn factored(plan: &Elimination, mut each: impl FnMut(Bank, usize)) {
+pub(crate) fn factored(plan: &Elimination, each: &mut dyn FnMut(Bank, usize)) {
     for index in 0..plan.steps.len() {
         let Some(node) = LeavingNode::new(plan, index) else {
             continue;
@@ -234,7 +234,7 @@ impl<S: Real> BlockSystem<S> {
     }
 
     /// Factorises K by (1) of [`crate::elimination::system`]. `enter` hears which part comes next.
-    pub fn factor(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
+    pub fn factor(&mut self, plan: &Elimination, enter: &dyn Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
             let Some(node) = LeavingNode::new(plan, index) else {
                 continue;
@@ -413,7 +413,7 @@ impl<S: Real> BlockSystem<S> {
     }
 
     /// Solves for the right-hand side; the factor stays. `enter` hears which part comes next.
-    pub fn solve(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
+    pub fn solve(&mut self, plan: &Elimination, enter: &dyn Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
             if let Some(node) = LeavingNode::new(plan, index) {
                 enter(step.part);

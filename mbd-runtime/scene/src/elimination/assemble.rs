@@ -167,11 +167,9 @@ impl<S: Real> Constraints<S> {
         let (layout, numbers) = (evaluation.layout, evaluation.numbers);
         let plan = &layout.elimination;
         let carrying = |joint: usize| plan.child_of(joint).map(|(_, carrying)| carrying);
-        self.run(
-            evaluation,
-            |joint| carrying(joint).is_some(),
-            |joint| evaluation.carrying_ends(joint, carrying(joint)?.own),
-        );
+        self.run(evaluation, &|joint| carrying(joint).is_some(), &|joint| {
+            evaluation.carrying_ends(joint, carrying(joint)?.own)
+        });
         for (joint, declared) in evaluation.scene.joints.iter().enumerate() {
             S::section(&declared.name);
             self.carriages[joint] = carrying(joint).and_then(|carrying| {
@@ -180,11 +178,9 @@ impl<S: Real> Constraints<S> {
         }
         self.refer(evaluation);
         let references = std::mem::take(&mut self.references);
-        self.run(
-            evaluation,
-            |joint| carrying(joint).is_none(),
-            |joint| evaluation.system_ends(joint, &references),
-        );
+        self.run(evaluation, &|joint| carrying(joint).is_none(), &|joint| {
+            evaluation.system_ends(joint, &references)
+        });
         self.references = references;
         self.system.clear();
         for (index, step) in plan.steps.iter().enumerate() {
@@ -203,7 +199,7 @@ impl<S: Real> Constraints<S> {
             }
         }
         self.system
-            .factor(plan, |part| enter::<S>(evaluation.scene, part));
+            .factor(plan, &|part| enter::<S>(evaluation.scene, part));
     }
 
     /// The reference frames of all bodies of the system, parents before their children.

@@ -107,8 +107,8 @@ impl<S: Real> Constraints<S> {
     pub(super) fn run<'a>(
         &mut self,
         evaluation: &'a Evaluation<'a, S>,
-        asked: impl Fn(usize) -> bool,
-        ends: impl Fn(usize) -> Option<Ends<'a, S>>,
+        asked: &dyn Fn(usize) -> bool,
+        ends: &dyn Fn(usize) -> Option<Ends<'a, S>>,
     ) {
         let joints = evaluation
             .scene
@@ -121,7 +121,7 @@ impl<S: Real> Constraints<S> {
             }
             S::section(&joint.name);
             if let Some(own) = ends(index) {
-                evaluation.law_rows((index, &own), &ends, slots.law, rows);
+                evaluation.law_rows((index, &own), ends, slots.law, rows);
                 for (coordinate, course) in evaluation.motors(joint) {
                     rows.motor(&own, &coordinate, &course);
                 }
@@ -139,7 +139,7 @@ impl<S: Real> Constraints<S> {
     pub fn write(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let components = evaluation.scene.angular_velocity;
         let ends = |joint: usize| evaluation.ends(joint, components);
-        self.run(evaluation, |_| true, ends);
+        self.run(evaluation, &|_| true, &ends);
         let layout = evaluation.layout;
         let joints = layout.joints.iter().zip(&self.rows).enumerate();
         for (index, (slots, rows)) in joints.filter(|(_, (slots, _))| slots.len > 0) {
@@ -241,7 +241,7 @@ impl<S: Real> Constraints<S> {
             }
         }
         self.system
-            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+            .solve(plan, &|part| enter::<S>(evaluation.scene, part));
         for (index, step) in plan.steps.iter().enumerate() {
             if let Part::Body(body) = step.part {
                 enter::<S>(evaluation.scene, step.part);
@@ -299,7 +299,7 @@ impl<S: Real> Constraints<S> {
             if what == Quantity::Multipliers {
                 let own = &mut out[slots.row..slots.row + slots.len];
                 own.fill(S::zero());
-                self.each_kept(evaluation, index, |number, row, part| {
+                self.each_kept(evaluation, index, &mut |number, row, part| {
                     own[row] -= unknowns[number] * part;
                 });
                 continue;
@@ -350,7 +350,7 @@ impl<S: Real> Constraints<S> {
         &self,
         evaluation: &Evaluation<'_, S>,
         joint: usize,
-        each: impl FnMut(usize, usize, S),
+        each: &mut dyn FnMut(usize, usize, S),
     ) {
         kept_parts(evaluation, joint, &self.rows, each);
     }
@@ -393,7 +393,7 @@ impl<S: Real> Constraints<S> {
                 enter::<S>(evaluation.scene, Part::Joint(joint));
                 let asked = &evaluation.at.rows[slots.row..slots.row + slots.len];
                 let mut right = [S::zero(); 6];
-                self.each_kept(evaluation, joint, |number, row, part| {
+                self.each_kept(evaluation, joint, &mut |number, row, part| {
                     right[number] -= asked[row] * part;
                 });
                 if self.hold_rows(evaluation, (joint, step), &right) {
@@ -404,7 +404,7 @@ impl<S: Real> Constraints<S> {
             }
         }
         self.system
-            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+            .solve(plan, &|part| enter::<S>(evaluation.scene, part));
         out.fill(S::zero());
         out[layout.nv] = self.system.margin(plan);
         for (index, step) in plan.steps.iter().enumerate() {
@@ -435,7 +435,7 @@ pub(crate) fn kept_parts<S: Real>(
     evaluation: &Evaluation<'_, S>,
     joint: usize,
     all: &[Rows<S>],
-    mut each: impl FnMut(usize, usize, S),
+    each: &mut dyn FnMut(usize, usize, S),
 ) {
     let slots = &evaluation.layout.joints[joint];
     if slots.all_kept() {

@@ -19,7 +19,7 @@ use crate::{AngularVelocity, Layout, Part, PointSlots, Real};
 /// Length of the list.
 pub(crate) fn factored_len(layout: &Layout) -> usize {
     let mut count = 1;
-    factored(&layout.elimination, |_, _| count += 1);
+    factored(&layout.elimination, &mut |_, _| count += 1);
     let turns = layout.directions.rotations().len();
     let speeds = layout.directions.speeds();
     for body in 0..layout.bodies.len() {
@@ -40,11 +40,9 @@ impl<S: Real> Constraints<S> {
     /// Adds what the joints leave over of the equations of motion: −Φ_vᵀ λ to the balances, and the rows Φ_v v̇ − γ behind everything.
     pub fn leave_over(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let components = evaluation.scene.angular_velocity;
-        self.run(
-            evaluation,
-            |_| true,
-            |joint| evaluation.ends(joint, components),
-        );
+        self.run(evaluation, &|_| true, &|joint| {
+            evaluation.ends(joint, components)
+        });
         let (layout, given) = (evaluation.layout, evaluation.at.rows);
         let directions = layout.directions;
         for (joint, slots) in layout.joints.iter().enumerate() {
@@ -85,7 +83,7 @@ impl<S: Real> Constraints<S> {
             out[place] = value;
             place += 1;
         };
-        factored(plan, |bank, at| next(self.system.factored(bank, at)));
+        factored(plan, &mut |bank, at| next(self.system.factored(bank, at)));
         let (directions, speeds) = (layout.directions, layout.directions.speeds());
         for body in 0..layout.bodies.len() {
             enter::<S>(evaluation.scene, Part::Body(body));
@@ -139,7 +137,7 @@ impl<S: Real> Constraints<S> {
         out.fill(S::zero());
         self.system.clear();
         let mut place = 0;
-        factored(plan, |bank, at| {
+        factored(plan, &mut |bank, at| {
             self.system.set_factored(bank, at, list[place]);
             place += 1;
         });
@@ -201,7 +199,7 @@ impl<S: Real> Constraints<S> {
             place += speeds * own.len();
         }
         self.system
-            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+            .solve(plan, &|part| enter::<S>(evaluation.scene, part));
         place = bodies;
         for (body, slots) in layout.own_bodies() {
             let Some(step) = plan.step_of(Part::Body(body)) else {

@@ -6,41 +6,41 @@ use super::Scratch;
 use crate::laws::body::attitude_of;
 use crate::laws::formula::{self, Context};
 use crate::laws::numbers::Numbers;
-use crate::{AngularVelocity, At, Directions, Layout, MapSource, Place, Real, Scene};
+use crate::{AngularVelocity, At, Directions, Layout, MapSource, Place, Scene};
 
 /// How something of the next scene begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Handed<S: Real> {
+pub enum Handed {
     /// At a place and moving with it.
     Motion {
         /// Its position from the origin of positions, world axes [m].
-        position: Vector3<S>,
+        position: Vector3<f64>,
         /// The axes of its frame as columns, world components; `None` of a point.
-        axes: Option<Matrix3<S>>,
+        axes: Option<Matrix3<f64>>,
         /// Its velocity against that origin, world axes [m/s].
-        velocity: Vector3<S>,
+        velocity: Vector3<f64>,
         /// Angular velocity of the body it is on, world axes [rad/s]; zero of a point.
-        omega: Vector3<S>,
+        omega: Vector3<f64>,
     },
     /// With a number [SI].
-    Number(S),
+    Number(f64),
 }
 
 /// Appends what the map of an event hands on, in its order, from what was just before the instant. A place that is nowhere is not a number.
-pub fn handed<S: Real>(
+pub fn handed(
     event: usize,
     (scene, layout): (&Scene, &Layout),
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut Vec<Handed<S>>,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut Vec<Handed>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let next = scene
         .events
         .get(event)
         .and_then(|it| it.actions.next.as_ref());
-    let unknown = || Vector3::repeat(S::from_f64(f64::NAN));
+    let unknown = || Vector3::repeat(f64::NAN);
     let map = next.into_iter().flat_map(|next| &next.map);
     out.extend(map.map(|mapped| match &mapped.from {
         MapSource::Value { value, .. } => Handed::Number(formula::scalar(value, &evaluation)),
@@ -64,7 +64,7 @@ pub fn handed<S: Real>(
     }));
 }
 
-impl Handed<f64> {
+impl Handed {
     /// The numbers of a body that moves so, as in the state of absolute coordinates: position, attitude, velocity, angular velocity. `None` where it
     /// has no axes.
     #[must_use]

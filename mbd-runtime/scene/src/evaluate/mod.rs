@@ -282,13 +282,13 @@ pub fn sensitivity<S: Real>(what: Quantity, layout: &Layout, at: &At<'_, S>, out
 }
 
 /// Writes the diagonal of the mass matrix (n_v) [kg, kg m²].
-pub fn masses<S: Real>(
+pub fn masses(
     scene: &Scene,
     layout: &Layout,
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut [S],
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut [f64],
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     match scratch.solver.tree() {
@@ -299,13 +299,13 @@ pub fn masses<S: Real>(
 
 /// Writes momentum, force and torque of gravity and loads, and how much momentum moves: P [kg m/s], L [kg m²/s], F [N], τ [N m], Σ |m v|,
 /// Σ |r × m v| + |I ω|; L and τ about the world origin (14 numbers).
-pub fn impulses<S: Real>(
+pub fn impulses(
     scene: &Scene,
     layout: &Layout,
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut [S],
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut [f64],
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     energy::impulses(&evaluation, out);
@@ -340,13 +340,13 @@ pub(crate) fn driven_coordinates(
 }
 
 /// Appends the angles of [`Layout::turns`] [rad], each with its rate [rad/s].
-pub fn counted_angles<S: Real>(
+pub fn counted_angles(
     scene: &Scene,
     layout: &Layout,
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut Vec<S>,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut Vec<f64>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let angles = layout.turns.iter().flat_map(|&(joint, number)| {
@@ -355,17 +355,17 @@ pub fn counted_angles<S: Real>(
             formula::Context::coordinate_rate(&evaluation, joint, number),
         ]
     });
-    out.extend(angles.map(|number| number.unwrap_or_else(|| S::from_f64(f64::NAN))));
+    out.extend(angles.map(|number| number.unwrap_or(f64::NAN)));
 }
 
 /// Appends the coordinate that every lock holds, or would hold [m or rad], in the order of [`JointSlots::held`](crate::JointSlots::held).
-pub fn locked<S: Real>(
+pub fn locked(
     scene: &Scene,
     layout: &Layout,
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut Vec<S>,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut Vec<f64>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let joints = scene.joints.iter().zip(&layout.joints);
@@ -373,18 +373,18 @@ pub fn locked<S: Real>(
     let coordinates = locks.filter_map(|(joint, _)| joint.law.couples().first());
     out.extend(coordinates.map(|&(joint, index)| {
         let value = formula::Context::coordinate(&evaluation, joint, index);
-        value.unwrap_or_else(|| S::from_f64(f64::NAN))
+        value.unwrap_or(f64::NAN)
     }));
 }
 
 /// Appends what every event would set, one number a [`Setting`](crate::Setting) [SI], in declaration order.
-pub fn settings<S: Real>(
+pub fn settings(
     scene: &Scene,
     layout: &Layout,
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut Vec<S>,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut Vec<f64>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let all = scene.events.iter().flat_map(|event| &event.actions.set);
@@ -393,32 +393,32 @@ pub fn settings<S: Real>(
 
 /// What a motor is told, or a line that is wound.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ToldMotion<S> {
+pub struct ToldMotion {
     /// Value, rate and acceleration of a motor; free length and rate of a line, whose acceleration nobody gives: zero.
-    pub told: [S; 3],
+    pub told: [f64; 3],
     /// The rates of value and rate as they follow from their expressions, inputs held; of a line that of its free length alone.
-    pub follows: [S; 2],
+    pub follows: [f64; 2],
 }
 
 /// Appends what every motor is told, in the order of [`Scene::commanded`], then every line of [`Scene::commanded_lines`].
-pub fn commands<S: Real>(
+pub fn commands(
     scene: &Scene,
     layout: &Layout,
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut Vec<ToldMotion<S>>,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut Vec<ToldMotion>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let motors = scene.commanded().map(|(_, parts)| parts);
     for parts in motors.chain(scene.commanded_lines().map(|(_, parts)| parts)) {
         let number = |index: usize| match parts.get(index) {
             Some(part) => formula::scalar(part, &evaluation),
-            None => S::zero(),
+            None => 0.0,
         };
         let follows = |index: usize| match parts.get(index + 1) {
             Some(_) => evaluation.rate_of(&parts[index]),
-            None => S::zero(),
+            None => 0.0,
         };
         out.push(ToldMotion {
             told: [0, 1, 2].map(number),

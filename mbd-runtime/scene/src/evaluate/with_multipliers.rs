@@ -13,18 +13,18 @@ use crate::laws::{Numbers, energy, forces, measured};
 use crate::rows::{Ends, Rows};
 use crate::scalar::algebra::write;
 
-use crate::{AngularVelocity, At, Layout, Quantity, Real, Scene};
+use crate::{AngularVelocity, At, Layout, Quantity, Scene};
 
 /// Writes [`Quantity::Reactions`], [`Quantity::Energy`] or [`Quantity::Outputs`] for given multipliers, n_c numbers in the order of the rows.
 /// Outputs take v̇ from `accelerations`, n_v numbers. A multiplier that is not a number makes what depends on it so. Other quantities, and slices of a wrong length, leave `out` untouched.
-pub fn evaluate_with_multipliers<S: Real>(
+pub fn evaluate_with_multipliers(
     what: Quantity,
     scene: &Scene,
     layout: &Layout,
-    numbers: &Numbers<S>,
-    (at, [multipliers, accelerations]): (&At<'_, S>, [&[S]; 2]),
-    scratch: &mut Scratch<S>,
-    out: &mut [S],
+    numbers: &Numbers<f64>,
+    (at, [multipliers, accelerations]): (&At<'_, f64>, [&[f64]; 2]),
+    scratch: &mut Scratch<f64>,
+    out: &mut [f64],
 ) {
     if out.len() != layout.len(what) || multipliers.len() != layout.nc {
         return;
@@ -44,7 +44,7 @@ pub fn evaluate_with_multipliers<S: Real>(
     };
     assembly.collect(&evaluation);
     let mut tree = solver.tree().filter(|_| accelerations.len() == layout.nv);
-    let mut find_reactions = |evaluation: &Evaluation<'_, S>, out: &mut [S]| match &mut tree {
+    let mut find_reactions = |evaluation: &Evaluation<'_, f64>, out: &mut [f64]| match &mut tree {
         Some(tree) => tree.reactions_for(evaluation, assembly, out),
         None => reactions(evaluation, out),
     };
@@ -54,7 +54,7 @@ pub fn evaluate_with_multipliers<S: Real>(
             let mut power = forces::drive_power(&evaluation);
             match tree {
                 Some(tree) => power += tree.drive_power_for(&evaluation, assembly),
-                None => each(&evaluation, |_, rows, own, _| {
+                None => each(&evaluation, &mut |_, rows, own, _| {
                     for (row, &multiplier) in rows.rows().iter().zip(own) {
                         power -= multiplier * row.time;
                     }
@@ -65,7 +65,7 @@ pub fn evaluate_with_multipliers<S: Real>(
         Quantity::Outputs => {
             list.clear();
             if layout.asked(what).reactions {
-                list.resize(6 * layout.joints.len(), S::zero());
+                list.resize(6 * layout.joints.len(), 0.0);
                 find_reactions(&evaluation, list);
             }
             bodies.clear();
@@ -84,9 +84,9 @@ pub fn evaluate_with_multipliers<S: Real>(
 }
 
 /// Writes force and torque of every joint, (1).
-fn reactions<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-    out.fill(S::zero());
-    each(evaluation, |joint, rows, own, ends| {
+fn reactions(evaluation: &Evaluation<'_, f64>, out: &mut [f64]) {
+    out.fill(0.0);
+    each(evaluation, &mut |joint, rows, own, ends| {
         let rows = rows
             .rows()
             .iter()
@@ -99,9 +99,9 @@ fn reactions<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 }
 
 /// Hands out every joint with its rows, their multipliers and its ends, body components.
-fn each<S: Real>(
-    evaluation: &Evaluation<'_, S>,
-    mut look: impl FnMut(usize, &Rows<S>, &[S], &Ends<'_, S>),
+fn each(
+    evaluation: &Evaluation<'_, f64>,
+    look: &mut dyn FnMut(usize, &Rows<f64>, &[f64], &Ends<'_, f64>),
 ) {
     let mut rows = Rows::default();
     let joints = evaluation.scene.joints.iter();
@@ -111,7 +111,7 @@ fn each<S: Real>(
         let (Some(own), Some(ends), true) = (own, ends_of(index), slots.len > 0) else {
             continue;
         };
-        evaluation.law_rows((index, &ends), ends_of, slots.law, &mut rows);
+        evaluation.law_rows((index, &ends), &ends_of, slots.law, &mut rows);
         for (coordinate, course) in evaluation.motors(joint) {
             rows.motor(&ends, &coordinate, &course);
         }

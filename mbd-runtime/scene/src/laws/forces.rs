@@ -72,11 +72,12 @@ impl<S: Real> AppliedForces<S> {
         for load in 0..evaluation.scene.loads.len() {
             self.collect_load(evaluation, load);
         }
-        crate::laws::joint_forces::visit(evaluation, |acting| {
-            match evaluation.layout.carried(acting.joint) {
-                Some(link) => self.along[link.slots.v + acting.number()] += acting.effort(),
-                None => self.collect_effort(acting),
-            }
+        crate::laws::joint_forces::visit(evaluation, &mut |acting| match evaluation
+            .layout
+            .carried(acting.joint)
+        {
+            Some(link) => self.along[link.slots.v + acting.number()] += acting.effort(),
+            None => self.collect_effort(acting),
         });
     }
 
@@ -252,7 +253,7 @@ pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
             power -= motion.tension * winding;
         }
     }
-    crate::laws::joint_forces::visit(evaluation, |acting| {
+    crate::laws::joint_forces::visit(evaluation, &mut |acting| {
         if let Some(driven) = acting.driven() {
             power -= driven;
         }

@@ -127,7 +127,7 @@ impl<S: Real> Value<S> {
 }
 
 /// The value of a formula that was checked to be a scalar.
-pub fn scalar<S: Real>(formula: &Formula, context: &impl Context<S>) -> S {
+pub fn scalar<S: Real>(formula: &Formula, context: &dyn Context<S>) -> S {
     match value(formula, context) {
         Scalar(a) => a,
         Vector(_) => S::from_f64(f64::NAN),
@@ -135,7 +135,7 @@ pub fn scalar<S: Real>(formula: &Formula, context: &impl Context<S>) -> S {
 }
 
 /// The value of a formula that was checked to be a vector.
-pub fn vector<S: Real>(formula: &Formula, context: &impl Context<S>) -> Vector3<S> {
+pub fn vector<S: Real>(formula: &Formula, context: &dyn Context<S>) -> Vector3<S> {
     match value(formula, context) {
         Vector(a) => a,
         Scalar(_) => Vector3::repeat(S::from_f64(f64::NAN)),
@@ -143,13 +143,13 @@ pub fn vector<S: Real>(formula: &Formula, context: &impl Context<S>) -> Vector3<
 }
 
 /// Three scalar formulas as a vector.
-pub fn triple<S: Real>(formulas: &Triple, context: &impl Context<S>) -> Vector3<S> {
+pub fn triple<S: Real>(formulas: &Triple, context: &dyn Context<S>) -> Vector3<S> {
     let [x, y, z] = formulas.each_ref().map(|formula| scalar(formula, context));
     Vector3::new(x, y, z)
 }
 
 /// The value of a formula.
-pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> {
+pub fn value<S: Real>(formula: &Formula, context: &dyn Context<S>) -> Value<S> {
     let line = |index: usize, item: usize| context.line(index).map(|numbers| Scalar(numbers[item]));
     let known = match formula {
         Formula::Number(x) => Some(Scalar(S::from_f64(*x))),
@@ -236,7 +236,7 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
 }
 
 /// The value of a `let`, worked out.
-pub fn of_let<S: Real>(index: usize, context: &impl Context<S>) -> Option<Value<S>> {
+pub fn of_let<S: Real>(index: usize, context: &dyn Context<S>) -> Option<Value<S>> {
     let declared = context.scene().lets.get(index)?;
     Some(value(&declared.value, context))
 }

@@ -29,7 +29,7 @@ impl<S: Real> Evaluation<'_, S> {
     pub(crate) fn law_rows<'e>(
         &'e self,
         (joint, own): (usize, &Ends<'e, S>),
-        ends: impl Fn(usize) -> Option<Ends<'e, S>>,
+        ends: &dyn Fn(usize) -> Option<Ends<'e, S>>,
         asked: RowSet,
         rows: &mut Rows<S>,
     ) {
@@ -185,15 +185,15 @@ impl<S: Real> Evaluation<'_, S> {
 
 /// How far a joint of a planar scene is from holding out of the plane: the largest of the rows that its joint has in space and not in the
 /// plane [m or 1]; zero in space. Positions alone matter.
-pub fn out_of_plane<S: Real>(
+pub fn out_of_plane(
     scene: &Scene,
     layout: &Layout,
-    numbers: &crate::laws::Numbers<S>,
-    at: &At<'_, S>,
+    numbers: &crate::laws::Numbers<f64>,
+    at: &At<'_, f64>,
     joint: usize,
-) -> S {
+) -> f64 {
     let (Some(declared), Some(slots)) = (scene.joints.get(joint), layout.joints.get(joint)) else {
-        return S::zero();
+        return 0.0;
     };
     let left = RowSet(RowSet::all(declared.law.rows()).0 & !slots.law.0);
     let mut kinematics = Kinematics::new(layout);
@@ -201,19 +201,19 @@ pub fn out_of_plane<S: Real>(
     let mut rows = Rows::default();
     let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
     if let Some(own) = ends(joint) {
-        evaluation.law_rows((joint, &own), ends, left, &mut rows);
+        evaluation.law_rows((joint, &own), &ends, left, &mut rows);
     }
     let sizes = rows.rows().iter().map(|row| row.value.abs());
-    sizes.fold(S::zero(), Real::max)
+    sizes.fold(0.0, Real::max)
 }
 
 /// The units of the rows of a joint, in their order: `m` of one that the places of its ends change, else `rad`; of a coupling that of the coordinate
 /// that it is written for.
-pub fn row_units<S: Real>(
+pub fn row_units(
     scene: &Scene,
     layout: &Layout,
-    numbers: &crate::laws::Numbers<S>,
-    at: &At<'_, S>,
+    numbers: &crate::laws::Numbers<f64>,
+    at: &At<'_, f64>,
     joint: usize,
 ) -> Vec<&'static str> {
     let (Some(declared), Some(slots)) = (scene.joints.get(joint), layout.joints.get(joint)) else {
@@ -229,14 +229,14 @@ pub fn row_units<S: Real>(
     let mut rows = Rows::default();
     let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
     if let Some(own) = ends(joint) {
-        evaluation.law_rows((joint, &own), ends, slots.law, &mut rows);
+        evaluation.law_rows((joint, &own), &ends, slots.law, &mut rows);
         for (coordinate, course) in evaluation.motors(declared) {
             rows.motor(&own, &coordinate, &course);
         }
     }
-    let is_length = |row: &Row<S>| {
+    let is_length = |row: &Row<f64>| {
         let mut linear = row.columns.iter().flat_map(|columns| columns.linear.iter());
-        linear.any(|x| !x.is_zero())
+        linear.any(|x| *x != 0.0)
     };
     let units = rows.rows().iter();
     units
@@ -246,18 +246,18 @@ pub fn row_units<S: Real>(
 
 /// Whether a joint is on the branch it means: three numbers, all positive if it is (1 where its rows have no other root). Positions alone
 /// matter; a joint or a place that is not there gives NaN.
-pub fn branch<S: Real>(
+pub fn branch(
     scene: &Scene,
     layout: &Layout,
-    numbers: &crate::laws::Numbers<S>,
-    at: &At<'_, S>,
+    numbers: &crate::laws::Numbers<f64>,
+    at: &At<'_, f64>,
     joint: usize,
-) -> [S; 3] {
+) -> [f64; 3] {
     let mut kinematics = Kinematics::new(layout);
     let evaluation = kinematics.read(scene, layout, numbers, at);
     let ends = evaluation.ends(joint, AngularVelocity::Body);
     let (Some(ends), Some(joint)) = (ends, scene.joints.get(joint)) else {
-        return [S::from_f64(f64::NAN); 3];
+        return [f64::NAN; 3];
     };
     let [a, b, c] = joint.law.branch(&ends);
     let courses = evaluation.motors(joint);

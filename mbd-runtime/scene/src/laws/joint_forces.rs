@@ -59,7 +59,7 @@ pub struct StopMotion<'a, S> {
 /// Calls `visit` for every coordinate that something acts along, in order.
 pub fn visit<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    mut visit: impl FnMut(&JointForcesAt<'_, S>),
+    visit: &mut dyn FnMut(&JointForcesAt<'_, S>),
 ) {
     let mut first_stop = 0;
     for (joint, declared) in evaluation.scene.joints.iter().enumerate() {
@@ -267,7 +267,7 @@ impl<S: Real> JointForcesAt<'_, S> {
 /// What acts along the coordinates of a joint, as a force on its child and a torque about the origin of frame 2, world axes.
 pub fn on_child<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize) -> [Vector3<S>; 2] {
     let mut all = [Vector3::zeros(); 2];
-    visit(evaluation, |acting| {
+    visit(evaluation, &mut |acting| {
         if acting.joint == joint {
             let [force, torque] = acting.on_child();
             all[0] += force;
@@ -283,7 +283,7 @@ pub fn add_on_children<S: Real>(
     of: impl Fn(usize) -> bool,
     out: &mut [S],
 ) {
-    visit(evaluation, |acting| {
+    visit(evaluation, &mut |acting| {
         let own = out.get_mut(6 * acting.joint..6 * acting.joint + 6);
         if let (Some(own), true) = (own, of(acting.joint)) {
             let [force, torque] = acting.on_child();

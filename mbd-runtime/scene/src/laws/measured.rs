@@ -41,7 +41,7 @@ pub fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             out[2 * index + 1] = motion.pull;
         }
     }
-    joint_forces::visit(evaluation, |acting| {
+    joint_forces::visit(evaluation, &mut |acting| {
         for stop in acting.stops() {
             out[2 * (lines + stop.stop)] = stop.depth;
             out[2 * (lines + stop.stop) + 1] = stop.pull;

@@ -35,7 +35,7 @@ impl Table {
                     };
                     [self.along_first(x, j), slope]
                 };
-                interpolate(z, &second.z, self.smooth, node, |coefficient| coefficient)
+                interpolate(z, &second.z, self.smooth, &node, |coefficient| coefficient)
             }
             _ => S::from_f64(f64::NAN),
         }
@@ -44,19 +44,19 @@ impl Table {
     /// Along the first argument, at entry `j` of the second.
     fn along_first<S: Real>(&self, x: S, j: usize) -> S {
         let value = |i: usize| self.entry(i, j);
-        let node = |i: usize| [value(i), slope(&self.x, i, value)];
-        interpolate(x, &self.x, self.smooth, node, S::from_f64)
+        let node = |i: usize| [value(i), slope(&self.x, i, &value)];
+        interpolate(x, &self.x, self.smooth, &node, S::from_f64)
     }
 
     /// Slope along the second argument at its entry `j`, carried over along the first.
     fn carried_slope<S: Real>(&self, x: S, z: &[f64], j: usize) -> S {
-        let node = |i: usize| [slope(z, j, |j| self.entry(i, j)), 0.0];
-        interpolate(x, &self.x, true, node, S::from_f64)
+        let node = |i: usize| [slope(z, j, &|j| self.entry(i, j)), 0.0];
+        interpolate(x, &self.x, true, &node, S::from_f64)
     }
 }
 
 /// m_k of a smooth table.
-fn slope(x: &[f64], k: usize, value: impl Fn(usize) -> f64) -> f64 {
+fn slope(x: &[f64], k: usize, value: &dyn Fn(usize) -> f64) -> f64 {
     let (Some(&before), Some(&here), Some(&after)) = (
         k.checked_sub(1).and_then(|k| x.get(k)),
         x.get(k),
@@ -79,8 +79,8 @@ fn interpolate<V: Real, S: Real>(
     x: S,
     grid: &[f64],
     smooth: bool,
-    node: impl Fn(usize) -> [V; 2],
-    lift: impl Fn(V) -> S,
+    node: &dyn Fn(usize) -> [V; 2],
+    lift: fn(V) -> S,
 ) -> S {
     let Some(&first) = grid.first() else {
         return S::from_f64(f64::NAN);
@@ -98,7 +98,7 @@ fn interpolate<V: Real, S: Real>(
             None => [from[0], V::zero(), V::zero(), V::zero()],
         };
         let start = S::from_f64(start);
-        let mut here = coefficients.map(&lift);
+        let mut here = coefficients.map(lift);
         chosen = Some(match chosen {
             None => (start, here),
             Some((low, below)) => {

@@ -180,7 +180,7 @@ impl<'a> Configuration<'a> {
         self.look(|evaluation| {
             let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::World);
             if let Some(own) = ends(joint) {
-                evaluation.law_rows((joint, &own), ends, asked, rows);
+                evaluation.law_rows((joint, &own), &ends, asked, rows);
             }
         });
     }

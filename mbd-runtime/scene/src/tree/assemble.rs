@@ -156,7 +156,7 @@ impl<S: Real> TreeSystem<S> {
     pub(super) fn prepare(
         &mut self,
         evaluation: &Evaluation<'_, S>,
-        prescribed: impl Fn(&Level<S>, usize) -> S,
+        prescribed: &dyn Fn(&Level<S>, usize) -> S,
     ) {
         let layout = evaluation.layout;
         let (plan, n) = (&layout.elimination, layout.nv);
@@ -165,7 +165,7 @@ impl<S: Real> TreeSystem<S> {
         self.dependent.read(evaluation);
         let levels = &self.rows.levels;
         self.dependent
-            .prescribe(plan, |row| prescribed(&levels[row], row));
+            .prescribe(plan, &|row| prescribed(&levels[row], row));
         let rates = std::mem::take(&mut self.dependent.rates);
         let given = match plan.dependents.is_empty() {
             true => &[][..],
@@ -210,7 +210,7 @@ impl<S: Real> TreeSystem<S> {
             }
         }
         self.system
-            .factor(plan, |part| enter::<S>(evaluation.scene, part));
+            .factor(plan, &|part| enter::<S>(evaluation.scene, part));
     }
 }
 

@@ -90,7 +90,7 @@ impl<S: Real> DependentSpeeds<S> {
     }
 
     /// û of (2), for the γ of each row.
-    pub fn prescribe(&mut self, plan: &Elimination, bias: impl Fn(usize) -> S) {
+    pub fn prescribe(&mut self, plan: &Elimination, bias: &dyn Fn(usize) -> S) {
         let DependentSpeeds { rates, known, .. } = self;
         rates.fill(S::zero());
         for (dependent, known) in plan.dependents.iter().zip(known) {
@@ -166,7 +166,7 @@ impl<S: Real> DependentSpeeds<S> {
     }
 
     /// u̇ from w, by (2), and λ of the rows that left, by (4).
-    pub fn follow(&mut self, plan: &Elimination, rates: &mut [S], mut each: impl FnMut(usize, S)) {
+    pub fn follow(&mut self, plan: &Elimination, rates: &mut [S], each: &mut dyn FnMut(usize, S)) {
         for (dependent, known) in self.each(plan) {
             let led = led(dependent, known);
             rates[dependent.speed] =
@@ -194,10 +194,10 @@ impl<S: Real> DependentSpeeds<S> {
     }
 
     /// The numbers that solutions by a factor need, in order.
-    pub fn each_factored(&mut self, mut each: impl FnMut(&mut S)) {
+    pub fn each_factored(&mut self, each: &mut dyn FnMut(&mut S)) {
         for known in &mut self.known {
             each(&mut known.inverse);
-            known.leads.iter_mut().for_each(&mut each);
+            known.leads.iter_mut().for_each(&mut *each);
         }
         self.mass.iter_mut().chain(&mut self.columns).for_each(each);
     }

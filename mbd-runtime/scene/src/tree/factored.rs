@@ -76,16 +76,18 @@ impl<S: Real> TreeSystem<S> {
 
     /// Eliminates and writes what solutions need: the factor, T of the bodies that float, what dependent speeds need; last the margin.
     pub fn write_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-        self.prepare(evaluation, |_, _| S::zero());
+        self.prepare(evaluation, &|_, _| S::zero());
         let plan = &evaluation.layout.elimination;
         let mut place = 0;
         let mut next = |value: S| {
             out[place] = value;
             place += 1;
         };
-        factored(plan, |bank, at| next(self.system.factored(bank, at)));
-        each_floating(evaluation, |_, axes| axes.iter().for_each(|x| next(*x)));
-        self.dependent.each_factored(|number| next(*number));
+        factored(plan, &mut |bank, at| next(self.system.factored(bank, at)));
+        each_floating(evaluation, &mut |_, axes| {
+            axes.iter().for_each(|x| next(*x))
+        });
+        self.dependent.each_factored(&mut |number| next(*number));
         next(self.system.margin(plan));
     }
 
@@ -100,13 +102,13 @@ impl<S: Real> TreeSystem<S> {
         let (list, asked) = given.split_at(count);
         self.system.clear();
         let mut place = 0;
-        factored(plan, |bank, at| {
+        factored(plan, &mut |bank, at| {
             self.system.set_factored(bank, at, list[place]);
             place += 1;
         });
         let turn = |list_at: usize, back: bool, numbers: &mut [S]| {
             let mut at = list_at;
-            each_floating(evaluation, |link, _| {
+            each_floating(evaluation, &mut |link, _| {
                 let axes = Matrix3::from_column_slice(&list[at..at + 9]);
                 at += 9;
                 let axes = if back { axes.transpose() } else { axes };
@@ -117,12 +119,13 @@ impl<S: Real> TreeSystem<S> {
         turn(place, true, &mut self.along);
         let behind = count - 1 - DependentSpeeds::<S>::factored_len(layout);
         let mut behind = list[behind..count - 1].iter();
-        self.dependent.each_factored(|number| {
+        self.dependent.each_factored(&mut |number| {
             if let Some(listed) = behind.next() {
                 *number = *listed;
             }
         });
-        self.dependent.prescribe(plan, |row| asked[layout.nv + row]);
+        self.dependent
+            .prescribe(plan, &|row| asked[layout.nv + row]);
         self.dependent.take_inertia_off(plan, &mut self.along);
         self.dependent.substitute_forces(plan, &mut self.along);
         for (index, step) in plan.steps.iter().enumerate() {
@@ -138,7 +141,7 @@ impl<S: Real> TreeSystem<S> {
             }
         }
         self.system
-            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+            .solve(plan, &|part| enter::<S>(evaluation.scene, part));
         out.fill(S::zero());
         for (index, step) in plan.steps.iter().enumerate() {
             let unknowns = self.system.unknowns(plan, index);
@@ -154,7 +157,7 @@ impl<S: Real> TreeSystem<S> {
         }
         let (rates, multipliers) = out.split_at_mut(layout.nv);
         self.dependent
-            .follow(plan, rates, |row, own| multipliers[row] = own);
+            .follow(plan, rates, &mut |row, own| multipliers[row] = own);
         for (point, slots) in layout.points.iter().enumerate() {
             if let (PointSlots::Mass(slots), None) = (slots, plan.step_of(Part::Point(point))) {
                 let inverse = evaluation.numbers.points[point].1;
@@ -171,7 +174,7 @@ impl<S: Real> TreeSystem<S> {
 /// Length of the list of a factor.
 pub(crate) fn factored_len(layout: &Layout) -> usize {
     let mut count = 1;
-    factored(&layout.elimination, |_, _| count += 1);
+    factored(&layout.elimination, &mut |_, _| count += 1);
     count
         + DependentSpeeds::<f64>::factored_len(layout)
         + 9 * links(layout)

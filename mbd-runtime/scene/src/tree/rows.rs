@@ -142,7 +142,7 @@ impl<S: Real> TreeRows<S> {
         let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
         let Some(own) = ends(joint) else { return };
         let rows = &mut self.rows[joint];
-        evaluation.law_rows((joint, &own), ends, slots.law, rows);
+        evaluation.law_rows((joint, &own), &ends, slots.law, rows);
         for (coordinate, course) in evaluation.motors(declared) {
             rows.motor(&own, &coordinate, &course);
         }
@@ -248,7 +248,7 @@ impl<S: Real> TreeRows<S> {
         &self,
         evaluation: &Evaluation<'_, S>,
         joint: usize,
-        each: impl FnMut(usize, usize, S),
+        each: &mut dyn FnMut(usize, usize, S),
     ) {
         kept_parts(evaluation, joint, &self.rows, each);
     }

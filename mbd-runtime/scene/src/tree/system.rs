@@ -50,7 +50,7 @@ pub(super) fn links(layout: &Layout) -> &[Link] {
 
 /// V = T v of a body that floats, or forces likewise: linear part along its axes; angular part, too, where the state has world components.
 pub(super) fn into_link<S: Real>(evaluation: &Evaluation<'_, S>, list: &mut [S]) {
-    each_floating(evaluation, |link, axes| {
+    each_floating(evaluation, &mut |link, axes| {
         let back = axes.transpose();
         rotate(evaluation, link, &back, list);
     });
@@ -58,14 +58,14 @@ pub(super) fn into_link<S: Real>(evaluation: &Evaluation<'_, S>, list: &mut [S])
 
 /// The way back.
 pub(super) fn into_state<S: Real>(evaluation: &Evaluation<'_, S>, list: &mut [S]) {
-    each_floating(evaluation, |link, axes| {
+    each_floating(evaluation, &mut |link, axes| {
         rotate(evaluation, link, axes, list)
     });
 }
 
 pub(super) fn each_floating<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    mut each: impl FnMut(&Link, &Matrix3<S>),
+    each: &mut dyn FnMut(&Link, &Matrix3<S>),
 ) {
     for (link, motion) in links(evaluation.layout).iter().zip(evaluation.links) {
         if link.joint.is_none() {
@@ -118,7 +118,7 @@ impl<S: Real> TreeSystem<S> {
             self.articulate(evaluation, assembly);
             return self.move_points(evaluation, assembly);
         }
-        self.prepare(evaluation, |level, _| level.bias);
+        self.prepare(evaluation, &|level, _| level.bias);
         self.balance(evaluation, Some(assembly));
         self.hand_on(evaluation);
         for (slot, acting) in self.along.iter_mut().zip(&assembly.along) {
@@ -151,7 +151,7 @@ impl<S: Real> TreeSystem<S> {
             }
         }
         self.system
-            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+            .solve(plan, &|part| enter::<S>(evaluation.scene, part));
         self.take_solution(evaluation);
         self.move_points(evaluation, assembly);
     }
@@ -192,7 +192,7 @@ impl<S: Real> TreeSystem<S> {
         self.rows.run_tree(evaluation);
         self.dependent.read(evaluation);
         let levels = &self.rows.levels;
-        self.dependent.prescribe(plan, |row| levels[row].bias);
+        self.dependent.prescribe(plan, &|row| levels[row].bias);
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
@@ -251,9 +251,10 @@ impl<S: Real> TreeSystem<S> {
             if let Part::Joint(joint) = step.part {
                 let own = layout.joints[joint].row;
                 let multipliers = &mut self.multipliers;
-                self.rows.each_kept(evaluation, joint, |number, row, part| {
-                    multipliers[own + row] -= unknowns[number] * part;
-                });
+                self.rows
+                    .each_kept(evaluation, joint, &mut |number, row, part| {
+                        multipliers[own + row] -= unknowns[number] * part;
+                    });
                 for (number, unknown) in unknowns.iter().enumerate() {
                     self.dependent.note(own + number, -*unknown);
                 }
@@ -261,7 +262,9 @@ impl<S: Real> TreeSystem<S> {
         }
         let multipliers = &mut self.multipliers;
         self.dependent
-            .follow(plan, &mut self.rates, |row, own| multipliers[row] = own);
+            .follow(plan, &mut self.rates, &mut |row, own| {
+                multipliers[row] = own
+            });
     }
 
     /// Writes ẋ, after [`TreeSystem::accelerate`].
@@ -408,7 +411,7 @@ impl<S: Real> TreeSystem<S> {
         if evaluation.at.rows.len() != layout.nc {
             return out.fill(S::from_f64(f64::NAN));
         }
-        self.prepare(evaluation, |_, row| -evaluation.at.rows[row]);
+        self.prepare(evaluation, &|_, row| -evaluation.at.rows[row]);
         self.along.fill(S::zero());
         self.dependent.take_inertia_off(plan, &mut self.along);
         self.dependent.substitute_forces(plan, &mut self.along);
@@ -421,16 +424,17 @@ impl<S: Real> TreeSystem<S> {
             if let Part::Joint(joint) = step.part {
                 let slots = &layout.joints[joint];
                 let asked = &evaluation.at.rows[slots.row..slots.row + slots.len];
-                self.rows.each_kept(evaluation, joint, |number, row, part| {
-                    own[number] -= asked[row] * part;
-                });
+                self.rows
+                    .each_kept(evaluation, joint, &mut |number, row, part| {
+                        own[number] -= asked[row] * part;
+                    });
                 for (number, slot) in own.iter_mut().enumerate() {
                     *slot -= self.dependent.along(plan, slots.row + number);
                 }
             }
         }
         self.system
-            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+            .solve(plan, &|part| enter::<S>(evaluation.scene, part));
         self.rates.fill(S::zero());
         self.take_solution(evaluation);
         self.write_rates(evaluation, &mut out[..layout.nv]);

@@ -1,11 +1,11 @@
 //! Masses that differ by decades: what they cost on the emitted strategy, and whether the whole matrix takes over for a run.
 
 use mbd_scene::Float;
-use mbd_scene::laws::Numbers;
 
 use super::chain::{HeldRows, RowStrategy};
 use super::limits::{LOSS, RATIO, TOO_MUCH};
 use crate::error::StepError;
+use crate::laws::numbers_of;
 use crate::system::System;
 
 impl<T: Float> System<T> {
@@ -91,9 +91,9 @@ impl<T: Float> System<T> {
 
     /// The largest mass of a body or a point over the smallest.
     fn mass_ratio(&self) -> f64 {
-        let numbers = Numbers::new(self.model.scene(), self.model.params());
-        let bodies = numbers.bodies.iter().map(|body| body.mass.to_f64());
-        let points = numbers.points.iter().map(|(mass, _)| mass.to_f64());
+        let numbers = numbers_of(&*self.model);
+        let bodies = numbers.bodies.iter().map(|body| body.mass);
+        let points = numbers.points.iter().map(|(mass, _)| *mass);
         let masses = bodies.chain(points.filter(|mass| *mass > 0.0));
         let (least, most) = masses.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), mass| {
             (least.min(mass), most.max(mass))

@@ -13,11 +13,11 @@
 //! the multipliers have no value.
 //! Source: derived. Rejected: the smallest multipliers at x, which differ from those before and after by a finite amount.
 
-use mbd_scene::laws::Numbers;
 use mbd_scene::{Float, Place, Quantity};
 
 use super::dependent;
 use super::limits::{POWER, WIDER};
+use crate::laws::numbers_of;
 use crate::moving::moving;
 use crate::system::System;
 
@@ -200,14 +200,14 @@ impl<T: Float> System<T> {
     pub(crate) fn reach(&mut self) -> f64 {
         let (model, length) = (&self.model, self.projection.length);
         *self.fallback.reach.get_or_insert_with(|| {
-            let numbers = Numbers::new(model.scene(), model.params());
+            let numbers = numbers_of(&**model);
             let ends = model.scene().joints.iter();
             let ends = ends.flat_map(|joint| [joint.parent, joint.child]);
             let reach = ends.map(|place| match place {
                 Place::Body(body, frame) => {
                     let frames = numbers.bodies.get(body).map(|body| &body.frames);
                     let frame = frames.and_then(|frames| frames.get(frame));
-                    frame.map_or(0.0, |frame| frame.position.map(|x| x.to_f64()).norm())
+                    frame.map_or(0.0, |frame| frame.position.norm())
                 }
                 Place::World(_) | Place::Point(_) => 0.0,
             });

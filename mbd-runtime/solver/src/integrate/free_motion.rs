@@ -15,10 +15,11 @@
 
 use std::ops::Range;
 
-use mbd_scene::laws::{BodyNumbers, Numbers};
+use mbd_scene::laws::BodyNumbers;
 use mbd_scene::{AngularVelocity, Float, Model, Part};
 use nalgebra::{Matrix3, Quaternion, Vector3};
 
+use crate::laws::numbers_of;
 use crate::moving::moving;
 use crate::node::eigen::eigen;
 
@@ -50,8 +51,7 @@ impl FreeMotion {
     /// That of a model, with its parameters.
     pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
         let (scene, layout) = (model.scene(), model.layout());
-        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
-        let numbers = Numbers::new(scene, &params);
+        let numbers = numbers_of(model);
         let (mut straight, mut turning) = (Vec::new(), Vec::new());
         for part in moving(layout) {
             straight.push((part.position, part.velocity));

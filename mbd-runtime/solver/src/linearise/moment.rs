@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use mbd_scene::laws::Numbers;
 use mbd_scene::{At, Float, JointStart, Layout, Model, Quantity, Scene, Variable, Work};
 use nalgebra::DMatrix;
 
@@ -11,6 +10,7 @@ use super::{Linearisation, LinearisationError};
 use crate::columns::state_names;
 use crate::displace::displace;
 use crate::generic::Generic;
+use crate::laws::{numbers_of, params_of};
 use crate::slopes::{Effective, Slopes};
 use crate::system::System;
 
@@ -46,11 +46,12 @@ impl SceneMoment {
                 return Err(LinearisationError::Given { what });
             }
         }
-        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+        let (params, numbers) = (params_of(model.params()), numbers_of(model));
         let generic = Arc::new(Generic {
             scene: Arc::new(scene.clone()),
             layout: Arc::new(layout.clone()),
-            numbers: Numbers::new(scene, &params),
+            lines: numbers.lines.clone(),
+            numbers,
             params,
         });
         let mut system = System::new(generic.clone(), Vec::new(), false);

@@ -17,6 +17,7 @@ use mbd_scene::{
 use super::Simulation;
 use crate::columns::body_name;
 use crate::error::{RunError, StepError};
+use crate::laws::params_of;
 use crate::origin::{MeasuredFrom, MovingOrigin};
 use crate::unilateral::Mode;
 use map::HandoverMap;
@@ -203,7 +204,7 @@ impl<T: Float> Simulation<T> {
             let old = bodies.iter().find(|(name, _)| *name == body.name);
             known.push(mapped.or_else(|| old.map(|(_, numbers)| numbers.clone())));
         }
-        let params: Vec<f64> = to.params().iter().map(|x| x.to_f64()).collect();
+        let params = params_of(to.params());
         place_bodies(scene, layout, (&params, last.time), &known, state);
         let mut carried = Vec::new();
         for (joint, link) in layout.joint_links() {

@@ -23,6 +23,7 @@ use crate::integrate::{
     Attached, Control, ErrorNorm, Explicit, Family, RK4, RODAS5P, Rattle, Resolution, Rosenbrock,
     Scales, Stepper, StiffnessTest, TSIT5, VERN7,
 };
+use crate::laws::params_of;
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
 use crate::origin::MovingOrigin;
@@ -279,7 +280,7 @@ impl<T: Float> Simulation<T> {
         let model = self.system.model.clone();
         let (scene, layout) = (model.scene(), model.layout());
         let starts = self.joint_starts(given)?;
-        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+        let params = params_of(model.params());
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let from = (&params[..], self.time);
         let assembly = place_declared(scene, layout, from, &starts, &[], &mut state)
@@ -465,7 +466,7 @@ pub(crate) fn declared_start<T: Float>(
             *qw = 1.0;
         }
     }
-    let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+    let params = params_of(model.params());
     let own = state.iter_mut().skip(layout.states());
     own.zip(starts(scene, &params))
         .for_each(|(state, start)| *state = start);

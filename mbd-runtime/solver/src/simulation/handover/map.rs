@@ -11,7 +11,7 @@ use crate::error::{RunError, StepError};
 #[derive(Clone, Debug, Default)]
 pub struct HandoverMap {
     /// Per entry the name in the next model, what of the last one it takes, and how that moves, from the origin of the last run.
-    entries: Vec<(String, Option<String>, Handed<f64>)>,
+    entries: Vec<(String, Option<String>, Handed)>,
 }
 
 impl HandoverMap {
@@ -89,7 +89,7 @@ fn owner(scene: &Scene, place: Place) -> Option<String> {
 
 impl<T: Float> Simulation<T> {
     /// What the map of an event hands on now; params of the next scene are told apart by their names.
-    fn handed(&mut self, event: usize) -> Result<Vec<Handed<f64>>, RunError> {
+    fn handed(&mut self, event: usize) -> Result<Vec<Handed>, RunError> {
         if !self.started {
             self.begin()?;
         }
