@@ -220,6 +220,9 @@ pub fn unknown_body_quantity(
     frames: &[String],
     quantities: &[&str],
 ) -> LexemeMessage {
+    if let Some(report) = speed(at, owner, word, quantities) {
+        return report;
+    }
     let known = frames
         .iter()
         .map(String::as_str)
@@ -269,13 +272,8 @@ pub fn without_quantity(at: Region, owner: &str, kind: &str, known: &[&str]) -> 
 }
 
 pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> LexemeMessage {
-    if word == "speed" && known.contains(&"velocity") {
-        return LexemeMessage::new(
-            at,
-            format!(
-                "`{owner}` has a velocity, which is a vector: its speed is `norm({owner}.velocity)`"
-            ),
-        );
+    if let Some(report) = speed(at, owner, word, known) {
+        return report;
     }
     LexemeMessage::new(
         at,
@@ -285,6 +283,18 @@ pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> 
             known.join(", ")
         ),
     )
+}
+
+/// The report of `bob.speed`, where there is a velocity.
+fn speed(at: Region, owner: &str, word: &str, known: &[&str]) -> Option<LexemeMessage> {
+    (word == "speed" && known.contains(&"velocity")).then(|| {
+        LexemeMessage::new(
+            at,
+            format!(
+                "`{owner}` has a velocity, which is a vector: its speed is `norm({owner}.velocity)`"
+            ),
+        )
+    })
 }
 
 /// `frame`: one of its own, if it has any.
