@@ -51,7 +51,7 @@ impl TomlReader<'_> {
         }
         self.lexer
             .positioned(LexemeKind::Close(Bracket::Square), place);
-        read.then(|| ValueLexemes {
+        read.then_some(ValueLexemes {
             range: first..self.lexer.lexemes.len(),
             at,
         })
