@@ -16,6 +16,7 @@ use super::names::{PlanError, flat, no_column, unknown, wrong};
 use super::number::{not_negative, number, numbers as numbers_of, positive, zeros};
 use super::scales::scales;
 use super::settings::Settings;
+use super::words;
 
 /// Everything a run needs, in SI numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -204,68 +205,13 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     Ok(options)
 }
 
-/// Methods of other tools, and what to take here.
-const OTHER_METHODS: &[(&[&str], &str)] = &[
-    (
-        &[
-            "rk45", "ode45", "dopri5", "dopri", "dp5", "rkf45", "cashkarp", "adaptive",
-        ],
-        "an adaptive method of order 5 is `tsit5`",
-    ),
-    (
-        &[
-            "dop853", "rk78", "ode78", "ode89", "rkf78", "vern9", "vern8",
-        ],
-        "an adaptive method of high order is `vern7`",
-    ),
-    (
-        &[
-            "bdf",
-            "cvode",
-            "radau",
-            "radau5",
-            "ode15s",
-            "ode23s",
-            "ode23t",
-            "lsoda",
-            "ida",
-            "dassl",
-            "trapezoidal",
-            "implicit",
-            "stiff",
-            "gear",
-        ],
-        "a method for what is stiff is `rodas5p`, or `auto`",
-    ),
-    (
-        &[
-            "euler",
-            "rk2",
-            "heun",
-            "midpoint",
-            "semi_implicit_euler",
-            "rungekutta",
-            "runge_kutta",
-            "runge-kutta",
-        ],
-        "a method with a fixed step is `rk4`",
-    ),
-    (
-        &["verlet", "leapfrog", "symplectic", "stoermer", "shake"],
-        "a symplectic method with a fixed step is `rattle`",
-    ),
-];
-
 /// The method of a word, with a step [s] or a tolerance.
 fn method(word: &str, step: f64, tolerance: f64) -> Result<Method, PlanError> {
     let method = Method::fixed(word, step).or_else(|| Method::adaptive(word, tolerance));
     method.ok_or_else(|| {
         let known = || Method::FIXED.into_iter().chain(Method::ADAPTIVE);
-        let lower = word.to_lowercase();
-        let mut theirs = OTHER_METHODS.iter();
-        let theirs = theirs.find(|(words, _)| words.contains(&lower.as_str()));
-        let near = match (theirs, nearest(word, known())) {
-            (Some((_, ours)), _) => format!("; {ours}."),
+        let near = match (words::of_method(word), nearest(word, known())) {
+            (Some(ours), _) => format!("; {ours}."),
             (None, Some(near)) => format!("; did you mean `{near}`?"),
             (None, None) => ".".to_owned(),
         };

@@ -26,6 +26,8 @@ use mbd_compiler::{nearest, read_number};
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::words;
+
 /// How to run a scene, as written; every field may be left out.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
@@ -167,71 +169,13 @@ impl Settings {
     }
 }
 
-/// Settings of other tools, and ours.
-const FOREIGN: &[(&[&str], &str)] = &[
-    (
-        &[
-            "end",
-            "t_end",
-            "tend",
-            "stop",
-            "duration",
-            "time",
-            "length",
-            "t_final",
-            "stop_time",
-            "end_time",
-        ],
-        "the end of a run is called `until`: `until = \"10 s\"`",
-    ),
-    (
-        &["tol", "rtol", "reltol", "rel_tol", "accuracy"],
-        "it is called `tolerance`: `tolerance = 1e-8`",
-    ),
-    (
-        &["atol", "abstol"],
-        "a tolerance is one number over the scales of the scene, `tolerance = 1e-8`, and these are set in `[run.scales]`",
-    ),
-    (
-        &["dt", "h", "timestep", "time_step", "step_size"],
-        "a fixed step is called `step`, `step = \"1 ms\"`; the distance of the rows of the history `every`",
-    ),
-    (
-        &[
-            "output",
-            "output_step",
-            "interval",
-            "sampling",
-            "rows",
-            "dt_out",
-        ],
-        "the distance of the rows of the history is called `every`: `every = \"10 ms\"`",
-    ),
-    (
-        &["solver", "integrator", "scheme"],
-        "it is called `method`: `method = \"tsit5\"`",
-    ),
-    (
-        &["initial", "init", "initial_conditions", "ic"],
-        "where a run starts is the table `[run.start]`",
-    ),
-    (
-        &["parameters", "param", "set"],
-        "values of params are the table `[run.params]`",
-    ),
-    (&["input"], "values of inputs are the table `[run.inputs]`"),
-];
-
 /// Our word for a setting of another tool; nothing after another mistake.
 fn translated(error: &toml::de::Error) -> String {
     let message = error.message();
     let word = message.strip_prefix("unknown field `");
     let word = word.and_then(|rest| rest.split('`').next());
-    let found = word.and_then(|word| {
-        let mut all = FOREIGN.iter();
-        all.find(|(theirs, _)| theirs.contains(&word.to_lowercase().as_str()))
-    });
-    found.map_or_else(String::new, |(_, ours)| (*ours).to_owned())
+    let ours = word.and_then(words::of_setting);
+    ours.unwrap_or_default().to_owned()
 }
 
 /// What to write instead of a value with a unit that stands without quotes; nothing after another mistake.
