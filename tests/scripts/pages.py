@@ -1,4 +1,4 @@
-"""Opens the page of every ready scene, of five as newcomers write them, of 50 and 500 bodies and of a comparison in a real browser: nothing is complained about
+"""Opens the page of every ready scene, of those that newcomers wrote as text, of 50 and 500 bodies and of a comparison in a real browser: nothing is complained about
 or fetched, the first frame comes soon, the scrubber, the drawing and all plots show one time, the drawing turns, moves and zooms, no table and no page is wider
 than a desk or a phone, text keeps its size, names in backticks are code; paper, and pages without a script, have the drawings that stand still; 50 bodies
 move at 30 frames a second; and `mbd watch` shows what is saved.

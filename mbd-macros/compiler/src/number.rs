@@ -33,9 +33,12 @@ pub fn read_vector(text: &str) -> Result<Vec<(f64, Unit)>, String> {
             let (value, own) = number(&mut part, text)?;
             part.finish("the end of the number").map_err(told)?;
             match &shared {
-                Some(_) if !own.text.is_empty() => Err(format!(
-                    "`{text}` has a unit inside its brackets and one behind them: write one of them"
-                )),
+                Some(unit) if !own.text.is_empty() && own.dimension != unit.dimension => {
+                    Err(format!(
+                        "`{text}` has two units that do not fit, one inside its brackets and one behind them: write one of them"
+                    ))
+                }
+                Some(_) if !own.text.is_empty() => Ok((value, own)),
                 Some(unit) => Ok((value * unit.factor, unit.clone())),
                 None => Ok((value, own)),
             }
@@ -134,9 +137,11 @@ mod tests {
             values("[8 km/h, -0.5 km/h, 0 m/s]")
         );
         assert_eq!(values("[1, 2, 3] km"), Ok(vec![1e3, 2e3, 3e3]));
+        // What has a unit already stands for itself.
+        assert_eq!(values("[1 m, 2, 3] km"), Ok(vec![1.0, 2e3, 3e3]));
         for text in [
             "",
-            "[1 m, 2, 3] m",
+            "[1 s, 2, 3] m",
             "[1, x, 3] m",
             "3 m",
             "[1, 2 3] m",

@@ -369,3 +369,57 @@ fn a_chain_of_one_rod_is_declared_like_a_chain_of_many() {
     let three = one.replace("const COUNT = 1", "const COUNT = 3");
     assert_eq!(counts(&three), [3, 15, 3, 2, 3, 2, 2, 2, 5]);
 }
+
+/// The word that a message proposes in place of the one where it stands.
+fn proposed(message: &str) -> Option<&str> {
+    let mut forms = ["did you mean `", "here it is called `"].into_iter();
+    let behind = forms.find_map(|form| message.split_once(form))?.1;
+    behind.split('`').next()
+}
+
+/// The text with the word at a line and column, both from 1, replaced.
+fn with_word(text: &str, (line, column): (usize, usize), word: &str) -> Option<String> {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let old = lines.get(line - 1)?;
+    let (before, behind): (String, String) = (
+        old.chars().take(column - 1).collect(),
+        old.chars().skip(column - 1).collect(),
+    );
+    let rest = behind.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_');
+    lines[line - 1] = format!("{before}{word}{rest}");
+    Some(lines.join("\n"))
+}
+
+#[test]
+fn every_word_that_a_message_proposes_takes_the_message_away() {
+    let mut tried = 0;
+    for folder in ["fail", "users/broken"] {
+        for (name, text) in files(folder) {
+            let (_, declaration) = expected(&text);
+            for message in lines(&read_text(&declaration).errors) {
+                let mut parts = message.splitn(3, ':');
+                let mut number = || parts.next()?.trim().parse::<usize>().ok();
+                let (Some(line), Some(column)) = (number(), number()) else {
+                    continue;
+                };
+                // `run` is no item either: the message says where it stands.
+                let Some(word) = proposed(&message).filter(|word| *word != "run") else {
+                    continue;
+                };
+                let again = with_word(&declaration, (line, column), word).unwrap();
+                let left = lines(&read_text(&again).errors);
+                let place = format!("{line}:{column}: unknown");
+                let stays = left
+                    .iter()
+                    .any(|left| *left == message || left.starts_with(&place));
+                assert!(
+                    !stays,
+                    "{name}: {message}\nwith `{word}`:\n{}",
+                    left.join("\n")
+                );
+                tried += 1;
+            }
+        }
+    }
+    assert!(tried > 50, "{tried} words were proposed");
+}

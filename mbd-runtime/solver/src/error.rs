@@ -91,6 +91,8 @@ impl Statistics {
 pub enum Source {
     /// A value that the caller's loads supplied: the name of the input, load or gravity slot.
     Load(String),
+    /// A formula of the declaration: the load, joint or state that it belongs to, in words.
+    Declared(String),
     /// The rate of a coordinate of the state, by its column name.
     State(String),
     /// The position or velocity of an equilibrium point, by name.
@@ -487,6 +489,7 @@ impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Source::Load(name) => write!(f, "`{name}` is not a finite number"),
+            Source::Declared(what) => write!(f, "{what} is not a finite number"),
             Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
             Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
             Source::Joint(name) => write!(f, "the rows of joint `{name}` are not finite numbers"),
@@ -502,6 +505,7 @@ impl Source {
     fn advice(&self) -> String {
         match self {
             Source::Load(name) => format!("look at what `{name}` returns at this time and state"),
+            Source::Declared(_) => "look there for a division by zero, such as a direction `v / norm(v)` of what is at rest, or a root of a negative number; if it has a value there, take a smaller step".into(),
             Source::Joint(_) => "look for a time at which its motor, or a frame of the world that moves it, has no value".into(),
             Source::Jacobian { .. } => "look for a root or a norm that is zero here, or take a method without derivatives: `vern7`, `tsit5`".into(),
             Source::State(_) | Source::Node(_) => "take a smaller step; if it stays, look for a division by zero or a root of a negative number in a load".into(),

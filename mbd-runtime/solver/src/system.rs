@@ -22,6 +22,7 @@ use crate::watch;
 
 mod known;
 mod near_side;
+mod no_number;
 mod rates;
 
 use known::KnownAtEnd;

@@ -421,11 +421,17 @@ pub(super) fn unwritten(error: &std::io::Error) -> CommandFailure {
     CommandFailure::Usage(format!("cannot write {error}"))
 }
 
+/// A positive number with two digits or more: `0.048`, `3.4`, `1523`.
+fn rounded(number: f64) -> String {
+    let digits = (1.0 - number.log10().floor()).clamp(0.0, 9.0);
+    format!("{number:.0$}", digits as usize)
+}
+
 fn written(outcome: &RunOutcome, folder: &Path) -> String {
     let speed = if outcome.time > 0.0 && outcome.wall_s > 0.0 {
         format!(
-            "{:.0} simulated seconds a second; ",
-            outcome.time / outcome.wall_s
+            "{} simulated seconds a second; ",
+            rounded(outcome.time / outcome.wall_s)
         )
     } else {
         String::new()

@@ -46,12 +46,15 @@ fn displaced(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         2 => " (and another body)".to_owned(),
         n => format!(" (and {} others)", n - 1),
     };
+    // A point has no attitude, and less than half a hundredth of a degree is none to speak of.
+    let rotated = match worst.angle.to_degrees() {
+        angle if angle.abs() < 0.005 => String::new(),
+        angle => format!(", rotated by {angle:.2}°"),
+    };
     Some(format!(
-        "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and it starts {} away, rotated by {}{others}; \
+        "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and it starts {:.3e} m away{rotated}{others}; \
          give positions and attitudes that fit each other",
-        worst.name,
-        format_args!("{:.3e} m", worst.distance),
-        format_args!("{:.2}°", worst.angle.to_degrees()),
+        worst.name, worst.distance,
     ))
 }
 

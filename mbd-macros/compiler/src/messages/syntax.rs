@@ -147,6 +147,25 @@ pub fn unknown_item(at: Region, word: &str) -> LexemeMessage {
     LexemeMessage::new(at, format!("unknown item `{word}`{why}"))
 }
 
+/// `L = 0.8 m;`: what is named without saying what it is.
+pub fn number_without_item(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "what has a name says what it is: `const {word} = …` for a number, `param {word} = …` for one that changes from run to run, `let {word} = …` for an expression"
+        ),
+    )
+}
+
+/// `word`: the beginning of what is shown, where the name is wanted.
+pub fn shown_without_name(at: Region, item: &ItemWord, word: &str) -> LexemeMessage {
+    let (kind, article) = (item.word, article(item.word));
+    LexemeMessage::new(
+        at,
+        format!("{article} `{kind}` has a name of its own: write `{kind} NAME = {word}.…`"),
+    )
+}
+
 /// The settings of a run, which are no item.
 const THE_RUN: &str = "run";
 
@@ -247,6 +266,16 @@ pub fn event_passage(at: Region, word: &str, ours: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!("an event is where a value passes another: write {ours} instead of `{word}`"),
+    )
+}
+
+/// `falls below 0 N`
+pub fn word_behind_passage(at: Region, sign: &str, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "the value stands right behind `{sign}`: write `{sign} 0 m` instead of `{sign} {word} 0 m`"
+        ),
     )
 }
 
@@ -429,6 +458,17 @@ pub fn remainder(at: Region) -> LexemeMessage {
     )
 }
 
+pub fn round_vector(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a vector stands in square brackets: `[x, y, z]`")
+}
+
+pub fn bars(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        "the length of a vector is `norm(v)`, the size of a number `abs(a)`",
+    )
+}
+
 pub fn two_stars(at: Region) -> LexemeMessage {
     LexemeMessage::new(at, "a power is written `a^2`")
 }
@@ -485,7 +525,7 @@ pub fn unit_behind_unit(at: Region, units: &[String]) -> LexemeMessage {
 pub fn unit_exponent(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
-        "expected a whole exponent between -9 and 9, such as `m^2` or `s^-1`",
+        "expected an exponent between -9 and 9, whole or with a half, such as `m^2`, `s^-1` or `Pa^0.5`",
     )
 }
 

@@ -5,8 +5,15 @@ use crate::lexeme::Region;
 use crate::syntax::foreign;
 use crate::syntax::words::ItemWord;
 
-pub fn parse(at: Region, error: &str) -> LexemeMessage {
-    LexemeMessage::new(at, format!("this is no TOML: {}", error.trim()))
+/// `unquoted`: key and value, if the value only lacks its quotes.
+pub fn parse(at: Region, error: &str, unquoted: Option<(&str, &str)>) -> LexemeMessage {
+    let text = match unquoted {
+        Some((key, value)) => {
+            format!("write a value with its unit in quotes: `{key} = \"{value}\"`")
+        }
+        None => format!("this is no TOML: {}", error.trim()),
+    };
+    LexemeMessage::new(at, text)
 }
 
 pub fn bare_index(at: Region, name: &str, index: &str) -> LexemeMessage {
@@ -27,6 +34,16 @@ pub fn string(at: Region) -> LexemeMessage {
     )
 }
 
+/// A table where a setting has one value.
+pub fn one_value(at: Region, item: &ItemWord) -> LexemeMessage {
+    let (word, form) = (item.word, item.form.trim_end_matches(';'));
+    let value = form.split_once(": ").map_or("…", |(_, value)| value);
+    LexemeMessage::new(
+        at,
+        format!("`{word}` has one value, which is a string: `{word} = \"{value}\"`"),
+    )
+}
+
 pub fn table(at: Region, item: &ItemWord) -> LexemeMessage {
     let head = if item.named {
         format!("[{}.NAME]", item.word)
@@ -42,7 +59,11 @@ pub fn table(at: Region, item: &ItemWord) -> LexemeMessage {
     )
 }
 
-pub fn missing(at: Region, item: &ItemWord, key: &str) -> LexemeMessage {
+/// `other`: a key that was meant for it.
+pub fn missing(at: Region, item: &ItemWord, key: &str, other: Option<&str>) -> LexemeMessage {
+    let other = other.map_or_else(String::new, |other| {
+        format!("; `{other}` is here called `{key}`")
+    });
     let example = EXAMPLES
         .iter()
         .find(|(word, _)| *word == item.word)
@@ -50,7 +71,7 @@ pub fn missing(at: Region, item: &ItemWord, key: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "this {} has no `{key}`{example}; its keys: {}",
+            "this {} has no `{key}`{other}{example}; its keys: {}",
             item.word,
             keys(item)
         ),
@@ -90,6 +111,18 @@ const EXAMPLES: &[(&str, &str)] = &[
         "metric.highest = { value = \"max bob.position.z\", from = \"1 s\" }",
     ),
     (
+        "joint",
+        "joint.pin = { kind = \"hinge\", from = \"world\", to = \"rod.com\", axis = \"y\" }",
+    ),
+    (
+        "line",
+        "line.cord = { from = \"world\", to = \"bob\", free_length = \"1 m\", stiffness = \"2 kN/m\" }",
+    ),
+    (
+        "spring",
+        "spring.strut = { from = \"world\", to = \"bob\", free_length = \"1 m\", stiffness = \"2 kN/m\" }",
+    ),
+    (
         "event",
         "event.low = { value = \"bob.position.z\", falls = \"-1 m\" }",
     ),
@@ -100,6 +133,11 @@ pub fn meant<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
     let ours = foreign::translated(foreign::FOREIGN_KEYS, word)
         .and_then(|ours| known.iter().copied().find(|known| *known == ours));
     ours.or_else(|| similar::nearest(word, known.iter().copied()))
+}
+
+/// Whether a word is another name of a key.
+pub fn is_called(word: &str, key: &str) -> bool {
+    foreign::translated(foreign::FOREIGN_KEYS, word) == Some(key)
 }
 
 pub fn unknown_key(at: Region, word: &str, known: &[&str]) -> LexemeMessage {

@@ -78,6 +78,18 @@ impl Resolver<'_> {
         if let Some((extra, _)) = passages.next() {
             return self.fail(say::event_twice(extra.at));
         }
+        let second = given.value.lexemes.first().zip(given.value.lexemes.get(1));
+        if let Some((word, _)) = second
+            && let LexemeKind::Word(text) = &word.kind
+            && ["below", "above", "under", "over", "through", "to"].contains(&text.as_str())
+            && self.names.get(text).is_none()
+        {
+            return self.fail(say_syntax::word_behind_passage(
+                word.at.into(),
+                given.sign,
+                text,
+            ));
+        }
         let right = self.value(given.value, scope)?;
         let left = left?;
         if left.vector {

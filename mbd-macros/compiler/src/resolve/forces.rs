@@ -38,6 +38,10 @@ impl Resolver<'_> {
                 let typed = self.value(given.value, scope)?;
                 // What is wrong with its kind may follow from what is wrong with its place.
                 place?;
+                let fits = [units::FORCE, units::TORQUE].map(Some);
+                if fits.contains(&typed.dimension) {
+                    self.unit_fits(typed.at);
+                }
                 self.load_kind(typed, unit?.map(|(unit, _)| unit))?
             }
         };

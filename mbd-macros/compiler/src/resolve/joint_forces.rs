@@ -287,6 +287,10 @@ impl Resolver<'_> {
         owner: &FieldsOwner<'_>,
     ) -> Option<(bool, Formula)> {
         let Some(value) = item.clause(":") else {
+            if item.broken {
+                // What is wrong with it is told.
+                return None;
+            }
             let (at, unit) = (item.word.at.into(), field.measured.unit(owner.coordinate));
             return self.fail(say::start_of_coordinate(at, &owner.name, unit));
         };
@@ -460,6 +464,9 @@ impl Resolver<'_> {
         let wrong = typed.dimension.filter(|found| *found != held.dimension);
         match wrong {
             Some(found) if !typed.vector => {
+                if let Some(report) = self.unit_misfit(typed.at) {
+                    return self.fail(report);
+                }
                 let unit = field.measured.unit(owner.coordinate);
                 let name = &owner.name;
                 let found = match &typed.bare {

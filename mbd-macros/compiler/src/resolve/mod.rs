@@ -29,6 +29,7 @@ mod starts;
 mod states;
 mod tables;
 mod turns;
+mod unit_words;
 mod value;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -147,8 +148,8 @@ pub struct Resolver<'a> {
     pub si: bool,
     /// Where the model's name is.
     pub head: Region,
-    /// Names that are units too, and were told to be.
-    pub units_told: BTreeSet<String>,
+    /// Words of units that are names, too.
+    unit_words: unit_words::UnitWords,
     /// What to write instead, where the value being read must be known before a run and is not.
     pub instead: Option<&'static str>,
 }
@@ -198,6 +199,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.detached_starts();
     resolver.origin(model);
     resolver.emitted(model);
+    resolver.open_unit_words();
     resolver
 }
 
@@ -238,7 +240,7 @@ impl<'a> Resolver<'a> {
             chosen: BTreeSet::new(),
             si: false,
             head: name.map_or(Region::START, |word| word.at.into()),
-            units_told: BTreeSet::new(),
+            unit_words: unit_words::UnitWords::default(),
             instead: None,
         }
     }

@@ -225,9 +225,16 @@ impl Resolver<'_> {
     }
 
     fn param(&mut self, instance: &Instance<'_>) -> Option<()> {
-        let parsed = match expression::whole(instance.item.clause("=")?) {
+        let value = instance.item.clause("=")?;
+        let parsed = match expression::whole(value) {
             Ok(parsed) => parsed,
-            Err(report) => return self.fail(report),
+            Err(report) => {
+                let word = |lexeme: &&Lexeme| matches!(&lexeme.kind, LexemeKind::Word(word) if ["range", "from", "within", "between"].contains(&word.as_str()));
+                return self.fail(match value.lexemes.iter().find(word) {
+                    Some(word) => say::range_words(word.at.into(), &word.shown()),
+                    None => report,
+                });
+            }
         };
         let typed = self.typed(&parsed, instance.scope(MayDependOn::Constant))?;
         let unit = written_unit(&parsed).unwrap_or_else(|| typed.unit());

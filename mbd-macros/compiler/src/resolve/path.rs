@@ -635,6 +635,17 @@ impl Resolver<'_> {
         }
     }
 
+    /// What alone has a frame of this name.
+    fn owner_of_frame(&self, word: &str) -> Option<String> {
+        let world = self.world.get(word).map(|_| "world".to_owned());
+        let bodies = self.scene.bodies.iter().zip(&self.frames);
+        let of_bodies = bodies
+            .filter(|(_, frames)| frames.get(word).is_some())
+            .map(|(body, _)| body.name.clone());
+        let mut owners = world.into_iter().chain(of_bodies);
+        owners.next().filter(|_| owners.next().is_none())
+    }
+
     /// The body or point at the start of a place.
     pub fn place_owner(&mut self, step: &PathStep, scope: Scope<'_>) -> Option<Named> {
         let word = &step.word.text;
@@ -643,7 +654,8 @@ impl Resolver<'_> {
                 .names
                 .words_of(|n| matches!(n, Named::Body(_) | Named::Point(_)));
             known.push("world");
-            let report = say::unknown_place(step.word.at.into(), word, &known);
+            let owner = self.owner_of_frame(word);
+            let report = say::unknown_place(step.word.at.into(), word, &known, owner.as_deref());
             return self.fail_unless_broken(word, report);
         };
         if self.broken.contains(word) {

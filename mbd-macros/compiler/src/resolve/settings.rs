@@ -126,7 +126,7 @@ impl Resolver<'_> {
                 };
                 self.planet(group, oblate)?
             }
-            Some(other) => return self.fail(say::unknown_word(value.at, "gravity", other, LAWS)),
+            Some(other) => return self.fail(say::unknown_gravity(value.at, other, LAWS)),
         };
         match cursor.finish("the end of the gravity") {
             Ok(()) => Some(law),

@@ -3,7 +3,7 @@
 use mbd_scene::{Dimension, Formula, Function, Unit};
 
 use super::turns::Turns;
-use super::{Named, Resolver, fold};
+use super::{Resolver, fold};
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, resolve as say};
 use crate::syntax::expression::{self, Expression};
@@ -101,7 +101,12 @@ impl Resolver<'_> {
     /// Reads a value as an expression.
     pub fn value(&mut self, value: ValueSyntax<'_>, scope: Scope<'_>) -> Option<Typed> {
         match expression::whole(value) {
-            Ok(parsed) => self.typed(&parsed, scope),
+            Ok(parsed) => {
+                self.reads_literal(&parsed);
+                let typed = self.typed(&parsed, scope);
+                self.literal_is_read();
+                typed
+            }
             Err(report) => self.fail(report),
         }
     }
@@ -151,6 +156,11 @@ impl Resolver<'_> {
                 })
             }
             Expression::Binary { sign, sides } => {
+                if *sign == '/'
+                    && let Some(number) = self.reciprocal(&sides[0], &sides[1], scope)
+                {
+                    return self.typed(&number, scope);
+                }
                 let left = self.typed(&sides[0], scope);
                 let right = self.typed(&sides[1], scope);
                 self.binary(*sign, left?, right?, parsed.at())
@@ -169,29 +179,6 @@ impl Resolver<'_> {
             Some(formula) => Some(formula),
             None => self.fail(say::not_finite(at)),
         }
-    }
-
-    /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`. Told once a name: where it has
-    /// another one, all is clear.
-    fn unit_alone(&mut self, number: &str, unit: Option<&Unit>, at: Region) -> Option<()> {
-        let text = unit.map_or("", |unit| unit.text.as_str());
-        let found = open_words(text)
-            .into_iter()
-            .skip(1)
-            .find(|(_, word)| self.names.is(word, Named::is_value));
-        let Some((place, word)) = found else {
-            return Some(());
-        };
-        if self.units_told.insert(word.to_owned()) {
-            let entry = self.names.get(word);
-            let kind = entry
-                .and_then(|entry| entry.first())
-                .map_or("name", Named::kind);
-            let declared = (kind, entry.map(|entry| entry.at));
-            let report = say::unit_or_name(at, (number, text), place, word, declared);
-            self.messages.push(report);
-        }
-        None
     }
 
     fn number(&self, value: f64, text: &str, unit: Option<&Unit>, at: Region) -> Typed {
@@ -269,9 +256,19 @@ impl Resolver<'_> {
         }
     }
 
+    /// A pure number is so many of the unit. What has the dimension of the unit already, beside such numbers, stands for itself: `[0, ground, 2] m`.
     fn with_unit(&mut self, typed: Typed, unit: &Unit) -> Option<Typed> {
+        let angle = angle_of(unit);
         if typed.dimension.is_some_and(|d| d != units::NONE) || typed.angle != 0 {
-            return self.fail(say::unit_twice(typed.at, &unit.text));
+            if typed.dimension == Some(unit.dimension) && typed.angle == angle {
+                return Some(typed);
+            }
+            return self.fail(say::unit_twice(
+                typed.at,
+                &unit.text,
+                unit.dimension,
+                typed.dimension,
+            ));
         }
         let formula = if unit.factor == 1.0 {
             typed.formula
@@ -282,7 +279,7 @@ impl Resolver<'_> {
         Some(Typed {
             formula,
             dimension: Some(unit.dimension),
-            angle: angle_of(unit),
+            angle,
             turns: Turns::of_unit("[…]", unit),
             bare: None,
             ..typed
@@ -432,19 +429,34 @@ impl Resolver<'_> {
             return self.fail(say::power_of_vector(a.at));
         }
         let exponent = match fold::known(&b.formula, &self.scene, false) {
-            Some(fold::Fixed::Scalar(n)) if n.fract() == 0.0 && n.abs() <= 20.0 => n,
+            Some(fold::Fixed::Scalar(n)) if (2.0 * n).fract() == 0.0 && n.abs() <= 20.0 => n,
             _ => return self.fail(say::whole_exponent(b.at)),
         };
         if b.dimension.is_some_and(|d| d != units::NONE) {
             return self.fail(say::whole_exponent(b.at));
         }
-        let dimension = match a.dimension.map(|d| units::power(d, exponent as i32)) {
+        // Of an exponent with a half: so many roots.
+        let whole = exponent.fract() == 0.0;
+        let (base, exponent) = match whole {
+            true => (a.formula, exponent),
+            false => {
+                let root = self.apply(Function::Sqrt, vec![a.formula], at)?;
+                (root, 2.0 * exponent)
+            }
+        };
+        let of_base = match whole {
+            true => a.dimension.map(Some),
+            false => a.dimension.map(units::root),
+        };
+        let dimension = match of_base.map(|d| d.and_then(|d| units::power(d, exponent as i32))) {
             Some(None) => return self.fail(say::dimension_range(at)),
             Some(Some(dimension)) => Some(dimension),
             None => None,
         };
-        let arguments = vec![a.formula, Formula::Number(exponent)];
-        let formula = self.apply(Function::Power, arguments, at)?;
+        let formula = match exponent {
+            1.0 => base,
+            _ => self.apply(Function::Power, vec![base, Formula::Number(exponent)], at)?,
+        };
         Some(Typed {
             bare: a.bare.is_some().then(|| shown(&formula)).flatten(),
             formula,
@@ -474,6 +486,9 @@ impl Resolver<'_> {
         }
         match typed.dimension {
             Some(found) if found != wanted => {
+                if let Some(report) = self.unit_misfit(typed.at) {
+                    return self.fail(report);
+                }
                 let report = match &typed.bare {
                     Some(text) if found == units::NONE => {
                         say::needs_unit(typed.at, field, wanted, text)
@@ -482,27 +497,12 @@ impl Resolver<'_> {
                 };
                 self.fail(report)
             }
-            _ => Some(typed.formula),
-        }
-    }
-}
-
-/// The words of a unit outside brackets, each with its place.
-fn open_words(unit: &str) -> Vec<(usize, &str)> {
-    let (mut depth, mut begin, mut words) = (0, None, Vec::new());
-    for (place, c) in unit.char_indices() {
-        depth += i32::from(c == '(') - i32::from(c == ')');
-        match (depth == 0 && c.is_ascii_alphabetic(), begin) {
-            (true, None) => begin = Some(place),
-            (false, Some(first)) => {
-                words.push((first, &unit[first..place]));
-                begin = None;
+            _ => {
+                self.unit_fits(typed.at);
+                Some(typed.formula)
             }
-            _ => {}
         }
     }
-    words.extend(begin.map(|first| (first, &unit[first..])));
-    words
 }
 
 /// The text of a folded number.
@@ -515,6 +515,10 @@ fn shown(formula: &Formula) -> Option<String> {
 
 /// The exponent of radians in a unit as written.
 pub fn angle_of(unit: &Unit) -> i8 {
+    // `1/deg`
+    if unit.text.starts_with("1/") {
+        return 0;
+    }
     let mut words = unit
         .text
         .split(|c: char| !c.is_ascii_alphabetic())

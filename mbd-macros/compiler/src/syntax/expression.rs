@@ -258,6 +258,9 @@ impl Parser {
                 let group = cursor
                     .group(Bracket::Round)
                     .ok_or_else(|| say::deep_expression(here))?;
+                if Cursor::new(group).comma_separated().len() == 3 {
+                    return Err(say::round_vector(group.at));
+                }
                 self.enter(here)?;
                 let mut inner = Cursor::new(group);
                 let parsed = self.sum(&mut inner)?;
@@ -265,6 +268,7 @@ impl Parser {
                 self.depth -= 1;
                 Ok(parsed)
             }
+            Some(LexemeKind::Sign('|')) => Err(say::bars(here)),
             Some(LexemeKind::Open(Bracket::Square, _)) => {
                 let group = cursor
                     .group(Bracket::Square)
@@ -272,7 +276,8 @@ impl Parser {
                 let (parts, depth) = self.list(group)?;
                 let unit = unit::suffix(cursor)?;
                 let at = group.at.to(cursor.before());
-                Ok((Expression::Vector { parts, unit, at }, depth + 1))
+                let vector = Expression::Vector { parts, unit, at };
+                Ok((vector, depth + 1))
             }
             Some(LexemeKind::Word(_)) => self.named(cursor),
             _ => Err(cursor.operand_expected("a number, a name, `(` or `[`")),

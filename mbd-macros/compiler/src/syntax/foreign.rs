@@ -48,6 +48,21 @@ pub const FOREIGN_ITEMS: Dictionary = &[
     ("lines", "line"),
     ("springs", "spring"),
     ("outputs", "output"),
+    ("constants", "const"),
+    ("consts", "const"),
+    ("parameters", "param"),
+    ("params", "param"),
+    ("inputs", "input"),
+    ("states", "state"),
+    ("tables", "table"),
+    ("loads", "load"),
+    ("forces", "load"),
+    ("events", "event"),
+    ("metrics", "metric"),
+    ("cables", "line"),
+    ("spring_damper", "spring"),
+    ("springdamper", "spring"),
+    ("strut", "spring"),
 ];
 
 /// Items that people expect, and how what they mean is said here, or that it cannot be said yet.
@@ -127,6 +142,25 @@ const INTEGRAL: &str =
     "an integral is a `state` with its rate: `state missed = 0 rad*s { rate: pin.angle }`";
 const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ axis: y, force: -2 N*m * hip.angle }`";
 
+/// What is taken of a quantity over a run, in other words.
+pub const FOREIGN_TAKES: Dictionary = &[
+    ("maximum", "max"),
+    ("peak", "max"),
+    ("highest", "max"),
+    ("largest", "max"),
+    ("minimum", "min"),
+    ("lowest", "min"),
+    ("smallest", "min"),
+    ("last", "final"),
+    ("end", "final"),
+    ("average", "mean"),
+    ("avg", "mean"),
+    ("sum", "integral"),
+    ("at", "value"),
+    ("when", "time_of"),
+    ("duration_above", "time_above"),
+];
+
 /// Words by which people say that a value passes another, and ours.
 pub const PASSAGES: Dictionary = &[
     ("reaches", ANY_PASSAGE),
@@ -168,6 +202,11 @@ pub const FOREIGN_KEYS: Dictionary = &[
     ("unit", "in"),
     ("units", "in"),
     ("range", "in"),
+    ("min", "in"),
+    ("max", "in"),
+    ("limits", "in"),
+    ("parent", "from"),
+    ("child", "to"),
     ("body", "on"),
     ("frame", "at"),
 ];
@@ -195,6 +234,10 @@ pub const FOREIGN_FIELDS: Dictionary = &[
     ("q0", "start"),
     ("x0", "start"),
     ("weight", "mass"),
+    ("m", "mass"),
+    ("about", "axis"),
+    ("der", "rate"),
+    ("derivative", "rate"),
     ("site", "frame"),
     ("marker", "frame"),
     ("lead", "pitch"),
@@ -348,6 +391,17 @@ pub const OPERATORS: Dictionary = &[
     (">", COMPARISON),
     ("==", COMPARISON),
     ("as", "a unit stands behind `in`, such as `in deg`"),
+];
+
+/// Names that people use without declaring them.
+pub const FOREIGN_NAMES: Dictionary = &[
+    ("t", "the time is called `time`"),
+    ("now", "the time is called `time`"),
+    (
+        "g",
+        "gravity has no name in expressions: declare `const g = 9.81 m/s^2;`",
+    ),
+    ("e", "its powers are `exp(a)`"),
 ];
 
 /// Words for what is at rest.

@@ -61,8 +61,12 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
             }
         };
         if spec.is_none() && !inside {
+            let mut behind = cursor;
             messages.push(match words::marked_by(&word.text) {
                 Some(marked) => say::marks_another(word.at.into(), &word.text, marked),
+                None if behind.sign('=').is_some() => {
+                    say::number_without_item(word.at.into(), &word.text)
+                }
                 None => say::unknown_item(word.at.into(), &word.text),
             });
             items.push(lost(&cursor, word));
@@ -232,12 +236,35 @@ fn rest<'a>(
             cursor.sign(if inside { ',' } else { ';' });
             return needed(item, spec);
         } else {
-            let found = cursor.peek().map(|lexeme| lexeme.shown());
-            return Err(say::form(cursor.here(), spec, &found.unwrap_or_default()));
+            let report = unfit(cursor, spec, item, inside);
+            if cursor.peek().map(|lexeme| lexeme.shown()).as_deref() == Some(".") {
+                // No name of its own: it is not taken twice.
+                item.name = None;
+            }
+            return Err(report);
         }
     }
     needed(item, spec)?;
     separator(cursor, inside)
+}
+
+/// The report of what no clause of an item begins with.
+fn unfit(
+    cursor: &Cursor<'_>,
+    spec: &'static ItemWord,
+    item: &Item<'_>,
+    inside: bool,
+) -> LexemeMessage {
+    let found = cursor.peek().map(|lexeme| lexeme.shown());
+    let found = found.unwrap_or_default();
+    match (found.as_str(), &item.name) {
+        ("=", None) if inside => say::equals_for_colon(cursor.here(), &item.word.text),
+        // `output pin.angle in deg`: what stands where a name is wanted is shown.
+        (".", Some(name)) if ["output", "metric", "let"].contains(&spec.word) => {
+            say::shown_without_name(name.word.at.into(), spec, &name.word.text)
+        }
+        (found, _) => say::form(cursor.here(), spec, found),
+    }
 }
 
 /// The name after a keyword, with its repetition.

@@ -183,7 +183,7 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, LexemeMessage> {
     })
 }
 
-/// A whole exponent, or `(n/2)`.
+/// A whole exponent, or one with a half: `(n/2)`, `1.5`.
 fn exponent(cursor: &mut Cursor<'_>) -> Result<(i32, bool), LexemeMessage> {
     if let Some(inner) = cursor.group(Bracket::Round) {
         let mut inner = Cursor::new(inner);
@@ -198,7 +198,23 @@ fn exponent(cursor: &mut Cursor<'_>) -> Result<(i32, bool), LexemeMessage> {
         inner.finish("`)`")?;
         return Ok((n, halves));
     }
+    if let Some(halves) = half_number(cursor) {
+        return Ok((halves, true));
+    }
     whole_number(cursor).map(|n| (n, false))
+}
+
+/// Twice an exponent with a half: 3 of `1.5`.
+fn half_number(cursor: &mut Cursor<'_>) -> Option<i32> {
+    let mut ahead = *cursor;
+    let negative = ahead.sign('-').is_some();
+    let Some(LexemeKind::Number(text)) = ahead.take().map(|lexeme| &lexeme.kind) else {
+        return None;
+    };
+    let whole = text.strip_suffix(".5")?.parse::<i32>().ok()?;
+    let twice = (whole < 9).then_some(2 * whole + 1)?;
+    *cursor = ahead;
+    Some(if negative { -twice } else { twice })
 }
 
 fn whole_number(cursor: &mut Cursor<'_>) -> Result<i32, LexemeMessage> {

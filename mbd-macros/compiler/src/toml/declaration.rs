@@ -8,6 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::comments::Comments;
+use super::forms::{is_set, is_taken};
 use super::write_toml;
 use crate::lexeme::LineStarts;
 use crate::syntax::words::{self, ItemWord};
@@ -131,6 +132,10 @@ impl DeclarationWriter<'_> {
     fn value(&self, value: &Spanned<DeValue<'_>>) -> String {
         match value.get_ref() {
             DeValue::String(text) => text.trim().to_owned(),
+            DeValue::Array(parts) => {
+                let parts: Vec<String> = parts.iter().map(|part| self.value(part)).collect();
+                format!("[{}]", parts.join(", "))
+            }
             _ => self.document.get(value.span()).unwrap_or("").to_owned(),
         }
     }
@@ -197,6 +202,10 @@ impl DeclarationWriter<'_> {
                 Some(table) => table.get(clause.key),
                 None => clause.needed.then_some(value),
             };
+            let taken = table.filter(|_| given.is_none() && clause.sign == "=");
+            if let Some((take, of)) = taken.and_then(|table| taken_of_a_run(spec, table)) {
+                let _ = write!(head, " = {take} {}", self.value(of));
+            }
             if let Some(given) = given {
                 let space = if clause.sign == ":" { "" } else { " " };
                 let value = match clause.key {
@@ -230,6 +239,13 @@ impl DeclarationWriter<'_> {
                     }));
                     continue;
                 }
+                (None, DeValue::Table(table)) if is_set(spec, word) => {
+                    let of = entries(table).into_iter();
+                    let of =
+                        of.map(|(key, value)| format!("{} = {}", key.get_ref(), self.value(value)));
+                    let of: Vec<String> = of.collect();
+                    fields.push(format!("{word}: [{}]", of.join(", ")));
+                }
                 (None, DeValue::Table(table)) => {
                     let of = entries(table).into_iter();
                     let of =
@@ -257,5 +273,14 @@ fn above(comments: &[String], field: String) -> String {
 
 /// Whether a key is a field between the braces of an item.
 fn is_field(spec: &ItemWord, word: &str) -> bool {
-    word != "doc" && !spec.clauses.iter().any(|clause| clause.key == word)
+    word != "doc" && !is_taken(spec, word) && !spec.clauses.iter().any(|clause| clause.key == word)
+}
+
+/// The `max = "cord.tension"` of a metric.
+fn taken_of_a_run<'e, 't>(
+    spec: &ItemWord,
+    table: &'e DeTable<'t>,
+) -> Option<DocumentEntry<'e, 't>> {
+    let mut entries = entries(table).into_iter();
+    entries.find(|(key, _)| is_taken(spec, key.get_ref()))
 }

@@ -7,6 +7,7 @@
 mod comments;
 mod declaration;
 mod document;
+mod forms;
 mod formula;
 mod read;
 mod write;

@@ -7,6 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::declaration::entries;
+use super::forms::{is_set, is_taken, unquoted};
 use crate::lexeme::{
     Lexeme, LexemeIndex, LexemeKind, Lexer, LineStarts, Region, piece, without_mark,
 };
@@ -41,7 +42,7 @@ pub fn read_toml_in(text: &str, folder: &Path) -> Reading {
             let at = reader.mark(offset);
             let report = match key_with_index(text, offset) {
                 Some((name, index)) => say_toml::bare_index(at.into(), name, index),
-                None => say_toml::parse(at.into(), error.message()),
+                None => say_toml::parse(at.into(), error.message(), unquoted(text, offset)),
             };
             reader.messages.push(report);
             Document::default()
@@ -73,18 +74,18 @@ fn key_with_index(text: &str, offset: usize) -> Option<(&str, &str)> {
 
 /// A value: lexemes from here to there, and its place.
 #[derive(Clone, Debug)]
-struct ValueLexemes {
-    range: Range<usize>,
-    at: LexemeIndex,
+pub(super) struct ValueLexemes {
+    pub(super) range: Range<usize>,
+    pub(super) at: LexemeIndex,
 }
 
 /// An item whose lexemes are still being collected.
 #[derive(Clone, Debug)]
-struct ItemDraft {
+pub(super) struct ItemDraft {
     doc: String,
     word: Word,
     name: Option<ValueLexemes>,
-    clauses: Vec<(&'static str, ValueLexemes)>,
+    pub(super) clauses: Vec<(&'static str, ValueLexemes)>,
     block: Vec<ItemDraft>,
     spec: Option<&'static ItemWord>,
     /// `loop = true`, `smooth = true`
@@ -101,16 +102,16 @@ struct Document {
     items: Vec<ItemDraft>,
 }
 
-struct TomlReader<'t> {
+pub(super) struct TomlReader<'t> {
     text: &'t str,
-    lines: LineStarts<'t>,
-    lexer: Lexer,
+    pub(super) lines: LineStarts<'t>,
+    pub(super) lexer: Lexer,
     messages: Messages,
 }
 
 impl<'t> TomlReader<'t> {
     /// A place without a lexeme of its own.
-    fn mark(&mut self, offset: usize) -> LexemeIndex {
+    pub(super) fn mark(&mut self, offset: usize) -> LexemeIndex {
         let position = self.lines.position(offset);
         self.lexer.place(position)
     }
@@ -172,6 +173,10 @@ impl<'t> TomlReader<'t> {
                 self.messages.push(say_toml::table(at.into(), spec));
                 return None;
             }
+            DeValue::Table(_) => {
+                self.messages.push(say_toml::one_value(at.into(), spec));
+                return None;
+            }
             _ => item.clauses.push((":", self.value(value)?)),
         }
         Some(item)
@@ -192,7 +197,10 @@ impl<'t> TomlReader<'t> {
             _ => {
                 let mut needed = spec.clauses.iter().filter(|clause| clause.needed);
                 match (needed.next(), needed.next()) {
-                    (Some(only), None) => item.clauses.push((only.sign, self.value(value)?)),
+                    (Some(only), None) => {
+                        item.clauses.push((only.sign, self.value(value)?));
+                        self.unit_behind(&mut item, spec);
+                    }
                     _ => {
                         self.messages.push(say_toml::table(at.into(), spec));
                         return None;
@@ -251,6 +259,33 @@ impl<'t> TomlReader<'t> {
                     }
                     item.block.push(block);
                 }
+                // `max = "cord.tension"`, as in a campaign.
+                (None, None, _) if is_taken(spec, word) => {
+                    let taken = self.key(key);
+                    let value = self.value(value);
+                    item.broken |= value.is_none();
+                    item.clauses.extend(value.map(|value| {
+                        let range = taken.range.start..value.range.end;
+                        (
+                            "=",
+                            ValueLexemes {
+                                range,
+                                at: taken.at,
+                            },
+                        )
+                    }));
+                }
+                // `set = { m_tip = "2 kg" }`
+                (None, None, DeValue::Table(table)) if is_set(spec, word) => {
+                    let parts = entries(table).into_iter();
+                    let parts: Vec<_> = parts.map(|(name, value)| (Some(name), value)).collect();
+                    let mut field = draft(word, at, None);
+                    match self.list(value.span().start, &parts) {
+                        Some(value) => field.clauses.push((":", value)),
+                        None => field.broken = true,
+                    }
+                    item.block.push(field);
+                }
                 (None, None, _) if spec.fields.is_none() => unknown.push((at, word)),
                 (None, None, DeValue::Table(_))
                     if say_toml::keys_of(spec).all(|key| key != word) =>
@@ -263,6 +298,7 @@ impl<'t> TomlReader<'t> {
                 }
             }
         }
+        self.unit_behind(item, spec);
         self.unknown_keys(item, spec, &unknown);
     }
 
@@ -326,7 +362,7 @@ impl<'t> TomlReader<'t> {
     }
 
     /// A key with its repetition.
-    fn key(&mut self, key: &Spanned<std::borrow::Cow<'_, str>>) -> ValueLexemes {
+    pub(super) fn key(&mut self, key: &Spanned<std::borrow::Cow<'_, str>>) -> ValueLexemes {
         let raw = self.text.get(key.span()).unwrap_or("");
         let quoted = raw.starts_with(['"', '\'']);
         let start = key.span().start + usize::from(quoted);
@@ -334,7 +370,7 @@ impl<'t> TomlReader<'t> {
     }
 
     /// The lexemes of a value.
-    fn value(&mut self, value: &Spanned<DeValue<'_>>) -> Option<ValueLexemes> {
+    pub(super) fn value(&mut self, value: &Spanned<DeValue<'_>>) -> Option<ValueLexemes> {
         let span = value.span();
         let raw = self.text.get(span.clone()).unwrap_or("");
         match value.get_ref() {
@@ -353,6 +389,10 @@ impl<'t> TomlReader<'t> {
                     _ => 0,
                 };
                 Some(self.piece(text, span.start, span.start + quotes + skipped, escaped))
+            }
+            DeValue::Array(parts) if parts.iter().any(|part| part.get_ref().is_str()) => {
+                let parts: Vec<_> = parts.iter().map(|part| (None, part)).collect();
+                self.list(span.start, &parts)
             }
             DeValue::Integer(_) | DeValue::Float(_) | DeValue::Array(_) => {
                 Some(self.piece(raw, span.start, span.start, false))
@@ -464,7 +504,13 @@ impl ItemDraft {
             .iter()
             .filter(|clause| clause.needed && item.given(clause.sign).is_none());
         if let (Some(spec), Some(clause), false) = (self.spec, missing.next(), self.broken) {
-            reports.push(say_toml::missing(item.name_at(), spec, clause.key));
+            // A key that was meant for it tells more.
+            let mut fields = self.block.iter();
+            let other = fields.find(|field| {
+                field.spec.is_none() && say_toml::is_called(&field.word.text, clause.key)
+            });
+            let other = other.map(|field| field.word.text.as_str());
+            reports.push(say_toml::missing(item.name_at(), spec, clause.key, other));
         }
         for field in &self.block {
             item.block.push(field.item(lexemes, messages));

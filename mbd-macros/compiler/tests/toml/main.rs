@@ -444,3 +444,63 @@ fn a_byte_order_mark_in_front_changes_nothing() {
     assert_eq!(read_toml(&marked).scene, read_toml(document).scene);
     assert!(read_toml(&marked).scene.is_some());
 }
+
+#[test]
+fn other_forms_of_values_are_the_scene_of_the_usual_ones() {
+    let usual = r#"
+model = "Forms"
+gravity = "[0, 0, -9.81] m/s^2"
+[param.m_tip]
+value = "1 kg"
+in = "0.5 kg ..= 3 kg"
+[point.bob]
+mass = "m_tip"
+[event.later]
+value = "time"
+rises = "1 s"
+set = "[m_tip = 2 kg]"
+[event.last]
+value = "time"
+rises = "2 s"
+set = "m_tip = 3 kg"
+[load.air]
+on = "bob"
+value = "[0.1 N, 0, m_tip * 9.81 m/s^2]"
+[output]
+height = { value = "bob.position.z", in = "mm" }
+[metric]
+peak = { value = "max bob.position.z", in = "km", from = "0.1 s" }
+lowest = { value = "min bob.position.z" }
+"#;
+    let forms = [
+        ("\"[m_tip = 2 kg]\"", "{ m_tip = \"2 kg\" }"),
+        ("set = \"m_tip = 3 kg\"", "set.m_tip = \"3 kg\""),
+        (
+            "\"[0.1 N, 0, m_tip * 9.81 m/s^2]\"",
+            "[\"0.1 N\", 0, \"m_tip * 9.81 m/s^2\"]",
+        ),
+        (
+            "{ value = \"bob.position.z\", in = \"mm\" }",
+            "\"bob.position.z in mm\"",
+        ),
+        (
+            "value = \"max bob.position.z\", in = \"km\"",
+            "max = \"bob.position.z in km\"",
+        ),
+        ("{ value = \"min bob", "{ min = \"bob"),
+    ];
+    let wanted = read_toml(usual).scene.unwrap();
+    let mut all = usual.to_owned();
+    for (old, new) in forms {
+        assert!(usual.contains(old), "{old}");
+        let text = usual.replace(old, new);
+        assert_eq!(read_toml(&text).scene.as_ref(), Some(&wanted), "{new}");
+        all = all.replace(old, new);
+    }
+    let scene = read_toml(&all).scene;
+    assert_eq!(scene.as_ref(), Some(&wanted));
+    // The text form says the same.
+    let text = mbd_compiler::toml_to_text(&all).unwrap();
+    let scene = mbd_compiler::read_text(&text).scene;
+    assert_eq!(scene.as_ref(), Some(&wanted), "{text}");
+}

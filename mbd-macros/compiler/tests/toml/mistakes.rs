@@ -61,7 +61,7 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "from = \"world.anchor\"\n",
             "",
             &[
-                "scene.toml:32:8: this line has no `from`; its keys: from, to, free_length, stiffness, force, damping, at_start",
+                "scene.toml:32:8: this line has no `from`: write `line.cord = { from = \"world\", to = \"bob\", free_length = \"1 m\", stiffness = \"2 kN/m\" }`; its keys: from, to, free_length, stiffness, force, damping, at_start",
             ],
         ),
         (
@@ -329,12 +329,28 @@ fn keys_that_people_guess_are_answered_once_with_what_is_written() {
             "unknown field `force`; here it is called `value`",
         ),
         (
-            "[metric.m]\nmax = \"bob.position.z\"",
+            "[metric.m]\nlargest = \"bob.position.z\"",
             "this metric has no `value`: write `metric.highest = { value = \"max bob.position.z\", from = \"1 s\" }`",
         ),
         (
+            "[joint.j]\ntype = \"hinge\"\nfrom = \"world\"\nto = \"bob\"",
+            "this joint has no `kind`; `type` is here called `kind`: write `joint.pin = {",
+        ),
+        (
+            "[line.l]\nparent = \"world\"\nto = \"bob\"",
+            "this line has no `from`; `parent` is here called `from`: write",
+        ),
+        (
+            "[constants]\nlong = \"1 m\"",
+            "unknown item `constants`; here it is called `const`",
+        ),
+        (
+            "[const]\nlong = 3.5 m",
+            "write a value with its unit in quotes: `long = \"3.5 m\"`",
+        ),
+        (
             "[event.e]\nwhen = \"time rises 1 s\"",
-            "this event has no `value`: write `event.low = { value = \"bob.position.z\", falls = \"-1 m\" }`",
+            "this event has no `value`; `when` is here called `value`: write `event.low = { value = \"bob.position.z\", falls = \"-1 m\" }`",
         ),
         (
             "[event]\ne = \"time rises 1 s\"",

@@ -6,6 +6,7 @@ mod phases;
 pub(crate) mod plan;
 mod scales;
 mod settings;
+mod words;
 
 pub use names::PlanError;
 pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};

@@ -74,7 +74,13 @@ pub(crate) fn unknown<'a>(
     let own: Vec<&str> = own
         .filter(|known| owner.as_ref().is_some_and(|owner| known.starts_with(owner)))
         .collect();
-    let text = match nearest(name, known.iter().copied()) {
+    // Of a thing alone, `pin`, what it has.
+    let inside = known.iter().copied().find(|known| {
+        let rest = known.strip_prefix(name);
+        rest.is_some_and(|rest| rest.starts_with('.'))
+    });
+    let near = inside.or_else(|| nearest(name, known.iter().copied()));
+    let text = match near {
         _ if known.is_empty() => format!("this scene has no `{name}`, nor any other here"),
         Some(near) if own.is_empty() => {
             format!("this scene has no `{name}`; did you mean `{near}`?")

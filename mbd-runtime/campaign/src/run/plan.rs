@@ -16,6 +16,7 @@ use super::names::{PlanError, flat, no_column, unknown, wrong};
 use super::number::{not_negative, number, numbers as numbers_of, positive, zeros};
 use super::scales::scales;
 use super::settings::Settings;
+use super::words;
 
 /// Everything a run needs, in SI numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -209,11 +210,11 @@ fn method(word: &str, step: f64, tolerance: f64) -> Result<Method, PlanError> {
     let method = Method::fixed(word, step).or_else(|| Method::adaptive(word, tolerance));
     method.ok_or_else(|| {
         let known = || Method::FIXED.into_iter().chain(Method::ADAPTIVE);
-        let near = nearest(word, known());
-        let near = near.map_or_else(
-            || ".".to_owned(),
-            |near| format!("; did you mean `{near}`?"),
-        );
+        let near = match (words::of_method(word), nearest(word, known())) {
+            (Some(ours), _) => format!("; {ours}."),
+            (None, Some(near)) => format!("; did you mean `{near}`?"),
+            (None, None) => ".".to_owned(),
+        };
         let list: Vec<&str> = known().collect();
         let text = format!(
             "there is no method `{word}`{near} There are: {}",

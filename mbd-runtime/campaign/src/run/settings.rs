@@ -26,6 +26,8 @@ use mbd_compiler::{nearest, read_number};
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::words;
+
 /// How to run a scene, as written; every field may be left out.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
@@ -163,8 +165,17 @@ impl Settings {
         }
         toml::from_str::<Whole>(text)
             .map(|whole| whole.run)
-            .map_err(|error| format!("{error}{}", in_quotes(text, &error)))
+            .map_err(|error| format!("{error}{}{}", in_quotes(text, &error), translated(&error)))
     }
+}
+
+/// Our word for a setting of another tool; nothing after another mistake.
+fn translated(error: &toml::de::Error) -> String {
+    let message = error.message();
+    let word = message.strip_prefix("unknown field `");
+    let word = word.and_then(|rest| rest.split('`').next());
+    let ours = word.and_then(words::of_setting);
+    ours.unwrap_or_default().to_owned()
 }
 
 /// What to write instead of a value with a unit that stands without quotes; nothing after another mistake.

@@ -297,7 +297,7 @@ impl<T: Float> Simulation<T> {
             (
                 StepError::JointsApart { .. }
                 | StepError::NonFinite {
-                    source: Source::State(_),
+                    source: Source::State(_) | Source::Declared(_),
                     ..
                 },
                 Some(what),

@@ -76,6 +76,9 @@ impl<T: Float> Rates<T> for System<T> {
             return self.keep_before(time, span, state, out);
         }
         let fault = out.iter().position(|x| !x.is_finite());
+        if let Some(source) = self.without_number(time, state) {
+            return Err(StepError::NonFinite { time, source });
+        }
         Err(self
             .unsolvable(time, state)
             .unwrap_or_else(|| self.not_finite(time, fault.unwrap_or_default())))

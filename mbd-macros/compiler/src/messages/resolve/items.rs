@@ -190,10 +190,14 @@ pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
         Some(ours) => format!("; here it is called `{ours}`."),
         None => ended(did_you_mean(word, known.iter().copied())),
     };
-    let list = if known.is_empty() {
-        "there are no fields here".to_string()
-    } else {
-        format!("fields here: {}", known.join(", "))
+    let list = match known {
+        [] => "there are no fields here".to_string(),
+        // Those of an event.
+        [.., "acts"] if suggestion == "." => format!(
+            "fields here: {}; a param or a state gets another value by `set: {word} = …`",
+            known.join(", ")
+        ),
+        known => format!("fields here: {}", known.join(", ")),
     };
     LexemeMessage::new(at, format!("unknown field `{word}`{suggestion} {list}"))
 }
@@ -471,6 +475,17 @@ pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> Lexem
             "unknown {what} `{word}`{} known: {}",
             ended(did_you_mean(word, known.iter().copied())),
             known.join(", ")
+        ),
+    )
+}
+
+pub fn unknown_gravity(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    let report = unknown_word(at, "gravity", word, known);
+    let text = report.text;
+    LexemeMessage::new(
+        at,
+        format!(
+            "{text}; where it is uniform it is a vector, such as `[0, 0, -9.81] m/s^2` where z points up"
         ),
     )
 }

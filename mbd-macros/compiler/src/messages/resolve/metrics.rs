@@ -6,10 +6,14 @@ use super::items::known_or_near;
 use crate::lexeme::Region;
 use crate::messages::similar::did_you_mean;
 use crate::messages::{LexemeMessage, article};
+use crate::syntax::foreign;
 
 pub fn metric_take(at: Region, word: &str) -> LexemeMessage {
     let words = Take::ALL.map(Take::keyword);
-    let near = did_you_mean(word, words);
+    let near = match foreign::translated(foreign::FOREIGN_TAKES, word) {
+        Some(ours) => format!("; here it is called `{ours}`"),
+        None => did_you_mean(word, words),
+    };
     LexemeMessage::new(
         at,
         format!(

@@ -78,12 +78,13 @@ pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> LexemeMessag
     let unit = crate::units::run_together(word).map_or_else(String::new, |unit| {
         format!(", or write `{unit}` for the unit")
     });
+    if let Some(answer) = foreign::translated(foreign::FOREIGN_NAMES, word) {
+        return LexemeMessage::new(at, format!("no parameter named `{word}`; {answer}"));
+    }
+    let near = ended(did_you_mean(word, known.iter().copied()));
     LexemeMessage::new(
         at,
-        format!(
-            "no parameter named `{word}`{} declare it{unit}",
-            ended(did_you_mean(word, known.iter().copied()))
-        ),
+        format!("no parameter named `{word}`{near} declare it{unit}"),
     )
 }
 
@@ -97,14 +98,13 @@ pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
     )
 }
 
-pub fn unknown_place(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "no body or point named `{word}`{}",
-            at_rest_or_near(word, known)
-        ),
-    )
+/// `owner`: what has a frame of this name, if something has.
+pub fn unknown_place(at: Region, word: &str, known: &[&str], owner: Option<&str>) -> LexemeMessage {
+    let near = match owner {
+        Some(owner) => format!("; `{word}` is a frame of `{owner}`: write `{owner}.{word}`"),
+        None => at_rest_or_near(word, known),
+    };
+    LexemeMessage::new(at, format!("no body or point named `{word}`{near}"))
 }
 
 /// `world` for another word of what is at rest, or the nearest name.
@@ -220,6 +220,9 @@ pub fn unknown_body_quantity(
     frames: &[String],
     quantities: &[&str],
 ) -> LexemeMessage {
+    if let Some(report) = speed(at, owner, word, quantities) {
+        return report;
+    }
     let known = frames
         .iter()
         .map(String::as_str)
@@ -269,6 +272,9 @@ pub fn without_quantity(at: Region, owner: &str, kind: &str, known: &[&str]) -> 
 }
 
 pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    if let Some(report) = speed(at, owner, word, known) {
+        return report;
+    }
     LexemeMessage::new(
         at,
         format!(
@@ -277,6 +283,18 @@ pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> 
             known.join(", ")
         ),
     )
+}
+
+/// The report of `bob.speed`, where there is a velocity.
+fn speed(at: Region, owner: &str, word: &str, known: &[&str]) -> Option<LexemeMessage> {
+    (word == "speed" && known.contains(&"velocity")).then(|| {
+        LexemeMessage::new(
+            at,
+            format!(
+                "`{owner}` has a velocity, which is a vector: its speed is `norm({owner}.velocity)`"
+            ),
+        )
+    })
 }
 
 /// `frame`: one of its own, if it has any.

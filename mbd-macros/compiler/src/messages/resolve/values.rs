@@ -7,6 +7,7 @@ use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
 use crate::syntax::foreign;
+use crate::syntax::quantities::{BODY_QUANTITIES, LINE_QUANTITIES};
 use crate::units::{self, described, si_text};
 
 pub fn not_finite(at: Region) -> LexemeMessage {
@@ -19,6 +20,7 @@ pub fn not_finite(at: Region) -> LexemeMessage {
 pub fn three_components(at: Region, found: usize) -> LexemeMessage {
     let decimals = match found {
         4.. => "; the sign before decimals is a point",
+        2 => "; of what lies in a plane the third one is `0`",
         _ => "",
     };
     LexemeMessage::new(
@@ -49,10 +51,22 @@ pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> Lexeme
     )
 }
 
-pub fn unit_twice(at: Region, unit: &str) -> LexemeMessage {
+/// `behind`: the dimension of the unit behind the bracket, `own`: that of what stands in it.
+pub fn unit_twice(
+    at: Region,
+    unit: &str,
+    behind: Dimension,
+    own: Option<Dimension>,
+) -> LexemeMessage {
+    let own = own.map_or_else(String::new, |own| match own == behind {
+        true => " and is no pure number".to_owned(),
+        false => format!(": it is {}", described(own)),
+    });
     LexemeMessage::new(
         at,
-        format!("this has a unit of its own, and `{unit}` behind the bracket: write one of them"),
+        format!(
+            "this does not fit the `{unit}` behind the bracket{own}; give each component its own unit, and none behind"
+        ),
     )
 }
 
@@ -118,7 +132,7 @@ pub fn power_of_vector(at: Region) -> LexemeMessage {
 pub fn whole_exponent(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
-        "an exponent is a whole number between -20 and 20; `a^0.5` is `sqrt(a)`, `a^1.5` is `a * sqrt(a)`, and another power of a pure number `exp(n * ln(a))`",
+        "an exponent is a number between -20 and 20, whole or with a half, such as `a^1.5`; another power of a pure number is `exp(n * ln(a))`",
     )
 }
 
@@ -151,11 +165,19 @@ pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> LexemeMessage
     } else if let Some(answer) = foreign::translated(foreign::EXPECTED_FUNCTIONS, word) {
         // Its neighbours in spelling are other functions: none of them is proposed.
         format!("; {answer}")
+    } else if is_quantity(word) {
+        format!("; a quantity stands behind what has it: `bob.{word}` instead of `{word}(bob)`")
     } else {
         let near = did_you_mean(word, known.iter().copied());
         format!("{} functions here: {}", ended(near), known.join(", "))
     };
     LexemeMessage::new(at, format!("unknown function `{word}`{why}"))
+}
+
+/// Whether bodies, points, lines or joints have a quantity of this name.
+fn is_quantity(word: &str) -> bool {
+    let mut lists = [BODY_QUANTITIES, LINE_QUANTITIES].into_iter();
+    lists.any(|list| list.contains(&word))
 }
 
 /// `number`: what stands before the unit; `place`: where in the unit the name begins; `kind`, `declared`: what else is called so.
@@ -181,6 +203,16 @@ pub fn unit_or_name(
         Some(declared) => report.also(declared, format!("the {kind} `{word}`")),
         None => report,
     }
+}
+
+/// `word`: what stands behind the default of a param.
+pub fn range_words(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "the range of a param stands behind `in`: write `in 0.5 kg ..= 3 kg` instead of `{word} …`"
+        ),
+    )
 }
 
 pub fn comparison_alone(at: Region) -> LexemeMessage {
