@@ -22,6 +22,9 @@ model! {
         event low = stone.position.z falls 20.0 m;
         event lower = stone.position.z falls 12.0 m { set: drag = 0.5 kg/m }
         output height = stone.position.z;
+        metric fastest = max norm(stone.velocity);
+        metric aside = value stone.position.x { at: lower };
+        metric above = time_above stone.position.z { level: 15 m };
     }
 }
 
@@ -86,6 +89,8 @@ model! {
         load air on lamp =
             0.05 kg/m * ([wind, 0.0, 0.0] - lamp.velocity) * norm([wind, 0.0, 0.0] - lamp.velocity);
         output pull = cord.tension;
+        metric peak = max a.tension;
+        metric carried = mean cord.tension { from: 0.2 s };
     }
 }
 
@@ -121,7 +126,7 @@ fn bits(finished: &[Finished<Vec<f64>>]) -> Vec<Bits> {
     finished.iter().map(one).collect()
 }
 
-/// All columns, one after the other, and the times of the events.
+/// All columns, one after the other, the times of the events, and the metrics.
 fn fly(
     model: &dyn Model<f64>,
     options: Options,
@@ -140,7 +145,10 @@ fn fly(
                 .iter()
                 .filter_map(|name| history.column(&name.name));
             let events = history.events.iter().map(|(time, _)| *time);
-            columns.flatten().copied().chain(events).collect()
+            let metrics = history.metrics(model.scene()).into_iter();
+            let metrics = metrics.map(|metric| metric.value.unwrap_or(f64::NAN));
+            let columns = columns.flatten().copied();
+            columns.chain(events).chain(metrics).collect()
         })
 }
 
@@ -369,6 +377,11 @@ model! {
         load weight on middle = [0.0, 0.0, -0.5] N;
         output pull = cord.tension;
         output below = lower.tension;
+        metric most = max cord.tension;
+        metric least = min lower.tension { from: 0.1 s, to: 1.3 s };
+        metric squared = rms cord.tension;
+        metric loud = time_above lower.tension { level: 25 N };
+        metric highest = max bob.position.z;
     }
 }
 
@@ -395,4 +408,41 @@ fn points_in_balance_solved_beside_each_other_are_where_they_are_alone() {
     };
     // A point whose lines pull little next to their stiffness is found by a factorisation, which is not in lanes.
     assert_same_bits(&bundle, &[Options::rk4(2e-3)], 0.4, cases);
+}
+
+#[test]
+fn the_largest_of_a_scene_with_stepwise_points_is_its_value_at_the_end_of_a_step() {
+    let bundle = Bundle::new(BundleParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..9_u32).map(|k| {
+            let start = |place: [f64; 3], up: f64| mbd_runtime::PointState {
+                position: place,
+                velocity: [0.0, 0.02 * f64::from(k), up],
+            };
+            let mut state = BundleState::at_origin();
+            state.set_bob(start([0.05, 0.0, 0.86], 0.1));
+            state.set_other(start([0.05, 0.0, -0.57], 0.1));
+            Case::new()
+                .state(0.0, state.to_vec())
+                .nodes([0.0, 0.0, 1.87, 0.05, 0.0, 0.15])
+        })
+    };
+    for lanes in [1, 4, 8] {
+        let finished = Batch::new(&bundle, Options::rk4(2e-3), 1.0)
+            .cases(cases())
+            .lanes(lanes)
+            .record(Sampling::Steps, Content::RESULTS)
+            .run(|_, history| {
+                let metrics = history.metrics(bundle.scene());
+                let pull = history.column("pull").unwrap_or_default();
+                let largest = pull.iter().fold(f64::NAN, |most, x| x.max(most));
+                (metrics[0].value.ok(), largest)
+            });
+        for case in finished {
+            let (metric, largest) = case.result.expect("a run");
+            assert_eq!(metric, Some(largest), "{lanes}");
+        }
+    }
 }

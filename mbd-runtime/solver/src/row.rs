@@ -7,6 +7,15 @@ use crate::content::Content;
 use crate::error::StepError;
 use crate::system::{System, WORKS};
 
+/// Where a row is made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum RowPlace {
+    /// So long after the last accepted step [s].
+    After(f64),
+    /// At the end of the attempted step, whose nodes are solved.
+    End,
+}
+
 /// Makes rows with some content.
 #[derive(Clone, Debug)]
 pub(crate) struct RowMaker {
@@ -38,11 +47,11 @@ impl RowMaker {
     pub(crate) fn pick<T: Float>(
         &mut self,
         system: &mut System<T>,
-        (time, span): (f64, f64),
+        (time, place): (f64, RowPlace),
         (state, scratch): (&[T], &mut [T]),
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        self.make(system, time, span, state, scratch)?;
+        self.make(system, (time, place), state, scratch)?;
         for (out, column) in out.iter_mut().zip(&self.picked) {
             let value = column.and_then(|column| self.row.get(column));
             *out = value.copied().unwrap_or(f64::NAN);
@@ -54,16 +63,16 @@ impl RowMaker {
     pub(crate) fn make<T: Float>(
         &mut self,
         system: &mut System<T>,
-        time: f64,
-        span: f64,
+        (time, place): (f64, RowPlace),
         state: &[T],
         scratch: &mut [T],
     ) -> Result<bool, StepError> {
         let (content, row) = (self.content, &mut self.row);
-        system.look(time, span, state)?;
-        let model = system.model.clone();
-        let layout = model.layout();
-        let state_alone = state.get(..layout.nx()).unwrap_or_default();
+        match place {
+            RowPlace::After(span) => system.look(time, span, state)?,
+            RowPlace::End => system.look_at_end(time, state)?,
+        }
+        let state_alone = state.get(..system.nx).unwrap_or_default();
         let forces = content.reactions || content.outputs || content.energy;
         // Where rows lose rank for longer than an instant some multipliers have no value, and what hangs on them none either.
         let anew = (forces && system.needs_anew(time, state_alone))
@@ -74,6 +83,8 @@ impl RowMaker {
         row.clear();
         row.push(time);
         if content.state {
+            let model = system.model.clone();
+            let layout = model.layout();
             row.extend(system.in_world(time, state));
             let bodies = read(system, (Quantity::Bodies, None), time, state, scratch);
             for (own, numbers) in layout
@@ -93,7 +104,7 @@ impl RowMaker {
             }
         }
         if content.nodes {
-            row.extend(system.nodes_in_world(time, system.probe.nodes()));
+            row.extend(system.nodes_in_world(time, system.seen_nodes().nodes()));
         }
         if content.lines {
             let lines = read(system, (Quantity::Lines, None), time, state, scratch);
@@ -108,14 +119,15 @@ impl RowMaker {
         }
         if content.outputs {
             // Most outputs have nothing to do with multipliers: the model's own are taken to the bit.
-            let asks = layout.asks_efforts(Quantity::Outputs);
+            let asks = system.model.layout().asks_efforts(Quantity::Outputs);
             let what = (Quantity::Outputs, determined.filter(|_| asks));
             let outputs = read(system, what, time, state, scratch);
             row.extend(outputs.iter().map(|x| x.to_f64()));
         }
         let undetermined = anew.is_some() && row.iter().any(|x| x.is_nan());
         if content.energy {
-            let driven = layout.joints.iter().any(|slots| slots.driven);
+            let model = system.model.clone();
+            let driven = model.layout().joints.iter().any(|slots| slots.driven);
             // The power of prescribed motions is the same for every solution.
             let all = anew.as_ref().map(|[all, ..]| [all.as_slice(), &[]]);
             let what = (Quantity::Energy, all.filter(|_| driven));
@@ -123,7 +135,7 @@ impl RowMaker {
             row.extend(energy.iter().take(3).map(|x| x.to_f64()));
             row.push(energy.iter().take(3).map(|x| x.to_f64()).sum());
             row.extend(energy.iter().skip(3).map(|x| x.to_f64()));
-            let works = state.iter().skip(layout.nx()).map(|x| x.to_f64());
+            let works = state.iter().skip(system.nx).map(|x| x.to_f64());
             row.extend(works.chain([f64::NAN; WORKS]).take(WORKS));
             if acts(model.scene()) {
                 row.push(system.action_work);

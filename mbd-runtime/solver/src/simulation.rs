@@ -149,6 +149,9 @@ pub struct Simulation<T: Float> {
     pub(crate) attempted: f64,
     /// Start and size of an attempt that was made beside those of other runs, until it is used [s].
     received: Option<[f64; 2]>,
+    /// Whether the attempted step was one of those, and whether the last accepted one was, and nothing was changed since.
+    beside: bool,
+    stays: bool,
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,

@@ -26,6 +26,7 @@ mod no_number;
 mod rates;
 
 use known::KnownAtEnd;
+pub(crate) use known::{EndLooks, LISTS};
 pub(crate) use near_side::GuardSide;
 use near_side::NearSide;
 
@@ -81,6 +82,8 @@ pub(crate) struct System<T: Float> {
     pub nodes: Nodes<T>,
     /// The same for looking inside a step, so that the end of the step stays untouched.
     pub probe: Nodes<T>,
+    /// Whether the last look was at the end of the attempted step, whose nodes are those of the stage that was evaluated last.
+    sees_end: bool,
     /// What the nodes and lines remember of the last accepted step.
     pub memory: NodeMemory<T>,
     /// Counters but those of the nodes.
@@ -156,6 +159,7 @@ impl<T: Float> System<T> {
             controls,
             nodes: Nodes::new(layout),
             probe: Nodes::new(layout),
+            sees_end: false,
             memory: NodeMemory::new(layout),
             counters: Statistics::default(),
             drift: 0.0,
@@ -238,6 +242,7 @@ impl<T: Float> System<T> {
     /// Reads the inputs and solves the nodes at a state inside a step, without touching the stage that was evaluated last.
     pub(crate) fn look(&mut self, time: f64, span: f64, state: &[T]) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
+        self.sees_end = false;
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
         let span = T::from_f64(span);
@@ -247,10 +252,33 @@ impl<T: Float> System<T> {
         solved.map_err(|error| self.node_error(time, error))
     }
 
-    /// A quantity at the state that [`System::look`] saw last.
+    /// The same at the end of the attempted step, whose nodes are solved already.
+    pub(crate) fn look_at_end(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        self.sees_end = true;
+        self.supply(time, state)
+    }
+
+    /// Nodes where [`System::look`] or [`System::look_at_end`] looked last.
+    pub(crate) fn seen_nodes(&self) -> &Nodes<T> {
+        match self.sees_end {
+            true => &self.nodes,
+            false => &self.probe,
+        }
+    }
+
+    /// A quantity at the state that was looked at last.
     pub(crate) fn seen(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [T]) {
+        let known = self.known.list(what, time).filter(|_| self.sees_end);
+        if let Some(known) = known {
+            out.copy_from_slice(known);
+            return;
+        }
         let state = state.get(..self.nx).unwrap_or_default();
-        let at = self.probe.at(T::from_f64(time), state, &self.inputs);
+        let nodes = match self.sees_end {
+            true => &self.nodes,
+            false => &self.probe,
+        };
+        let at = nodes.at(T::from_f64(time), state, &self.inputs);
         self.model.evaluate(what, &at, &mut self.work, out);
     }
 
@@ -262,8 +290,8 @@ impl<T: Float> System<T> {
         state: &[T],
         out: &mut [T],
     ) -> Result<(), StepError> {
-        if let Some(guards) = self.known.guards(what, time) {
-            out.copy_from_slice(guards);
+        if let Some(known) = self.known.list(what, time) {
+            out.copy_from_slice(known);
             return Ok(());
         }
         let state = state.get(..self.nx).unwrap_or_default();
@@ -281,7 +309,7 @@ impl<T: Float> System<T> {
         laws.evaluate(&*self.model, what, &at, out);
     }
 
-    /// Hands over the laws at the stage that was evaluated last, or at the state that [`System::look`] saw last (`seen`).
+    /// Hands over the laws at the stage that was evaluated last, or at the state that was looked at last (`seen`).
     pub(crate) fn by_laws_at(
         &mut self,
         (time, state): (f64, &[T]),
@@ -289,7 +317,10 @@ impl<T: Float> System<T> {
         ask: impl FnOnce(&mut Laws, &dyn Model<T>, &At<'_, T>),
     ) {
         let state = state.get(..self.nx).unwrap_or_default();
-        let nodes = if seen { &self.probe } else { &self.nodes };
+        let nodes = match seen && !self.sees_end {
+            true => &self.probe,
+            false => &self.nodes,
+        };
         let at = nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         ask(laws, &*self.model, &at);

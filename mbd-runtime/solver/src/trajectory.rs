@@ -10,7 +10,7 @@ use crate::content::Content;
 use crate::error::{Statistics, StepError};
 use crate::measure::Measures;
 use crate::metric::{MetricReader, MissingMetric};
-use crate::row::{RowMaker, names};
+use crate::row::{RowMaker, RowPlace, names};
 use crate::system::System;
 
 mod joined;
@@ -342,12 +342,11 @@ impl Trajectory {
     pub(crate) fn push<T: Float>(
         &mut self,
         system: &mut System<T>,
-        time: f64,
-        span: f64,
+        (time, place): (f64, RowPlace),
         state: &[T],
         scratch: &mut [T],
     ) -> Result<(), StepError> {
-        let undetermined = self.maker.make(system, time, span, state, scratch)?;
+        let undetermined = self.maker.make(system, (time, place), state, scratch)?;
         self.undetermined += u64::from(undetermined);
         for (column, value) in self.columns.iter_mut().zip(&self.maker.row) {
             column.push(*value);
@@ -370,7 +369,7 @@ impl Trajectory {
         if !matches!(self.sampling, Sampling::Every(_)) || last >= time - resolution(time) {
             return Ok(());
         }
-        self.push(system, time, 0.0, state, scratch)?;
+        self.push(system, (time, RowPlace::After(0.0)), state, scratch)?;
         self.next -= 1;
         self.beside = true;
         Ok(())
@@ -381,6 +380,14 @@ impl Trajectory {
             for column in &mut self.columns {
                 column.pop();
             }
+        }
+    }
+
+    /// What is read at the end of every step, to be measured.
+    pub(crate) fn looks_at(&self) -> Content {
+        match self.measures.is_over_time() {
+            true => self.inside.content,
+            false => Content::TIME,
         }
     }
 

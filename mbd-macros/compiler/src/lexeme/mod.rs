@@ -413,7 +413,7 @@ impl Lexer {
     }
 }
 
-#[cfg(feature = "format")]
+#[cfg(any(feature = "format", feature = "toml"))]
 pub use scan::{Scanned, scan};
 pub use text::from_text;
 #[cfg(any(feature = "format", feature = "toml"))]

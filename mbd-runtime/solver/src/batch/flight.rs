@@ -275,7 +275,12 @@ impl<T: Scalar> Runs<T> for Vec<Option<FlyingCase<T>>> {
         let flight = self.get_mut(lane)?.as_mut();
         let flight = flight.filter(|flight| flight.earlier.is_empty())?;
         let (run, course) = flight.run.as_mut()?;
-        Some((run, course, &mut flight.beside))
+        Some(Lane {
+            run,
+            course,
+            history: &flight.history,
+            count: &mut flight.beside,
+        })
     }
 }
 

@@ -135,6 +135,18 @@ impl<T: Real> Explicit<T> {
         self.steps
     }
 
+    /// The same where a mask says so.
+    pub(crate) fn accept_where(&mut self, mask: T::Mask, state: &mut [T]) {
+        for (x, next) in state.iter_mut().zip(&self.next) {
+            *x = T::select(mask, *next, *x);
+        }
+        let (first, rest) = self.stages.split_at_mut(self.length);
+        let last = rest.get((self.steps - 2) * self.length..);
+        for (x, last) in first.iter_mut().zip(last.unwrap_or_default()) {
+            *x = T::select(mask, *last, *x);
+        }
+    }
+
     /// Takes the last attempt: its last stage becomes the first of the next step.
     pub(crate) fn accept(&mut self, state: &mut [T]) {
         state.copy_from_slice(&self.next);

@@ -14,14 +14,24 @@ use crate::integrate::Explicit;
 use crate::node::Nodes;
 use crate::simulation::beside::{Attempt, Spent};
 use crate::simulation::{Course, Simulation};
+use crate::system::{EndLooks, LISTS};
+use crate::trajectory::Trajectory;
 
 /// With fewer runs than this nothing is gained.
 const FEWEST: usize = 2;
 /// The most lanes there are.
 const MOST: usize = 8;
 
-/// A run in a lane, where it goes, and how many of its steps were tried beside those of others.
-pub type Lane<'r, T> = (&'r mut Simulation<T>, &'r Course, &'r mut u64);
+/// A run in a lane.
+pub struct Lane<'r, T: Float> {
+    pub run: &'r mut Simulation<T>,
+    /// Where it goes.
+    pub course: &'r Course,
+    /// What is recorded of it.
+    pub history: &'r Trajectory,
+    /// How many of its steps were tried beside those of others.
+    pub count: &'r mut u64,
+}
 
 /// Tries the steps of several runs of one model at once.
 pub trait Together<T: Float> {
@@ -63,7 +73,11 @@ struct LaneGroup<L> {
     state: Vec<L>,
     stages: Stages<L>,
     networks: Networks<L>,
-    guards: Vec<L>,
+    /// The sizes of the last steps [s], and the runs that took over their ends.
+    sizes: L,
+    taken: [bool; MOST],
+    /// Each of the [`LISTS`] at the end of the step.
+    lists: [Vec<L>; LISTS.len()],
     quaternions: Vec<usize>,
 }
 
@@ -141,9 +155,31 @@ impl<L: Lanes> LaneGroup<L> {
                 rates: list(layout.len(Quantity::Rates)),
             },
             networks: Networks::new(layout),
-            guards: list(layout.len(Quantity::Guards)),
+            sizes: L::zero(),
+            taken: [false; MOST],
+            lists: LISTS.map(|what| list(layout.len(what))),
             quaternions: layout.quaternions().collect(),
         }
+    }
+
+    /// Goes on from the ends of the last steps in these lanes.
+    fn go_on(&mut self, lanes: [bool; MOST], nodes: &Nodes<f64>) {
+        let Some(method) = &mut self.method else {
+            return;
+        };
+        let goes_on = L::each(|lane| if lanes[lane] { 1.0 } else { 0.0 });
+        let mask = L::zero().lt(goes_on);
+        method.accept_where(mask, &mut self.state);
+        if nodes.are_single() {
+            let (stages, size) = (&self.stages, self.sizes);
+            self.networks.go_on(mask, nodes, stages, size);
+        }
+    }
+
+    /// Takes what is held over a step into a lane.
+    fn load_held(&mut self, lane: usize, run: &Simulation<f64>) {
+        set(lane, &mut self.stages.inputs, &run.system.inputs);
+        set(lane, &mut self.stages.hold, run.system.nodes.hold());
     }
 
     /// Takes the start of a step into a lane; whether its parameters are others than those that the equations have.
@@ -154,20 +190,23 @@ impl<L: Lanes> LaneGroup<L> {
         let method = self.method.get_or_insert_with(|| own.over());
         set(lane, &mut self.state, &run.state);
         set(lane, method.first_mut(), own.first());
-        set(lane, &mut self.stages.inputs, &run.system.inputs);
-        set(lane, &mut self.stages.hold, run.system.nodes.hold());
         self.networks.load(lane, run);
+        if self.has_model_of(lane, run) {
+            return false;
+        }
         let Some(model) = self.models.get_mut(lane) else {
             return false;
         };
-        let same = |model: &Arc<dyn Model<f64>>| Arc::ptr_eq(model, &run.system.model);
-        if model.as_ref().is_some_and(same) {
-            return false;
-        }
         set(lane, &mut self.params, run.system.model.params());
         self.networks.load_lines(lane, run.system.model.lines());
         *model = Some(run.system.model.clone());
         true
+    }
+
+    /// Whether a lane has the parameters of a run.
+    fn has_model_of(&self, lane: usize, run: &Simulation<f64>) -> bool {
+        let own = self.models.get(lane).and_then(Option::as_ref);
+        own.is_some_and(|model| Arc::ptr_eq(model, &run.system.model))
     }
 
     /// Fills lanes that have no parameters yet with those of one that has.
@@ -208,21 +247,22 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
         let Some(tried) = self.gather(runs) else {
             return;
         };
-        let Some((run, ..)) = runs.lane(tried.first) else {
+        let Some(first) = runs.lane(tried.first) else {
             return;
         };
-        let Some(end) = self.make_step(&tried, &run.system.nodes) else {
+        let Some(end) = self.make_step(&tried, &first.run.system.nodes) else {
             return;
         };
         for lane in (0..L::WIDTH).filter(|lane| tried.has(*lane) && end.is_usable(*lane)) {
-            if let Some((run, _, count)) = runs.lane(lane) {
-                run.receive(&Tries {
+            if let Some(own) = runs.lane(lane) {
+                own.run.receive(&Tries {
                     lane,
                     group: self,
                     tried: &tried,
                     end: &end,
                 });
-                *count += 1;
+                self.taken[lane] = true;
+                *own.count += 1;
             }
         }
     }
@@ -234,8 +274,8 @@ struct Tried {
     steps: [[f64; 2]; MOST],
     /// The first lane with one.
     first: usize,
-    /// Whether a run looks at guards, and at energy, at the end.
-    looks: [bool; 2],
+    /// What some run looks at at the end.
+    looks: EndLooks,
 }
 
 impl Tried {
@@ -276,11 +316,18 @@ impl<L: Lanes> LaneGroup<L> {
         let mut tried = Tried {
             steps: [[f64::NAN; 2]; MOST],
             first: 0,
-            looks: [false; 2],
+            looks: EndLooks::default(),
         };
         let (mut count, mut changed) = (0, false);
+        let mut goes_on = [false; MOST];
         for lane in 0..L::WIDTH {
-            let Some((run, course, _)) = runs.lane(lane) else {
+            let Some(Lane {
+                run,
+                course,
+                history,
+                ..
+            }) = runs.lane(lane)
+            else {
                 continue;
             };
             let Some(step) = run.upcoming(course) else {
@@ -291,9 +338,20 @@ impl<L: Lanes> LaneGroup<L> {
             }
             tried.steps[lane] = step;
             count += 1;
-            changed |= self.load(lane, run);
-            let [guards, energy] = run.looks_at();
-            tried.looks = [tried.looks[0] || guards, tried.looks[1] || energy];
+            self.load_held(lane, run);
+            goes_on[lane] =
+                self.taken[lane] && run.goes_on_beside() && self.has_model_of(lane, run);
+            tried.looks = tried.looks.and(run.looks_at(history));
+        }
+        if goes_on.contains(&true)
+            && let Some(first) = runs.lane(tried.first)
+        {
+            self.go_on(goes_on, &first.run.system.nodes);
+        }
+        for lane in (0..L::WIDTH).filter(|lane| tried.has(*lane) && !goes_on[*lane]) {
+            if let Some(Lane { run, .. }) = runs.lane(lane) {
+                changed |= self.load(lane, run);
+            }
         }
         if changed {
             self.spread(tried.first);
@@ -302,7 +360,7 @@ impl<L: Lanes> LaneGroup<L> {
         (count >= FEWEST).then_some(tried)
     }
 
-    /// Makes the steps; guards, where they are looked at, are in `guards`.
+    /// Makes the steps; what of the [`LISTS`] is looked at is in `lists`.
     fn make_step(&mut self, tried: &Tried, nodes: &Nodes<f64>) -> Option<TriedEnd<L>> {
         let (time, step): (L, L) = (tried.lanes(0), tried.lanes(1));
         let LaneGroup {
@@ -311,10 +369,13 @@ impl<L: Lanes> LaneGroup<L> {
             state,
             stages,
             networks,
-            guards,
+            sizes,
+            taken,
+            lists,
             quaternions,
             ..
         } = self;
+        (*sizes, *taken) = (step, [false; MOST]);
         let method = method.as_mut()?;
         let mut end = TriedEnd {
             energy: [L::zero(); 6],
@@ -343,13 +404,17 @@ impl<L: Lanes> LaneGroup<L> {
                 Ok::<(), Infallible>(())
             },
         );
+        if nodes.are_single() {
+            networks.find_stretches(nodes, stages);
+        }
         let [_, next] = method.attempted();
         let at = stages.at(time + step, next);
-        let [looks_at_guards, looks_at_energy] = tried.looks;
-        if looks_at_guards {
-            form.evaluate(Quantity::Guards, &at, guards);
+        for ((what, list), looked_at) in LISTS.iter().zip(lists).zip(tried.looks.lists) {
+            if looked_at {
+                form.evaluate(*what, &at, list);
+            }
         }
-        if looks_at_energy {
+        if tried.looks.energy {
             form.evaluate(Quantity::Energy, &at, &mut end.energy);
         }
         Some(end)
@@ -386,25 +451,33 @@ impl<L: Lanes> Attempt<f64> for Tries<'_, L> {
         get(self.lane, &self.group.stages.rates, into);
     }
 
-    fn nodes(&self, [ends, nodes, effective]: [&mut [f64]; 3]) -> Spent {
+    fn nodes(&self, [ends, nodes, effective, stretch, against]: [&mut [f64]; 5]) -> Spent {
         let stages = &self.group.stages;
         get(self.lane, &stages.ends, ends);
         get(self.lane, &stages.nodes, nodes);
         get(self.lane, &stages.effective, effective);
+        let networks = &self.group.networks;
+        get(self.lane, networks.stretches(), stretch);
+        get(self.lane, networks.motion(), against);
         self.group.networks.spent(self.lane)
     }
 
-    fn guards(&self, into: &mut [f64]) -> bool {
-        let [known, _] = self.tried.looks;
-        if known {
-            get(self.lane, &self.group.guards, into);
+    fn list(&self, place: usize, into: &mut [f64]) -> bool {
+        let looked_at = self.tried.looks.lists.get(place) == Some(&true);
+        match self.group.lists.get(place).filter(|_| looked_at) {
+            Some(list) => {
+                get(self.lane, list, into);
+                true
+            }
+            None => false,
         }
-        known
     }
 
     fn energy(&self) -> Option<[f64; 6]> {
-        let [_, known] = self.tried.looks;
-        known.then(|| self.end.energy.map(|x| x.lane(self.lane)))
+        self.tried
+            .looks
+            .energy
+            .then(|| self.end.energy.map(|x| x.lane(self.lane)))
     }
 
     fn drift(&self) -> f64 {

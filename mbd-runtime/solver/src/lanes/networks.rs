@@ -1,6 +1,6 @@
 //! Equilibrium points of several runs, solved beside each other: warm Newton until every lane has converged, each frozen when it is done.
 
-use mbd_scene::laws::LineNumbers;
+use mbd_scene::laws::{LineNumbers, line};
 use mbd_scene::{Layout, Quantity};
 use nalgebra::Vector3;
 
@@ -15,9 +15,14 @@ use crate::simulation::beside::Spent;
 pub(super) struct Networks<L> {
     lines: Vec<LineNumbers<L>>,
     nodes: Vec<L>,
+    against: Vec<L>,
+    /// The same as the stage before shows it.
+    motion: Vec<L>,
     anchors: Vec<L>,
     stretch: Vec<L>,
     previous: Vec<L>,
+    /// Stretch of every line at the end of the step.
+    end: Vec<L>,
     /// The step before per network [s]; zero where a line changed between slack and taut in it.
     steps: Vec<L>,
     /// Room for the balance of each network.
@@ -43,9 +48,12 @@ impl<L: Lanes> Networks<L> {
         Networks {
             lines: vec![none; layout.lines.len()],
             nodes: list(3 * layout.nodes.len()),
+            against: list(3 * layout.nodes.len()),
+            motion: list(3 * layout.nodes.len()),
             anchors: list(3 * layout.anchors.len()),
             stretch: list(layout.lines.len()),
             previous: list(layout.lines.len()),
+            end: list(layout.lines.len()),
             steps: list(layout.networks.len()),
             balances: networks
                 .map(|network| BalanceEvaluation::new(network.nodes.len(), network.blocks.len()))
@@ -58,12 +66,79 @@ impl<L: Lanes> Networks<L> {
     pub(super) fn load(&mut self, lane: usize, run: &Simulation<f64>) {
         let last = run.memory().last_step();
         set(lane, &mut self.nodes, last.nodes);
+        set(lane, &mut self.against, last.against);
         set(lane, &mut self.anchors, last.anchors);
         set(lane, &mut self.stretch, last.stretch);
         set(lane, &mut self.previous, last.previous);
         for (step, smooth) in self.steps.iter_mut().zip(last.smooth) {
             put(lane, step, if *smooth { last.step } else { 0.0 });
         }
+    }
+
+    /// Finds the stretches of the lines with the nodes where the last stage has them.
+    pub(super) fn find_stretches(&mut self, plans: &Nodes<f64>, stages: &Stages<L>) {
+        for line in plans.plans().iter().flat_map(|plan| &plan.lines) {
+            let own = (self.lines.get(line.line), self.end.get_mut(line.line));
+            if let (Some(numbers), Some(end)) = own {
+                let vector = line.vector(&stages.ends, &stages.nodes);
+                *end = line::geometry(&vector, numbers.free_length).stretch;
+            }
+        }
+    }
+
+    /// How fast nodes moved against their anchors up to the last stage.
+    pub(super) fn motion(&self) -> &[L] {
+        &self.motion
+    }
+
+    /// The stretches that were found last.
+    pub(super) fn stretches(&self) -> &[L] {
+        &self.end
+    }
+
+    /// Goes on from the end of a step of a size, in the lanes of a mask: what [`Nodes::commit`] does for a run.
+    pub(super) fn go_on(&mut self, mask: L::Mask, plans: &Nodes<f64>, stages: &Stages<L>, size: L) {
+        let taut = |list: &[L], line: usize| flag::<L>(L::zero().lt(get(list, line)));
+        for plan in plans.plans() {
+            let unlike = plan.lines.iter().fold(L::zero(), |sum, line| {
+                let [now, before] = [&self.end, &self.stretch].map(|list| taut(list, line.line));
+                sum + (now - before).abs()
+            });
+            if let Some(step) = self.steps.get_mut(plan.index) {
+                let smooth = L::select(unlike.le(L::zero()), size, L::zero());
+                *step = L::select(mask, smooth, *step);
+            }
+            for &node in &plan.nodes {
+                let here = crate::node::triple(&stages.nodes, 3 * node);
+                select(mask, &mut self.nodes, 3 * node, here.as_slice());
+                let moved = crate::node::triple(&self.motion, 3 * node);
+                let known = moved.map(|x| L::select(unlike.le(L::zero()), x, L::zero()));
+                select(mask, &mut self.against, 3 * node, known.as_slice());
+            }
+        }
+        let all = self.previous.iter_mut().zip(&mut self.stretch);
+        for ((previous, stretch), end) in all.zip(&self.end) {
+            *previous = L::select(mask, *stretch, *previous);
+            *stretch = L::select(mask, *end, *stretch);
+        }
+        let ends = stages.ends.chunks_exact(6);
+        for (anchor, end) in self.anchors.chunks_exact_mut(3).zip(ends) {
+            for (x, now) in anchor.iter_mut().zip(end) {
+                *x = L::select(mask, *now, *x);
+            }
+        }
+    }
+
+    /// An accepted node, carried with the mean displacement of its anchors since.
+    fn carried(&self, node: usize, own_anchors: &[usize], stages: &Stages<L>) -> Vector3<L> {
+        warm::carried(
+            crate::node::triple(&self.nodes, 3 * node),
+            own_anchors.iter().map(|anchor| {
+                let [now, last] = [(&stages.ends, 6), (&self.anchors, 3)]
+                    .map(|(list, width)| crate::node::triple(list, width * anchor));
+                now - last
+            }),
+        )
     }
 
     /// Takes the constants of its lines.
@@ -75,9 +150,10 @@ impl<L: Lanes> Networks<L> {
         }
     }
 
-    /// Counts from here on.
+    /// A step begins: counts from here on, and knows nothing of it.
     pub(super) fn begin(&mut self) {
         self.spent = [L::zero(); 3];
+        self.motion.copy_from_slice(&self.against);
     }
 
     /// What the solves of a lane cost since [`Networks::begin`].
@@ -105,7 +181,9 @@ impl<L: Lanes> Networks<L> {
         let mut usable = flag::<L>(L::zero().le(faults));
         for plan in plans.plans() {
             self.lay_down(plan, stages, span);
-            usable *= self.descend(form, plan, stages, (time, state));
+            let [solved, is_slack] = self.descend(form, plan, stages, (time, state));
+            usable *= solved;
+            self.note_motion(plan, stages, span, is_slack);
         }
         usable
     }
@@ -130,31 +208,38 @@ impl<L: Lanes> Networks<L> {
             }
         }
         for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
-            let moved = warm::carried(
-                crate::node::triple(&self.nodes, 3 * node),
-                own_anchors.iter().map(|anchor| {
-                    let [now, last] = [(&stages.ends, 6), (&self.anchors, 3)]
-                        .map(|(list, width)| crate::node::triple(list, width * anchor));
-                    now - last
-                }),
-            );
-            place(stages, node, &moved);
+            let carried = self.carried(node, own_anchors, stages);
+            let against = crate::node::triple(&self.motion, 3 * node);
+            let predicted = warm::predicted(carried, against, span);
+            place(stages, node, &predicted);
         }
     }
 
-    /// Newton from there; one in every lane that came to an end.
+    /// Notes how fast the nodes of a network moved against their anchors up to a solve: not at all where it is slack.
+    fn note_motion(&mut self, plan: &NetworkPlan<f64>, stages: &Stages<L>, span: L, is_slack: L) {
+        for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
+            let place = crate::node::triple(&stages.nodes, 3 * node);
+            let moved = warm::against(place, self.carried(node, own_anchors, stages), span);
+            let moved = moved.map(|x| L::select(L::zero().lt(is_slack), L::zero(), x));
+            if let Some(own) = self.motion.get_mut(3 * node..3 * node + 3) {
+                own.copy_from_slice(moved.as_slice());
+            }
+        }
+    }
+
+    /// Newton from there; one in every lane that came to an end, and in every one that is slack.
     fn descend(
         &mut self,
         form: &mut dyn LaneParameters<L>,
         plan: &NetworkPlan<f64>,
         stages: &mut Stages<L>,
         (time, state): (L, &[L]),
-    ) -> L {
+    ) -> [L; 2] {
         let (zero, one) = (L::zero(), L::one());
         let epsilon = L::from_f64(f64::EPSILON);
         let (Some(&node), Some(balance)) = (plan.nodes.first(), self.balances.get_mut(plan.index))
         else {
-            return zero;
+            return [zero; 2];
         };
         let targets = Tolerance::<f64>::inside_step().warm().map(L::from_f64);
         let load = crate::node::triple(&stages.ends, 6 * (self.anchors.len() / 3) + 3 * node);
@@ -168,24 +253,27 @@ impl<L: Lanes> Networks<L> {
             let standing = targets.judge(balance, residual, load);
             let slack = active * flag::<L>(standing.slack);
             let done = L::select(standing.slack, one, flag::<L>(standing.balanced));
-            let direction = warm::direction_of_one(balance, epsilon);
-            let (delta, found) = match direction.filter(|_| step < WARM_STEPS) {
-                Some((delta, found)) => (delta, flag::<L>(found)),
+            let (delta, regular) = match warm::direction_of_one(balance, epsilon) {
+                Some((delta, regular)) => (delta, flag::<L>(regular)),
                 None => (Vector3::repeat(zero), zero),
             };
+            let found = if step < WARM_STEPS { regular } else { zero };
             is_slack += slack;
             // A lane whose direction follows other rules, or whose residual has no certain size, is left to its run.
             let certain = flag::<L>(certain);
             let goes_on = active * certain * found * (one - done);
+            // The step from where a node is balanced costs no evaluation.
+            let polished = active * regular * flag::<L>(standing.balanced) * (one - slack);
             usable -= active * (one - certain * L::select(zero.lt(done), one, found));
+            let moves = zero.lt(goes_on + polished);
+            let here = crate::node::triple(&stages.nodes, 3 * node);
+            let next = here.zip_map(&delta, |p, delta| L::select(moves, p + delta, p));
+            place(stages, node, &next);
             active = goes_on;
             if !is_any(active) {
                 break;
             }
             iterations += active;
-            let here = crate::node::triple(&stages.nodes, 3 * node);
-            let next = here.zip_map(&delta, |p, delta| L::select(zero.lt(active), p + delta, p));
-            place(stages, node, &next);
         }
         for at in plan.lines.iter().filter_map(|line| line.effective) {
             let slots = stages.effective.get_mut(2 * at..2 * at + 2);
@@ -195,7 +283,7 @@ impl<L: Lanes> Networks<L> {
         }
         let [all, most, slack] = self.spent;
         self.spent = [all + iterations, most.max(iterations), slack + is_slack];
-        usable
+        [usable, is_slack]
     }
 }
 
@@ -207,6 +295,13 @@ fn is_any<L: Lanes>(flags: L) -> bool {
 fn place<L: Lanes>(stages: &mut Stages<L>, node: usize, place: &Vector3<L>) {
     if let Some(slots) = stages.nodes.get_mut(3 * node..3 * node + 3) {
         slots.copy_from_slice(place.as_slice());
+    }
+}
+
+/// Writes numbers into a list from a place on, in the lanes of a mask.
+fn select<L: Lanes>(mask: L::Mask, list: &mut [L], at: usize, numbers: &[L]) {
+    for (x, number) in list.iter_mut().skip(at).zip(numbers) {
+        *x = L::select(mask, *number, *x);
     }
 }
 

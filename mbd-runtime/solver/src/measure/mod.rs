@@ -168,6 +168,11 @@ impl Measures {
         self.readers.is_empty()
     }
 
+    /// Whether steps are looked at.
+    pub(crate) fn is_over_time(&self) -> bool {
+        self.columns.iter().any(|column| column.over_time)
+    }
+
     /// For another run.
     pub(crate) fn clear(&mut self) {
         self.sums.fill(Sum::NOTHING);
@@ -276,8 +281,9 @@ impl Measures {
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         let end = step.time + step.size;
-        if self.columns.iter().any(|column| column.over_time) {
-            if step.continues && self.held == step.time {
+        if self.is_over_time() {
+            let known = step.continues && self.held == step.time;
+            if known {
                 self.copy((Half::WHOLE, DEGREE), (Half::WHOLE, 0));
             } else {
                 at(0.0, self.row(Half::WHOLE, 0))?;
@@ -285,6 +291,7 @@ impl Measures {
             self.held = f64::NAN;
             at(1.0, self.row(Half::WHOLE, DEGREE))?;
             let times = [step.time, end];
+            let mut further = false;
             for column in 0..self.columns.len() {
                 if !self.columns.get(column).is_some_and(|it| it.over_time) {
                     continue;
@@ -295,12 +302,20 @@ impl Measures {
                     true => Resolving::Further,
                     false => Resolving::Here(2),
                 };
+                further |= inside;
                 self.set_state(Half::WHOLE, column, state);
-                self.see((Half::WHOLE, 0), step.time, column);
+                if !known {
+                    self.see((Half::WHOLE, 0), step.time, column);
+                }
                 self.see((Half::WHOLE, DEGREE), end, column);
             }
-            self.look_inside(Half::WHOLE, step, at)?;
-            self.resolve(Half::WHOLE, step, at)?;
+            match further {
+                true => {
+                    self.look_inside(Half::WHOLE, step, at)?;
+                    self.resolve(Half::WHOLE, step, at)?;
+                }
+                false => self.add(Half::WHOLE, step),
+            }
             self.held = end;
         }
         self.until = end;
@@ -529,6 +544,13 @@ impl Measures {
             let Resolving::Here(count) = self.state(half, *column) else {
                 continue;
             };
+            if count == 2 {
+                let ends = [0, DEGREE].map(|point| self.value_at(half, point, *column));
+                let sum = self.sums.get_mut(index);
+                if sum.is_some_and(|sum| sum.add_straight(reader, times, ends)) {
+                    continue;
+                }
+            }
             let polynomial = self.polynomial(half, *column, count);
             let gap = self.gap((half, *column, &polynomial), step, reader);
             let end = self.value_at(half, DEGREE, *column);

@@ -99,6 +99,27 @@ impl Sum {
         !enough && self.looks_inside(of, times)
     }
 
+    /// A part of the run over which the quantity is straight between two values; `false` where it takes more than these to tell what becomes of the metric.
+    pub(super) fn add_straight(
+        &mut self,
+        of: &MetricReader,
+        [begin, end]: [f64; 2],
+        [first, last]: [f64; 2],
+    ) -> bool {
+        let [from, to] = of.window;
+        if !(from <= begin && end <= to && first.is_finite() && last.is_finite()) {
+            return false;
+        }
+        self.extreme = match of.take {
+            Take::Max => self.extreme.max(first.max(last)),
+            Take::Min => self.extreme.min(first.min(last)),
+            _ => return false,
+        };
+        self.span += end - begin;
+        (self.now, self.last, self.seen) = (last, last, true);
+        true
+    }
+
     /// A part of the run.
     pub(super) fn add(&mut self, of: &MetricReader, part: MeasuredPart<'_>) {
         let MeasuredPart {

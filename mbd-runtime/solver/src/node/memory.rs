@@ -13,6 +13,10 @@ use crate::unilateral::Mode;
 pub struct NodeMemory<T> {
     /// Nodes p_n, 3 a node [m].
     pub(crate) nodes: Vec<T>,
+    /// How fast each node moved in the last step against the mean of its anchors, 3 a node [m/s]; zero after a start, where a line changed between slack
+    /// and taut or all are slack, and of `rate` nodes.
+    #[serde(default = "Vec::new")]
+    pub(crate) against: Vec<T>,
     /// Anchors P_n, 3 an anchor [m].
     pub(crate) anchors: Vec<T>,
     /// Stretch s_n of each line, either sign [m].
@@ -50,6 +54,8 @@ fn start_modes(layout: &Layout) -> Vec<Mode> {
 pub(crate) struct LastStep<'a, T> {
     /// Positions of the nodes, 3 each [m].
     pub nodes: &'a [T],
+    /// How fast they moved in the last step against their anchors, 3 each [m/s].
+    pub against: &'a [T],
     /// Positions of their anchors, 3 each [m].
     pub anchors: &'a [T],
     /// Stretch of every line [m].
@@ -69,6 +75,7 @@ impl<T: Float> NodeMemory<T> {
         let list = |n: usize| vec![T::zero(); n];
         NodeMemory {
             nodes: list(3 * layout.nodes.len()),
+            against: list(3 * layout.nodes.len()),
             anchors: list(3 * layout.anchors.len()),
             stretch: list(layout.lines.len()),
             previous: list(layout.lines.len()),
@@ -86,6 +93,7 @@ impl<T: Float> NodeMemory<T> {
     pub(crate) fn last_step(&self) -> LastStep<'_, T> {
         LastStep {
             nodes: &self.nodes,
+            against: &self.against,
             anchors: &self.anchors,
             stretch: &self.stretch,
             previous: &self.previous,
@@ -98,6 +106,7 @@ impl<T: Float> NodeMemory<T> {
     pub(crate) fn copy_from(&mut self, other: &Self) {
         let NodeMemory {
             nodes,
+            against,
             anchors,
             stretch,
             previous,
@@ -110,6 +119,7 @@ impl<T: Float> NodeMemory<T> {
             turns,
         } = other;
         self.nodes.clone_from(nodes);
+        self.against.clone_from(against);
         self.anchors.clone_from(anchors);
         self.stretch.clone_from(stretch);
         self.previous.clone_from(previous);
@@ -120,6 +130,19 @@ impl<T: Float> NodeMemory<T> {
         self.modes.clone_from(modes);
         self.held.clone_from(held);
         self.turns.clone_from(turns);
+    }
+
+    /// Makes room for what a memory that an older version kept does not have.
+    pub(crate) fn make_room(&mut self) {
+        self.against.resize(self.nodes.len(), T::zero());
+    }
+
+    /// The last step [s] of a network no line of which changed between slack and taut in it, else zero.
+    pub(crate) fn smooth_step(&self, network: usize) -> T {
+        match self.smooth.get(network) {
+            Some(true) => self.step,
+            _ => T::zero(),
+        }
     }
 
     /// The accepted node positions p_n, 3 a node [m].

@@ -1,7 +1,9 @@
 //! The networks of a scene as balances: every evaluation is one call of the model, so generic, interpreted and generated code share the solver.
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
+use mbd_scene::{
+    At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity, Real, Work,
+};
 use nalgebra::Vector3;
 
 use super::balance::{Balance, BalanceEvaluation, triple};
@@ -40,7 +42,7 @@ impl PlanLine {
     }
 
     /// From its `from` end to its `to` end, with anchors as in `Quantity::AnchorStates` and nodes 3 a node [m].
-    pub fn vector<T: Float>(&self, anchors: &[T], nodes: &[T]) -> Vector3<T> {
+    pub fn vector<S: Real>(&self, anchors: &[S], nodes: &[S]) -> Vector3<S> {
         let [from, to] = self.ends.map(|end| match end {
             LineEnd::Anchor(anchor) => triple(anchors, 6 * anchor),
             LineEnd::Node(node) => triple(nodes, 3 * node),

@@ -2,6 +2,7 @@
 
 use mbd_scene::laws::line;
 use mbd_scene::{At, Float, Layout, LineEnd, Model, Quantity, Work};
+use nalgebra::Vector3;
 
 use super::balance::triple;
 use super::error::NodeError;
@@ -9,12 +10,13 @@ use super::memory::NodeMemory;
 use super::scene::{NetworkPlan, PlanLine, SceneBalance, is_detached, of_scene};
 use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::law;
-use super::warm::carried;
+use super::warm::{against, carried, predicted};
 use crate::unilateral::Mode;
 
 /// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
 ///
-/// Carries nothing from stage to stage: what must persist is in [`NodeMemory`], so a rejected step cannot corrupt anything.
+/// Carries nothing from step to step: what must persist is in [`NodeMemory`], so a rejected step cannot corrupt anything. From stage to stage of one trial
+/// step goes where the search for the next node begins.
 #[derive(Clone, Debug)]
 pub struct Nodes<T: Float> {
     pub(crate) layout: Layout,
@@ -36,6 +38,8 @@ pub struct Nodes<T: Float> {
     pub(crate) spanned: bool,
     /// Time since the last accepted step, of the last solve.
     pub(crate) span: T,
+    /// How fast each node moves against its anchors, 3 a node [m/s]: as the stage before in the trial step shows it, at its start as the memory has it.
+    pub(crate) against: Vec<T>,
     pub(crate) statistics: NodeStatistics,
 }
 
@@ -85,6 +89,7 @@ impl<T: Float> Nodes<T> {
             rates: list(layout.len(Quantity::Rates)),
             spanned: false,
             span: T::zero(),
+            against: list(3 * layout.nodes.len()),
             statistics: NodeStatistics::default(),
             layout: layout.clone(),
         }
@@ -194,7 +199,18 @@ impl<T: Float> Nodes<T> {
     ) -> Result<(), NodeError> {
         self.check_shape(stage)?;
         memory.check(&self.layout)?;
+        self.enter(memory);
         self.solve_networks(stage, span, memory, work)
+    }
+
+    /// A trial step begins: nothing is known of it.
+    pub(crate) fn enter(&mut self, memory: &NodeMemory<T>) {
+        let known = memory.against.iter().copied();
+        let all = known.chain(std::iter::repeat(T::zero()));
+        self.against
+            .iter_mut()
+            .zip(all)
+            .for_each(|(x, known)| *x = known);
     }
 
     /// The same for lists of the right lengths.
@@ -220,8 +236,10 @@ impl<T: Float> Nodes<T> {
                 return Ok(());
             }
             nodes.law(stage.model, plan, span, memory);
-            nodes.carry(plan, memory);
-            nodes.balance(stage, plan, work)
+            nodes.predict(plan, span, memory);
+            let is_slack = nodes.balance(stage, plan, work)?;
+            nodes.note_motion(plan, span, memory, is_slack);
+            Ok(())
         });
         self.find_stretches(stage.model);
         result
@@ -268,17 +286,19 @@ impl<T: Float> Nodes<T> {
         true
     }
 
-    /// Takes over nodes that were solved elsewhere at a stage, as if it had been done here: `fill` writes anchors and loads, nodes, and effective line
-    /// numbers.
-    pub(crate) fn receive_warm(
-        &mut self,
-        model: &dyn Model<T>,
-        span: T,
-        fill: impl FnOnce([&mut [T]; 3]),
-    ) {
+    /// Takes over nodes that were solved elsewhere at a stage, as if it had been done here: `fill` writes anchors and loads, nodes, effective line
+    /// numbers, stretches, and how fast nodes move against their anchors.
+    pub(crate) fn receive_warm(&mut self, span: T, fill: impl FnOnce([&mut [T]; 5])) {
         (self.span, self.spanned) = (span, false);
-        fill([&mut self.ends, &mut self.nodes, &mut self.effective]);
-        self.find_stretches(model);
+        let Nodes {
+            ends,
+            nodes,
+            effective,
+            stretch,
+            against,
+            ..
+        } = self;
+        fill([ends, nodes, effective, stretch, against]);
     }
 
     /// Whether there is no line, no stop and no equilibrium point.
@@ -303,7 +323,43 @@ impl<T: Float> Nodes<T> {
         }
         memory.previous.copy_from_slice(&memory.stretch);
         memory.step = h;
+        memory.make_room();
+        for plan in self.plans.iter().filter(|plan| plan.z.is_none()) {
+            let is_smooth = memory.smooth.get(plan.index) == Some(&true);
+            for at in plan.nodes.iter().flat_map(|node| 3 * node..3 * node + 3) {
+                memory.against[at] = if is_smooth { self.against[at] } else { zero };
+            }
+        }
         self.record(memory);
+    }
+
+    /// Notes how fast the nodes of a network moved against their anchors up to a solve, `span` after the last accepted step: not at all where it is slack, and
+    /// its nodes are anywhere.
+    fn note_motion(
+        &mut self,
+        plan: &NetworkPlan<T>,
+        span: T,
+        memory: &NodeMemory<T>,
+        is_slack: bool,
+    ) {
+        for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
+            let moved = match is_slack || span <= T::zero() {
+                true => Vector3::zeros(),
+                false => {
+                    let place = triple(&self.nodes, 3 * node);
+                    against(place, self.carried(node, own_anchors, memory), span)
+                }
+            };
+            self.against[3 * node..3 * node + 3].copy_from_slice(moved.as_slice());
+        }
+    }
+
+    /// An accepted node, carried with the mean displacement of its anchors since.
+    fn carried(&self, node: usize, own_anchors: &[usize], memory: &NodeMemory<T>) -> Vector3<T> {
+        let steps = own_anchors
+            .iter()
+            .map(|anchor| triple(&self.ends, 6 * anchor) - triple(&memory.anchors, 3 * anchor));
+        carried(triple(&memory.nodes, 3 * node), steps)
     }
 
     /// Writes everything but the previous step into the memory.
@@ -380,19 +436,21 @@ impl<T: Float> Nodes<T> {
         }
     }
 
-    /// The start of a solve: the accepted node, carried with the mean displacement of its anchors.
-    fn carry(&self, plan: &mut NetworkPlan<T>, memory: &NodeMemory<T>) {
+    /// The start of a solve, `span` after the last accepted step.
+    fn predict(&self, plan: &mut NetworkPlan<T>, span: T, memory: &NodeMemory<T>) {
+        let is_single = plan.nodes.len() == 1;
         for ((&node, own_anchors), p) in plan
             .nodes
             .iter()
             .zip(&plan.own_anchors)
             .zip(plan.p.chunks_exact_mut(3))
         {
-            let steps = own_anchors
-                .iter()
-                .map(|anchor| triple(&self.ends, 6 * anchor) - triple(&memory.anchors, 3 * anchor));
-            let moved = carried(triple(&memory.nodes, 3 * node), steps);
-            p.copy_from_slice(moved.as_slice());
+            let carried = self.carried(node, own_anchors, memory);
+            let start = match is_single {
+                true => predicted(carried, triple(&self.against, 3 * node), span),
+                false => carried,
+            };
+            p.copy_from_slice(start.as_slice());
         }
     }
 
@@ -408,13 +466,13 @@ impl<T: Float> Nodes<T> {
         }
     }
 
-    /// Solves the balance of a static or stepwise network from `plan.p` with the law in `plan.k`, `plan.l`.
+    /// Solves the balance of a static or stepwise network from `plan.p` with the law in `plan.k`, `plan.l`; whether it is slack.
     pub(crate) fn balance(
         &mut self,
         stage: Stage<'_, T>,
         plan: &mut NetworkPlan<T>,
         work: &mut Work<T>,
-    ) -> Result<(), NodeError> {
+    ) -> Result<bool, NodeError> {
         let mut balance = SceneBalance {
             stage,
             work,
@@ -440,12 +498,13 @@ impl<T: Float> Nodes<T> {
         });
         balance.scatter(&plan.p, &plan.k, &plan.l);
         self.statistics.count(&outcome);
-        if let Outcome::Slack { .. } = outcome {
+        let is_slack = matches!(outcome, Outcome::Slack { .. });
+        if is_slack {
             for at in plan.lines.iter().filter_map(|line| line.effective) {
                 self.effective[2 * at..2 * at + 2].fill(T::zero());
             }
         }
-        checked
+        checked.map(|()| is_slack)
     }
 
     /// The line law of a static or stepwise network at `span` after the last accepted step.
@@ -456,15 +515,12 @@ impl<T: Float> Nodes<T> {
         span: T,
         memory: &NodeMemory<T>,
     ) {
-        let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
+        let step = memory.smooth_step(plan.index);
         let stepwise = plan.stepwise();
         plan.set_law(model, &self.modes, |line, numbers| match stepwise {
             Some((formula, clamp)) => {
                 let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
-                let before = (
-                    of(&memory.previous),
-                    if smooth { memory.step } else { T::zero() },
-                );
+                let before = (of(&memory.previous), step);
                 law(numbers, formula, clamp, span, (of(&memory.stretch), before))
             }
             None => [numbers.stiffness, numbers.free_length],

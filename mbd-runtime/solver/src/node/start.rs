@@ -77,6 +77,7 @@ impl<T: Float> Nodes<T> {
         self.find_modes(stage, memory, work);
         self.find_stretches(stage.model);
         memory.previous.fill(T::zero());
+        memory.against.fill(T::zero());
         self.record(memory);
         Ok(())
     }

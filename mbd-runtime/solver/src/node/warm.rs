@@ -87,11 +87,23 @@ pub(crate) fn is_safe<S: Real>(square: S, epsilon: S) -> S::Mask {
     S::both(low.lt(square), square.lt(high * high))
 }
 
-/// Where the search for a node begins: where it was, carried with the mean displacement of its anchors [m].
+/// Where a node would be that moved as its anchors do on the average [m].
 pub(crate) fn carried<S: Real>(
     last: Vector3<S>,
     displacements: impl ExactSizeIterator<Item = Vector3<S>>,
 ) -> Vector3<S> {
     let share = S::one() / S::from_f64(displacements.len().max(1) as f64);
     displacements.fold(last, |moved, step| moved + step.map(|x| share * x))
+}
+
+/// Where the search for a node begins: there, and further by what it moves against its anchors [m/s] in the time τ since. Without that Newton takes
+/// a step more. Of one node; of several the tolerance of the balance, and not rounding, would say how near the start is.
+pub(crate) fn predicted<S: Real>(carried: Vector3<S>, against: Vector3<S>, tau: S) -> Vector3<S> {
+    carried + against.map(|x| tau * x)
+}
+
+/// How fast a node moves against its anchors [m/s], by its place τ after it was carried along with them.
+pub(crate) fn against<S: Real>(place: Vector3<S>, carried: Vector3<S>, tau: S) -> Vector3<S> {
+    let per_second = S::one() / tau;
+    (place - carried).map(|x| per_second * x)
 }

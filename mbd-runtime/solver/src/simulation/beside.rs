@@ -9,7 +9,8 @@ use mbd_scene::Float;
 use super::stability::Meter;
 use super::{Course, Simulation};
 use crate::node::Stage;
-use crate::trajectory::resolution;
+use crate::system::EndLooks;
+use crate::trajectory::{Trajectory, resolution};
 
 /// An attempt at a step that was made elsewhere.
 pub(crate) trait Attempt<T> {
@@ -19,10 +20,11 @@ pub(crate) trait Attempt<T> {
     fn stages(&self, into: [&mut [T]; 2]);
     /// Writes [`Quantity::Rates`](mbd_scene::Quantity::Rates) at the end.
     fn rates(&self, into: &mut [T]);
-    /// Writes anchors and loads, nodes, and effective line numbers at the end; what the solves of all stages cost.
-    fn nodes(&self, into: [&mut [T]; 3]) -> Spent;
-    /// Writes the guards at the end; `false` where they are not known.
-    fn guards(&self, into: &mut [T]) -> bool;
+    /// Writes anchors and loads, nodes, effective line numbers, stretches, and how fast nodes move against their anchors at the end; what the solves of all
+    /// stages cost.
+    fn nodes(&self, into: [&mut [T]; 5]) -> Spent;
+    /// Writes one of the [`LISTS`](crate::system::LISTS) at the end, by its place there; `false` where it is not known.
+    fn list(&self, place: usize, into: &mut [T]) -> bool;
     /// Energy and powers at the end, where they are known.
     fn energy(&self) -> Option<[T; 6]>;
     /// The largest | |q| − 1 | of a quaternion at the end, before it was normalised.
@@ -54,10 +56,18 @@ impl<T: Float> Simulation<T> {
         (step >= now && self.system.hold_plain()).then_some([self.time, step])
     }
 
-    /// Whether the guards at the end of a step are looked at, and its energy by the model.
-    pub(crate) fn looks_at(&self) -> [bool; 2] {
-        let energy = self.balance.is_some() && matches!(self.meter, Meter::Model { .. });
-        [!self.margins.is_empty(), energy]
+    /// What is looked at at the end of every step of a run with this history.
+    pub(crate) fn looks_at(&self, history: &Trajectory) -> EndLooks {
+        let measured = history.looks_at();
+        EndLooks {
+            energy: self.balance.is_some() && matches!(self.meter, Meter::Model { .. }),
+            lists: [!self.margins.is_empty(), measured.outputs, measured.lines],
+        }
+    }
+
+    /// Whether the last step was received, and state, first stage and what nodes remember are those of its end and nothing else.
+    pub(crate) fn goes_on_beside(&self) -> bool {
+        self.stays
     }
 
     /// Takes over an attempt at the upcoming step.
@@ -75,6 +85,7 @@ impl<T: Float> Simulation<T> {
     /// Whether the step from here on of a size was received; it is used once.
     pub(super) fn take_received(&mut self, step: f64) -> bool {
         let is_this = self.received.take() == Some([self.time, step]);
+        self.beside = is_this;
         match is_this {
             true => self.attempted = step,
             false => self.system.known.forget(),
@@ -125,7 +136,7 @@ impl<T: Float> crate::system::System<T> {
             }
             (_, true) => {
                 let mut spent = Spent::default();
-                nodes.receive_warm(stage.model, span, |into| spent = attempt.nodes(into));
+                nodes.receive_warm(span, |into| spent = attempt.nodes(into));
                 nodes.count_solves(stages);
                 let statistics = &mut nodes.statistics;
                 statistics.add(spent.iterations, spent.most, spent.slack);
@@ -139,8 +150,9 @@ impl<T: Float> crate::system::System<T> {
         }
         self.counters.rhs = self.counters.rhs.saturating_add(stages as u64);
         self.drift = attempt.drift();
-        self.known
-            .learn(end, attempt.energy(), |into| attempt.guards(into));
+        self.known.learn(end, attempt.energy(), |place, into| {
+            attempt.list(place, into)
+        });
         true
     }
 }

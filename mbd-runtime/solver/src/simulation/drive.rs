@@ -10,6 +10,7 @@ use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::{Control, StiffnessTest, Verdict};
 use crate::momentum::MomentumBalance;
+use crate::row::RowPlace;
 use crate::trajectory::{Trajectory, resolution};
 use crate::turns;
 use crate::watch::{Instability, Watch};
@@ -93,6 +94,7 @@ impl<T: Float> Simulation<T> {
             }));
         }
         self.changes.stop = None;
+        self.stays = false;
         self.enter()?;
         self.chatter.window = 1e-3 * (until - self.time);
         Ok(Course {
@@ -151,8 +153,7 @@ impl<T: Float> Simulation<T> {
         {
             trajectory.push(
                 &mut self.system,
-                self.time,
-                0.0,
+                (self.time, RowPlace::After(0.0)),
                 &self.state,
                 &mut self.scratch,
             )?;
@@ -221,6 +222,7 @@ impl<T: Float> Simulation<T> {
         trajectory: &mut Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(), StepError> {
+        self.stays = false;
         self.sample()?;
         if self.changes.stop.is_some() {
             return Ok(());
@@ -245,6 +247,7 @@ impl<T: Float> Simulation<T> {
             };
             self.take(step, end)?;
             if changes {
+                self.stays = false;
                 self.change_method();
             }
             self.record_step(trajectory)?;
@@ -260,6 +263,7 @@ impl<T: Float> Simulation<T> {
             self.measure_step(found.step, trajectory)?;
             self.take(found.step, self.time + found.step)?;
         }
+        self.stays = false;
         self.regrid();
         if acts {
             // What jumps has two sides.
@@ -361,7 +365,7 @@ impl<T: Float> Simulation<T> {
 
     fn make_own_step(&mut self, step: f64) -> Result<(), StepError> {
         let (time, state) = (self.time, &self.state);
-        self.attempted = f64::NAN;
+        (self.attempted, self.beside) = (f64::NAN, false);
         let tried = self.method.attempt(&mut self.system, time, step, state);
         // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
         match tried {
@@ -409,12 +413,16 @@ impl<T: Float> Simulation<T> {
         self.system.commit(step);
         self.system.count_turns(end, &self.state);
         begun?;
+        self.stays = self.beside && !projected;
         if projected {
             self.begin_noting()?;
         }
         let length = self.length;
         match self.system.keep_up(end, length, &mut self.state) {
-            true => self.method.begin(&mut self.system, end, 0.0, &self.state),
+            true => {
+                self.stays = false;
+                self.method.begin(&mut self.system, end, 0.0, &self.state)
+            }
             false => Ok(()),
         }
     }
@@ -441,10 +449,13 @@ impl<T: Float> Simulation<T> {
             if theta < 1.0 {
                 self.system.stay(due, &mut self.inside)?;
             }
+            let place = match theta >= 1.0 && !self.system.sees_before() {
+                true => RowPlace::End,
+                false => RowPlace::After(due - self.time),
+            };
             trajectory.push(
                 &mut self.system,
-                due,
-                due - self.time,
+                (due, place),
                 &self.inside,
                 &mut self.scratch,
             )?;
@@ -487,8 +498,7 @@ impl<T: Float> Simulation<T> {
         match trajectory {
             Some(trajectory) if trajectory.due().is_none() => trajectory.push(
                 &mut self.system,
-                self.time,
-                0.0,
+                (self.time, RowPlace::After(0.0)),
                 &self.state,
                 &mut self.scratch,
             ),

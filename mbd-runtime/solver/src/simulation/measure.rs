@@ -6,6 +6,7 @@ use super::Simulation;
 use super::start::stepwise;
 use crate::error::StepError;
 use crate::measure::MeasuredStep;
+use crate::row::RowPlace;
 use crate::trajectory::Trajectory;
 
 /// To which part of its size a quantity is resolved inside the steps of methods without a tolerance.
@@ -39,6 +40,11 @@ impl<T: Float> Simulation<T> {
         };
         let mut at = |theta: f64, out: &mut [f64]| {
             let span = theta * size;
+            if theta >= 1.0 && !self.system.sees_before() {
+                let end = (start + span, RowPlace::End);
+                let state = (self.method.next(), self.scratch.as_mut_slice());
+                return maker.pick(&mut self.system, end, state, out);
+            }
             if theta > 0.0 {
                 self.inside_state(theta, size)?;
             } else {
@@ -53,7 +59,8 @@ impl<T: Float> Simulation<T> {
                 time = self.system.end_before(end, &self.state, &mut self.inside);
             }
             let state = (self.inside.as_slice(), self.scratch.as_mut_slice());
-            maker.pick(&mut self.system, (time, span), state, out)
+            let now = (time, RowPlace::After(span));
+            maker.pick(&mut self.system, now, state, out)
         };
         measures.step(step, &mut at)
     }
@@ -69,7 +76,8 @@ impl<T: Float> Simulation<T> {
         let time = self.time;
         measures.instant(time, |out| {
             let state = (self.state.as_slice(), self.scratch.as_mut_slice());
-            maker.pick(&mut self.system, (time, 0.0), state, out)
+            let now = (time, RowPlace::After(0.0));
+            maker.pick(&mut self.system, now, state, out)
         })
     }
 

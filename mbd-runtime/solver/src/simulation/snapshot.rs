@@ -178,6 +178,7 @@ impl<T: Float> Simulation<T> {
         self.count = snapshot.count;
         self.state.copy_from_slice(&snapshot.state);
         self.system.memory = snapshot.memory.clone();
+        self.system.memory.make_room();
         self.system.take_up_turns();
         self.system.drift = snapshot.drift;
         let (held, unsupplied) = &snapshot.held;

@@ -156,6 +156,8 @@ impl<T: Float> Simulation<T> {
             noisy,
             attempted: f64::NAN,
             received: None,
+            beside: false,
+            stays: false,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),

@@ -94,6 +94,7 @@ impl<T: Float> Rates<T> for System<T> {
         // The nodes of the end of the step stay where they are, and its rows as they were picked.
         std::mem::swap(&mut self.nodes, &mut self.probe);
         let end = self.fallback.leave_end();
+        self.nodes.enter(&self.memory);
         let found = self.rates(time, span, state, out);
         self.fallback.come_back(end);
         std::mem::swap(&mut self.nodes, &mut self.probe);
@@ -132,6 +133,7 @@ impl<T: Float> Rates<T> for System<T> {
 
     fn enter(&mut self) {
         self.fallback.enter();
+        self.nodes.enter(&self.memory);
     }
 
     fn project_end(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
