@@ -45,6 +45,7 @@ fn stretches<const N: usize>(length: usize) -> impl Iterator<Item = usize> {
 pub(crate) fn all_finite<T: Float>(list: &[T]) -> bool {
     let zero = T::zero();
     if list.len() < WIDE {
+        // One by one: whoever has just written them wrote one by one.
         return list.iter().all(|x| x.is_finite());
     }
     let mut faults = [zero; WIDE];
@@ -61,40 +62,90 @@ pub(crate) fn all_finite<T: Float>(list: &[T]) -> bool {
 /// How many lists a combination takes.
 pub(crate) const MOST_TERMS: usize = 16;
 
-/// out = state + h Σ w k over `stages`, which follow each other, at most [`MOST_TERMS`] with a weight: every number in the order of the stages, in
-/// one pass over the state.
+/// Σ w k over lists of one length that follow each other, the stages of a step: those weights that are not zero, each with the number of its list.
+#[derive(Clone, Debug)]
+pub(crate) struct Combination<T> {
+    terms: Vec<(T, usize)>,
+}
+
+impl<T: Real> Combination<T> {
+    /// That of these weights, at most [`MOST_TERMS`] of them.
+    pub(crate) fn new(weights: &[T]) -> Self {
+        let numbered = weights.iter().enumerate().take(MOST_TERMS);
+        let weighted = numbered.filter(|(_, weight)| **weight != T::zero());
+        Combination {
+            terms: weighted.map(|(list, weight)| (*weight, list)).collect(),
+        }
+    }
+
+    /// The same over another scalar.
+    pub(crate) fn map<S>(&self, number: impl Fn(&T) -> S) -> Combination<S> {
+        let terms = self.terms.iter();
+        Combination {
+            terms: terms
+                .map(|(weight, list)| (number(weight), *list))
+                .collect(),
+        }
+    }
+
+    /// out = state + h Σ w k, every number in the order of the lists, in one pass over the state.
+    #[inline]
+    pub(crate) fn add(&self, state: &[T], h: T, stages: &[T], out: &mut [T]) {
+        let length = state.len();
+        let term = |&(weight, list): &(T, usize)| {
+            let own = stages.get(list * length..(list + 1) * length);
+            (h * weight, own.unwrap_or_default())
+        };
+        // A loop that knows how many terms there are needs no list of them.
+        match self.terms.as_slice() {
+            [] => add(state, [], out),
+            [a] => add(state, [a].map(term), out),
+            [a, b] => add(state, [a, b].map(term), out),
+            [a, b, c] => add(state, [a, b, c].map(term), out),
+            [a, b, c, d] => add(state, [a, b, c, d].map(term), out),
+            more => {
+                let mut list: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
+                for (slot, of) in list.iter_mut().zip(more) {
+                    *slot = term(of);
+                }
+                add_all(state, list.get(..more.len()).unwrap_or_default(), out);
+            }
+        }
+    }
+}
+
+/// The same for weights that are known just now.
 pub(crate) fn combine<T: Real>(state: &[T], h: T, weights: &[T], stages: &[T], out: &mut [T]) {
+    let mut list: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
     let stages = stages.chunks_exact(state.len().max(1));
     let weighted = weights.iter().zip(stages);
-    let mut terms = weighted
+    let terms = weighted
         .filter(|(weight, _)| **weight != T::zero())
         .map(|(weight, stage)| (h * *weight, stage));
-    // Stages have few terms: a loop that knows how many needs no list of them.
-    match [terms.next(), terms.next(), terms.next(), terms.next()] {
-        [None, ..] => add(state, &[], out),
-        [Some(a), None, ..] => add(state, &[a], out),
-        [Some(a), Some(b), None, _] => add(state, &[a, b], out),
-        [Some(a), Some(b), Some(c), None] => add(state, &[a, b, c], out),
-        [Some(a), Some(b), Some(c), Some(d)] => match terms.next() {
-            None => add(state, &[a, b, c, d], out),
-            Some(e) => {
-                let mut list: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
-                let (first, rest) = list.split_at_mut(5);
-                first.copy_from_slice(&[a, b, c, d, e]);
-                let more = rest.iter_mut().zip(terms);
-                let count = more.map(|(slot, term)| *slot = term).count();
-                add(state, &list[..5 + count], out);
-            }
-        },
-    }
+    let filled = list.iter_mut().zip(terms);
+    let count = filled.map(|(slot, term)| *slot = term).count();
+    add_all(state, list.get(..count).unwrap_or_default(), out);
 }
 
 /// out = state + Σ factor × list, every number in the order of the terms.
 #[inline(always)]
-fn add<T: Real>(state: &[T], terms: &[(T, &[T])], out: &mut [T]) {
+fn add<T: Real, const K: usize>(state: &[T], terms: [(T, &[T]); K], out: &mut [T]) {
+    let shortest = terms.iter().map(|(_, list)| list.len());
+    if shortest.fold(state.len(), usize::min) < out.len() {
+        return;
+    }
+    // Cut to one length, so that a place in one of them is a place in all.
+    let state = &state[..out.len()];
+    let terms = terms.map(|(factor, list)| (factor, &list[..out.len()]));
+    add_all(state, &terms, out);
+}
+
+/// The same for a number of terms that is not known to the compiler.
+#[inline(always)]
+fn add_all<T: Real>(state: &[T], terms: &[(T, &[T])], out: &mut [T]) {
     match out.len() {
         WIDE.. => add_stretches::<T, WIDE>(state, terms, out),
-        LANES.. => add_stretches::<T, LANES>(state, terms, out),
+        // One by one: whoever has just written them wrote one by one.
         _ => {
             for (index, (out, x)) in out.iter_mut().zip(state).enumerate() {
                 let parts = terms
@@ -160,12 +211,21 @@ pub(crate) fn weighted_differences<T: Float>(weights: &[T], a: &[T], b: &[T], c:
         [w * before * before, w * a * a, w * after * after]
     };
     let mut sums = [[T::zero(); WIDE]; 3];
-    for (((w, a), b), c) in weights.0.iter().zip(a.0).zip(b.0).zip(c.0) {
-        for lane in 0..WIDE {
-            let [before, size, after] = terms(w[lane], a[lane], b[lane], c[lane]);
-            sums[0][lane] += before;
-            sums[1][lane] += size;
-            sums[2][lane] += after;
+    // One half of the lanes after the other: their sums stay in registers.
+    for half in [0, WIDE / 2] {
+        let mut own = [[T::zero(); WIDE / 2]; 3];
+        for (((w, a), b), c) in weights.0.iter().zip(a.0).zip(b.0).zip(c.0) {
+            #[allow(clippy::needless_range_loop, reason = "one place of seven lists")]
+            for lane in 0..WIDE / 2 {
+                let at = half + lane;
+                let [before, size, after] = terms(w[at], a[at], b[at], c[at]);
+                own[0][lane] += before;
+                own[1][lane] += size;
+                own[2][lane] += after;
+            }
+        }
+        for (sums, own) in sums.iter_mut().zip(own) {
+            sums[half..half + WIDE / 2].copy_from_slice(&own);
         }
     }
     let mut totals = sums.map(total);

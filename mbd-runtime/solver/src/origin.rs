@@ -306,7 +306,12 @@ impl<T: Float> System<T> {
 
     /// Moves the origin on to what it follows, where that has gone further than `length` [m]: whether it did. The state, and what the nodes remember, are
     /// the same places from there.
+    #[inline]
     pub(crate) fn keep_up(&mut self, time: f64, length: f64, state: &mut [T]) -> bool {
+        self.following.is_some() && self.follow_on(time, length, state)
+    }
+
+    fn follow_on(&mut self, time: f64, length: f64, state: &mut [T]) -> bool {
         let Some(following) = &mut self.following else {
             return false;
         };

@@ -11,6 +11,7 @@ use mbd_scene::{At, Float, Layout, Model, Quantity, Scene, Work};
 
 use crate::columns::input_name;
 use crate::error::{Source, StepError};
+use crate::list::all_finite;
 use crate::system::External;
 
 /// Every number that the caller of a model supplies: inputs, external loads and external gravity.
@@ -117,6 +118,30 @@ pub(crate) struct Gauge<'a, T: Float> {
     pub room: &'a mut [T],
     /// Whether inputs and nodes at this state are known, on which outputs depend.
     pub settled: bool,
+}
+
+impl<'a, T: Float> Moment<'a, T> {
+    /// A time [s] and a state, with what measures there; `settled`: inputs and nodes of `at` are those of this state.
+    #[inline]
+    pub(crate) fn new(
+        (time, state): (f64, &'a [T]),
+        (model, at): (&'a dyn Model<T>, At<'a, T>),
+        (work, room): (&'a mut Work<T>, &'a mut [T]),
+        settled: bool,
+    ) -> Self {
+        Moment {
+            time,
+            state,
+            gauge: RefCell::new(Gauge {
+                model,
+                at,
+                state,
+                work,
+                room,
+                settled,
+            }),
+        }
+    }
 }
 
 /// Measures where a sample is taken.
@@ -314,10 +339,18 @@ pub(crate) fn check_supplied<T: Float>(
     time: f64,
     numbers: &[T],
 ) -> Result<(), StepError> {
-    match numbers.iter().position(|x| !x.is_finite()) {
-        None => Ok(()),
-        Some(index) => Err(not_finite(model.scene(), model.layout(), time, index)),
+    match all_finite(numbers) {
+        true => Ok(()),
+        false => Err(first_fault(model, time, numbers)),
     }
+}
+
+/// The first of some numbers that is not finite.
+#[cold]
+fn first_fault<T: Float>(model: &dyn Model<T>, time: f64, numbers: &[T]) -> StepError {
+    let index = numbers.iter().position(|x| !x.is_finite());
+    let (scene, layout) = (model.scene(), model.layout());
+    not_finite(scene, layout, time, index.unwrap_or_default())
 }
 
 #[cold]

@@ -1,6 +1,5 @@
 //! One stage: inputs, then equilibrium points, then the state derivative.
 
-use std::cell::RefCell;
 use std::sync::Arc;
 
 use mbd_scene::{At, Float, Model, Quantity, Work};
@@ -15,7 +14,7 @@ use crate::linearise::Jacobian;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::origin::Following;
 use crate::projection::Projection;
-use crate::supply::{Gauge, Law, Moment, check_supplied};
+use crate::supply::{Law, Moment, check_supplied};
 use crate::turns::Turning;
 use crate::unilateral::Mode;
 use crate::watch;
@@ -109,6 +108,9 @@ pub(crate) struct System<T: Float> {
     pub latest: f64,
     /// And not behind events, where something jumps.
     near: Option<Box<NearSide<T>>>,
+    /// Whether rates are the derivative at a state and inputs and nothing else: no line, stop or equilibrium point, no row, no work that is integrated,
+    /// nothing that jumps.
+    takes_derivative: bool,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
     /// Derivatives of the rates, for a method that asks for them.
@@ -152,12 +154,15 @@ impl<T: Float> System<T> {
         let layout = model.layout();
         let defaults = layout.default_inputs(model.scene());
         let held: Vec<T> = defaults.into_iter().map(T::from_f64).collect();
+        let (near, nodes) = (NearSide::new(&*model), Nodes::new(layout));
+        let projection = Projection::new(layout.nc, layout.nv, layout.nx());
         System {
+            takes_derivative: nodes.is_idle() && !projection.any() && !works && near.is_none(),
             latest: f64::INFINITY,
-            near: NearSide::new(&*model),
+            near,
             unsupplied: controls.is_empty() && layout.needs_caller(),
             controls,
-            nodes: Nodes::new(layout),
+            nodes,
             probe: Nodes::new(layout),
             sees_end: false,
             memory: NodeMemory::new(layout),
@@ -169,7 +174,7 @@ impl<T: Float> System<T> {
             quaternions: layout.quaternions().collect(),
             energy: [T::zero(); 6],
             work: model.work(),
-            projection: Projection::new(layout.nc, layout.nv, layout.nx()),
+            projection,
             fallback: Fallback::default(),
             laws: None,
             works,
@@ -390,15 +395,25 @@ impl<T: Float> System<T> {
     ///
     /// # Errors
     /// Commands that do not go on from those of the last step.
+    #[inline]
     pub(crate) fn follow_commands(
         &mut self,
         time: f64,
         span: Option<f64>,
         state: &[T],
     ) -> Result<(), StepError> {
-        if self.commands.is_none() {
-            return Ok(());
+        match self.commands.is_none() {
+            true => Ok(()),
+            false => self.compare_commands(time, span, state),
         }
+    }
+
+    fn compare_commands(
+        &mut self,
+        time: f64,
+        span: Option<f64>,
+        state: &[T],
+    ) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let Some(commands) = &mut self.commands else {
@@ -472,18 +487,27 @@ impl<T: Float> System<T> {
     }
 
     /// Puts nodes back on the line or plane that balance keeps them on; true when the state changed.
+    #[inline]
     pub(crate) fn project(&self, state: &mut [T]) -> bool {
-        self.nodes
-            .project(state.get_mut(..self.nx).unwrap_or_default())
+        self.nodes.has_networks()
+            && self
+                .nodes
+                .project(state.get_mut(..self.nx).unwrap_or_default())
     }
 
     /// The last solve was at the end of a step that is accepted.
+    #[inline]
     pub(crate) fn commit(&mut self, step: f64) {
-        self.nodes.commit(T::from_f64(step), &mut self.memory);
-        self.fallback.commit();
+        if !self.nodes.is_idle() {
+            self.nodes.accept(T::from_f64(step), &mut self.memory);
+        }
+        if self.projection.any() {
+            self.fallback.commit();
+        }
     }
 
     /// Makes every quaternion a unit quaternion; returns the largest | |q| − 1 | there was. A zero quaternion stays.
+    #[inline]
     pub(crate) fn normalise(&self, state: &mut [T]) -> f64 {
         let mut drift: f64 = 0.0;
         for &at in &self.quaternions {
@@ -510,13 +534,18 @@ impl<T: Float> System<T> {
     }
 
     /// Writes a state as it is in the world, where that is something else.
+    #[inline]
     fn show(&mut self, time: f64, state: &[T]) {
         if self.following.is_some() {
-            let mut world = std::mem::take(&mut self.world);
-            world.clear();
-            world.extend(self.in_world(time, state).map(T::from_f64));
-            self.world = world;
+            self.show_in_world(time, state);
         }
+    }
+
+    fn show_in_world(&mut self, time: f64, state: &[T]) {
+        let mut world = std::mem::take(&mut self.world);
+        world.clear();
+        world.extend(self.in_world(time, state).map(T::from_f64));
+        self.world = world;
     }
 
     /// What functions and controllers are shown at a time and a state.
@@ -524,18 +553,8 @@ impl<T: Float> System<T> {
         self.show(time, state);
         let at = self.nodes.at(T::from_f64(time), state, &self.held);
         let state = self.following.as_ref().map_or(state, |_| &self.world);
-        Moment {
-            time,
-            state,
-            gauge: RefCell::new(Gauge {
-                model: &*self.model,
-                at,
-                state,
-                work: &mut self.work,
-                room: &mut self.measured,
-                settled: false,
-            }),
-        }
+        let room = (&mut self.work, &mut *self.measured);
+        Moment::new((time, state), (&*self.model, at), room, false)
     }
 
     /// The same at a sample, where outputs can be asked for: inputs as they were up to it, nodes in balance.
@@ -551,21 +570,12 @@ impl<T: Float> System<T> {
         self.show(time, state);
         let at = self.probe.at(T::from_f64(time), state, &self.inputs);
         let state = self.following.as_ref().map_or(state, |_| &self.world);
-        Ok(Moment {
-            time,
-            state,
-            gauge: RefCell::new(Gauge {
-                model: &*self.model,
-                at,
-                state,
-                work: &mut self.work,
-                room: &mut self.measured,
-                settled: true,
-            }),
-        })
+        let room = (&mut self.work, &mut *self.measured);
+        Ok(Moment::new((time, state), (&*self.model, at), room, true))
     }
 
     /// Whether functions of time and state change what is held.
+    #[inline]
     pub(crate) fn has_functions(&self) -> bool {
         !self.controls.is_empty() && !self.inputs.is_empty()
     }
@@ -580,17 +590,16 @@ impl<T: Float> System<T> {
     }
 
     fn ask_functions(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        let state = state.get(..self.nx).unwrap_or_default();
+        let own = state.get(..self.nx).unwrap_or_default();
+        self.show(time, own);
         self.inputs.copy_from_slice(&self.held);
-        let (mut inputs, mut controls) = (
-            std::mem::take(&mut self.inputs),
-            std::mem::take(&mut self.controls),
-        );
-        let moment = self.moment(time, state);
-        for control in &mut controls {
-            control(&moment, &mut inputs);
+        let at = self.nodes.at(T::from_f64(time), own, &self.held);
+        let shown = self.following.as_ref().map_or(own, |_| &self.world);
+        let room = (&mut self.work, &mut *self.measured);
+        let moment = Moment::new((time, shown), (&*self.model, at), room, false);
+        for control in &mut self.controls {
+            control(&moment, &mut self.inputs);
         }
-        (self.inputs, self.controls) = (inputs, controls);
         check_supplied(&*self.model, time, &self.inputs)
     }
 

@@ -89,10 +89,15 @@ impl<T: Float> System<T> {
     }
 
     /// By how much the angle that turns most turns over a step that was tried, by the rates at its ends [rad].
+    #[inline]
     pub(crate) fn angle_swept(&mut self, step: f64, end: f64, state: &[T]) -> f64 {
-        if self.memory.turns.is_empty() {
-            return 0.0;
+        match self.memory.turns.is_empty() {
+            true => 0.0,
+            false => self.find_swept(step, end, state),
         }
+    }
+
+    fn find_swept(&mut self, step: f64, end: f64, state: &[T]) -> f64 {
         self.look_at_angles(end, state);
         let [last, now] = &self.turning.angles;
         let rates = last.iter().zip(now).skip(1).step_by(2);
@@ -101,10 +106,14 @@ impl<T: Float> System<T> {
     }
 
     /// Takes the angles at an accepted step, next to those of the one before.
+    #[inline]
     pub(crate) fn count_turns(&mut self, time: f64, state: &[T]) {
-        if self.memory.turns.is_empty() {
-            return;
+        if !self.memory.turns.is_empty() {
+            self.take_angles(time, state);
         }
+    }
+
+    fn take_angles(&mut self, time: f64, state: &[T]) {
         if self.turning.seen != time {
             self.look_at_angles(time, state);
         }

@@ -246,7 +246,7 @@ fn weigh<T: Scalar>(scene: &Scene) -> Result<u64, StepError> {
 }
 
 #[test]
-fn masses_that_no_rung_can_hold_are_refused_and_others_say_what_they_cost() {
+fn masses_that_no_strategy_can_hold_are_refused_and_others_say_what_they_cost() {
     assert_eq!(weigh::<f64>(&uneven(1.0)), Ok(0));
     for scene in [uneven(1e9), uneven(1e-9), uneven(1e-30)] {
         let digits = [weigh::<f64>(&scene), weigh::<f32>(&scene)];
@@ -267,7 +267,7 @@ fn masses_that_no_rung_can_hold_are_refused_and_others_say_what_they_cost() {
 }
 
 #[test]
-fn a_run_goes_on_from_a_snapshot_on_the_rung_it_was_on() {
+fn a_run_goes_on_from_a_snapshot_with_the_strategy_it_had() {
     let locked = tilted(0.3);
     let model = Generic::<f64>::new(locked.clone(), &[0.0]).expect("a valid tilt");
     let mut run = Simulation::new(&model, Options::rk4(2e-3)).expect("options that fit");

@@ -5,17 +5,24 @@ use mbd_scene::{Float, Real};
 use super::Rates;
 use super::tableau::Tableau;
 use crate::error::StepError;
-use crate::list::{MOST_TERMS, combine, weighted_differences, weighted_squares};
+use crate::list::{Combination, MOST_TERMS, combine, weighted_differences, weighted_squares};
 
 /// Rounding units of rates below which two of them agree.
 const ROUNDING: f64 = 1e4;
+
+/// A stage: its time c and the weights of the stages before it.
+#[derive(Clone, Debug)]
+struct StageRow<T> {
+    c: f64,
+    weights: Vec<T>,
+    sum: Combination<T>,
+}
 
 /// A method with the storage of its stages. The rates at the new state are the last stage of a step and the first of the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Explicit<T> {
     length: usize,
-    /// Per stage: its time c and the weights of the stages before it.
-    rows: Vec<(f64, Vec<T>)>,
+    rows: Vec<StageRow<T>>,
     /// How many of them a step has; those behind serve the interpolant.
     steps: usize,
     /// Weights b − b̂, empty for a method without an estimate.
@@ -50,7 +57,11 @@ impl<T: Real> Explicit<T> {
             .iter()
             .zip(&tableau.c)
             .enumerate()
-            .map(|(i, (row, &c))| (c, row.iter().take(i).map(number).collect()))
+            .map(|(i, (row, &c))| {
+                let weights: Vec<T> = row.iter().take(i).map(number).collect();
+                let sum = Combination::new(&weights);
+                StageRow { c, weights, sum }
+            })
             .collect();
         let error = if tableau.embedded > 0 {
             tableau.error.iter().map(number).collect()
@@ -87,21 +98,27 @@ impl<T: Real> Explicit<T> {
         state: &[T],
         mut rates: impl FnMut(bool, [C; 2], &mut [T], &mut [T]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let last = self.steps - 1;
         self.complete = false;
-        for (i, (c, row)) in self.rows.iter().enumerate().take(self.steps).skip(1) {
-            let (done, rest) = self.stages.split_at_mut(i * self.length);
-            let span = C::from_f64(*c) * over;
-            let trial = if i == last {
-                &mut self.next
-            } else {
-                &mut self.trial
-            };
-            combine(state, h, row, done, trial);
+        let Some(([_, inner @ ..], [last])) = self
+            .rows
+            .get(..self.steps)
+            .and_then(|rows| rows.split_last_chunk())
+        else {
+            return Ok(());
+        };
+        let mut place = self.length;
+        let mut stage = |row: &StageRow<T>, trial: &mut [T], is_last: bool| {
+            let (done, rest) = self.stages.split_at_mut(place);
+            place += self.length;
+            row.sum.add(state, h, done, trial);
             let (stage, _) = rest.split_at_mut(self.length);
-            rates(i == last, [from + span, span], trial, stage)?;
+            let span = C::from_f64(row.c) * over;
+            rates(is_last, [from + span, span], trial, stage)
+        };
+        for row in inner {
+            stage(row, &mut self.trial, false)?;
         }
-        Ok(())
+        stage(last, &mut self.next, true)
     }
 
     /// The state at the end of the last attempt.
@@ -148,6 +165,7 @@ impl<T: Real> Explicit<T> {
     }
 
     /// Takes the last attempt: its last stage becomes the first of the next step.
+    #[inline]
     pub(crate) fn accept(&mut self, state: &mut [T]) {
         state.copy_from_slice(&self.next);
         let last = (self.steps - 1) * self.length;
@@ -164,7 +182,13 @@ impl<T: Float> Explicit<T> {
         let rows = self.rows.iter();
         Explicit {
             length: self.length,
-            rows: rows.map(|(c, row)| (*c, list(row))).collect(),
+            rows: rows
+                .map(|row| StageRow {
+                    c: row.c,
+                    weights: list(&row.weights),
+                    sum: row.sum.map(number),
+                })
+                .collect(),
             steps: self.steps,
             error: list(&self.error),
             dense: self.dense.iter().map(list).collect(),
@@ -203,7 +227,8 @@ impl<T: Float> Explicit<T> {
     ) -> Result<(), StepError> {
         system.enter();
         let h = T::from_f64(step);
-        self.stages(
+        system.hold(true);
+        let made = self.stages(
             [time, step],
             h,
             state,
@@ -213,7 +238,9 @@ impl<T: Float> Explicit<T> {
                 }
                 system.rates(time, span, trial, stage)
             },
-        )
+        );
+        system.hold(false);
+        made
     }
 
     /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt, and the state at its end.
@@ -235,10 +262,10 @@ impl<T: Float> Explicit<T> {
             return Ok(());
         }
         let h = T::from_f64(step);
-        for (i, (c, row)) in self.rows.iter().enumerate().skip(self.steps) {
+        for (i, row) in self.rows.iter().enumerate().skip(self.steps) {
             let (done, rest) = self.stages.split_at_mut(i * self.length);
-            combine(state, h, row, done, &mut self.trial);
-            let span = c * step;
+            row.sum.add(state, h, done, &mut self.trial);
+            let span = row.c * step;
             let (stage, _) = rest.split_at_mut(self.length);
             system.rates_inside(time + span, span, &self.trial, stage)?;
         }
@@ -282,9 +309,11 @@ impl<T: Float> Explicit<T> {
 
     /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it; zero where the stages agree to
     /// `negligible` of k₁. |k|² = Σ weight k².
+    #[inline]
     pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
-        let mut stages = self.stages.chunks_exact(self.length.max(1));
-        let (Some(k1), Some(k2), Some(k3)) = (stages.next(), stages.next(), stages.next()) else {
+        let n = self.length;
+        let stages = [0..n, n..2 * n, 2 * n..3 * n].map(|own| self.stages.get(own));
+        let [Some(k1), Some(k2), Some(k3)] = stages else {
             return 0.0;
         };
         let [below, size, above] = weighted_differences(weights, k1, k2, k3);
@@ -300,13 +329,13 @@ impl<T: Float> Explicit<T> {
     /// |k|² = Σ weight k². [`Explicit::differences`] is f(b) − f(a) afterwards.
     pub(crate) fn rate(&mut self, weights: &[T]) -> f64 {
         let [one, other] = self.alike;
-        let (Some((_, a)), Some((_, b))) = (self.rows.get(one), self.rows.get(other)) else {
+        let (Some(a), Some(b)) = (self.rows.get(one), self.rows.get(other)) else {
             return 0.0;
         };
         // (b − a)/h.
         let mut apart = [T::zero(); MOST_TERMS];
-        for (index, (apart, weight)) in apart.iter_mut().zip(b).enumerate() {
-            *apart = *weight - a.get(index).copied().unwrap_or_default();
+        for (index, (apart, weight)) in apart.iter_mut().zip(&b.weights).enumerate() {
+            *apart = *weight - a.weights.get(index).copied().unwrap_or_default();
         }
         combine(
             &self.nothing,

@@ -66,6 +66,9 @@ pub(crate) trait Rates<T> {
     /// A trial step begins.
     fn enter(&mut self) {}
 
+    /// From here on nothing is accepted or switched between the rates that are asked for; until it is said that it may be again (`false`).
+    fn hold(&mut self, _nothing_changes: bool) {}
+
     /// Puts a new state back on its manifold: unit quaternions, joints that hold.
     fn project_end(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError>;
 }

@@ -83,6 +83,7 @@ impl<T: Float> Stepper<T> {
     }
 
     /// Tries a step from `state`; the result is [`Stepper::next`], and `state` is untouched.
+    #[inline]
     pub(crate) fn attempt(
         &mut self,
         system: &mut impl Reversible<T>,
@@ -110,11 +111,13 @@ impl<T: Float> Stepper<T> {
     }
 
     /// The state at the end of the last attempt.
+    #[inline]
     pub(crate) fn next(&self) -> &[T] {
         current!(&self.method, method => method.next())
     }
 
     /// Takes the last attempt.
+    #[inline]
     pub(crate) fn accept(&mut self, state: &mut [T]) {
         current!(&mut self.method, method => method.accept(state));
     }
@@ -152,6 +155,7 @@ impl<T: Float> Stepper<T> {
     }
 
     /// What [`Explicit::stiffness`] or [`Rattle::stiffness`] says; zero of a method that is stable whatever the step.
+    #[inline]
     pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
         match &self.method {
             Family::Explicit(method) => method.stiffness(weights, negligible),
@@ -161,6 +165,7 @@ impl<T: Float> Stepper<T> {
     }
 
     /// Whether the linearly implicit method makes the steps.
+    #[inline]
     pub(crate) fn is_stiff(&self) -> bool {
         matches!(self.method, Family::Implicit(_))
     }

@@ -187,6 +187,7 @@ pub(crate) fn norm<T: Float>(list: &[T]) -> T {
     let square = inner(list, list);
     match is_safe(square, T::EPSILON) {
         true => square.sqrt(),
+        false if list.iter().all(|x| *x == T::zero()) => T::zero(),
         false => scaled_norm(list),
     }
 }

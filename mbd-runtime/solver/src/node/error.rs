@@ -5,6 +5,8 @@ use std::fmt;
 
 use mbd_scene::Float;
 
+use crate::list::all_finite;
+
 /// Stiffnesses of one network further apart than this are named where its balance is not found: its sum cancels so many digits.
 pub const UNEVEN: f64 = 1e5;
 
@@ -103,9 +105,13 @@ impl NodeError {
     /// # Errors
     /// [`NodeError::NotFinite`].
     pub fn check_finite<T: Float>(what: &'static str, list: &[T]) -> Result<(), NodeError> {
-        match list.iter().position(|x| !x.is_finite()) {
-            Some(index) => Err(NodeError::NotFinite { what, index }),
-            None => Ok(()),
+        match all_finite(list) {
+            true => Ok(()),
+            false => {
+                let index = list.iter().position(|x| !x.is_finite());
+                let index = index.unwrap_or_default();
+                Err(NodeError::NotFinite { what, index })
+            }
         }
     }
 

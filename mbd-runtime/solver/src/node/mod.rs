@@ -14,6 +14,7 @@ mod error;
 mod factor;
 mod memory;
 mod modes;
+mod one;
 mod rate;
 mod rates;
 mod scene;

@@ -21,6 +21,7 @@ impl<T: Float> Nodes<T> {
     ///
     /// # Errors
     /// As there.
+    #[inline]
     pub(crate) fn differentiate(
         &mut self,
         stage: Stage<'_, T>,
@@ -29,11 +30,14 @@ impl<T: Float> Nodes<T> {
         work: &mut Work<T>,
         out: &mut [T],
     ) -> Result<(), NodeError> {
-        if self.find_rates(stage, span, memory, work, out) {
-            return Ok(());
-        }
-        if !self.is_idle() {
+        if self.has_networks() {
+            if self.find_rates(stage, span, memory, work, out) {
+                return Ok(());
+            }
             self.solve_networks(stage, span, memory, work)?;
+        } else if !self.is_idle() && !self.held {
+            self.hold_modes(memory);
+            self.has_held();
         }
         let at = self.at(stage.time, stage.state, stage.inputs);
         stage.model.evaluate(Quantity::Derivative, &at, work, out);
@@ -49,7 +53,10 @@ impl<T: Float> Nodes<T> {
         self.hold_modes(memory);
         for plan in &self.plans {
             for (_, line) in &plan.legs {
-                self.hold[line.line] = memory.modes[line.line].hold();
+                let places = (self.hold.get_mut(line.line), memory.modes.get(line.line));
+                if let (Some(hold), Some(mode)) = places {
+                    *hold = mode.hold();
+                }
             }
         }
         true
@@ -87,9 +94,10 @@ impl<T: Float> Nodes<T> {
             return false;
         }
         let nx = self.layout.nx();
-        if out.len() != nx || !self.hold_for_rates(memory) {
+        if out.len() != nx || !self.held && !self.hold_for_rates(memory) {
             return false;
         }
+        self.has_held();
         let mut rates = std::mem::take(&mut self.rates);
         // A model that does not find them leaves this as it is.
         let margins = self.margins_of_rates();
@@ -114,40 +122,56 @@ impl<T: Float> Nodes<T> {
     /// Whether the lines that carry may span space at every node, and none is detached.
     fn may_span(&self, memory: &NodeMemory<T>) -> bool {
         self.plans.iter().all(|plan| {
-            let carries = |line: usize| memory.modes.get(line) == Some(&Mode::Active);
-            let mut lines = plan.legs.iter().map(|(_, leg)| memory.modes.get(leg.line));
-            if lines.any(|mode| mode == Some(&Mode::Detached)) {
-                return false;
+            let (mut carrying, mut detached) = (0, false);
+            for (_, leg) in &plan.legs {
+                let mode = memory.modes.get(leg.line);
+                carrying += usize::from(mode == Some(&Mode::Active));
+                detached |= mode == Some(&Mode::Detached);
             }
-            let carrying = plan.legs.iter().filter(|(_, leg)| carries(leg.line));
-            memory.ranks.get(plan.index) == Some(&3) && carrying.count() >= SPANNING
+            !detached && carrying >= SPANNING && memory.ranks.get(plan.index) == Some(&3)
         })
     }
 
     /// Takes over nodes, anchors and lines out of [`Quantity::Rates`], if the lines that were held are those which carry.
     fn take_rates(&mut self, stage: Stage<'_, T>, rates: &[T], memory: &NodeMemory<T>) -> bool {
-        let carries = |line: usize| memory.modes[line] == Mode::Active;
+        let carries = |line: usize| memory.modes.get(line) == Some(&Mode::Active);
         let holds = self.layout_of_rates().holds(rates, T::EPSILON, carries);
         if !holds {
             return false;
         }
-        let (_, of_lines) = rates.split_at(self.margins_of_rates().end);
-        let legs = self.plans.iter().flat_map(|plan| &plan.legs);
-        for ((_, leg), own) in legs.zip(of_lines.chunks_exact(2)) {
-            if !self.frozen {
-                self.modes[leg.line] = Mode::of(own[0] > T::zero(), carries(leg.line));
-            }
-            self.stretch[leg.line] = own[0];
-        }
+        // What its lines do is read off where somebody asks: most stages are followed by others.
         for plan in &mut self.plans {
             if let (Some(&node), Some(z)) = (plan.nodes.first(), plan.z) {
-                self.nodes[3 * node..3 * node + 3].copy_from_slice(&rates[z..z + 3]);
-                plan.p.copy_from_slice(&stage.state[z..z + 3]);
+                let velocity = rates.get(z..).and_then(<[T]>::first_chunk::<3>);
+                let place = stage.state.get(z..).and_then(<[T]>::first_chunk::<3>);
+                let node = self.nodes.get_mut(3 * node..);
+                if let (Some(velocity), Some(place)) = (velocity, place)
+                    && let Some(own) = node.and_then(<[T]>::first_chunk_mut)
+                    && let Some(p) = plan.p.first_chunk_mut()
+                {
+                    (*own, *p) = (*velocity, *place);
+                }
             }
         }
         self.count_solves(1);
-        self.spanned = true;
+        (self.spanned, self.stretched) = (true, false);
         true
+    }
+
+    /// Stretches and modes of the lines of nodes that were found along with the derivative.
+    pub(super) fn measure_along(&mut self) {
+        let lines = self.rates.get(self.margins_of_rates().end..);
+        let mut lines = lines.unwrap_or_default().as_chunks::<2>().0.iter();
+        for plan in &self.plans {
+            for ((_, leg), &[stretch, _]) in plan.legs.iter().zip(&mut lines) {
+                self.stretch[leg.line] = stretch;
+                if !self.frozen {
+                    // They were held in the modes of the memory: a line that carried pulls.
+                    let carries = self.modes[leg.line] == Mode::Active;
+                    self.modes[leg.line] = Mode::of(stretch > T::zero(), carries);
+                }
+            }
+        }
     }
 
     /// Counts every network as solved so often.
@@ -184,20 +208,17 @@ impl<T: Float> RatesLayout<'_, T> {
 
     /// Whether the lines that were held are those which carry: at every node they pull beyond rounding and span space, and where modes are not
     /// frozen every line does what was held of it.
+    #[inline]
     pub(crate) fn holds<S: Real>(
         &self,
         rates: &[S],
         epsilon: S,
         carries: impl Fn(usize) -> S::Mask,
     ) -> S::Mask {
-        let (zero, one) = (S::zero(), S::one());
-        let flag = |mask: S::Mask| S::select(mask, one, zero);
-        let no = zero.lt(zero);
-        let mut lines = rates
-            .get(self.margins.end..)
-            .unwrap_or_default()
-            .chunks_exact(2);
-        let mut all = one;
+        let zero = S::zero();
+        let (no, mut all) = (zero.lt(zero), zero.le(zero));
+        let lines = rates.get(self.margins.end..).unwrap_or_default();
+        let mut lines = lines.as_chunks::<2>().0.iter();
         for plan in self.plans {
             let own = plan.nodes.first().and_then(|node| {
                 let at = self.margins.start + 2 * node;
@@ -208,21 +229,22 @@ impl<T: Float> RatesLayout<'_, T> {
             };
             let rounding = size * epsilon * S::from_f64(ROUNDING);
             // Where nothing pulls, or D may have lost a direction, the node follows other rules.
-            let (mut pulls, spans) = (zero, flag(zero.lt(margin)));
+            let mut most = zero;
             for (_, leg) in &plan.legs {
-                let Some(&[stretch, pull]) = lines.next().and_then(<[S]>::first_chunk) else {
+                let Some(&[stretch, pull]) = lines.next() else {
                     return no;
                 };
                 let carries = carries(leg.line);
                 if !self.frozen {
-                    let carried = flag(S::both(zero.lt(stretch), zero.le(pull)));
-                    let let_go = S::select(stretch.le(zero), one, flag(pull.le(zero)));
-                    all *= S::select(carries, carried, let_go);
+                    // Of a line that carries both are positive, or there is no pull; of another one of them is not.
+                    let taut = S::select(carries, stretch, S::one());
+                    let agrees = S::select(carries, pull, -stretch.min(pull));
+                    all = S::both(all, S::both(zero.lt(taut), zero.le(agrees)));
                 }
-                pulls = S::select(S::both(carries, rounding.lt(pull)), one, pulls);
+                most = S::select(carries, most.max(pull), most);
             }
-            all *= pulls * spans;
+            all = S::both(all, S::both(rounding.lt(most), zero.lt(margin)));
         }
-        zero.lt(all)
+        all
     }
 }

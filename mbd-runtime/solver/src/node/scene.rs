@@ -1,6 +1,6 @@
 //! The networks of a scene as balances: every evaluation is one call of the model, so generic, interpreted and generated code share the solver.
 
-use mbd_scene::laws::LineNumbers;
+use mbd_scene::laws::{LineNumbers, line as law};
 use mbd_scene::{
     At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity, Real, Work,
 };
@@ -145,16 +145,28 @@ impl<T: Float> NetworkPlan<T> {
         &mut self,
         model: &dyn Model<T>,
         modes: &[Mode],
-        law: impl Fn(&PlanLine, &LineNumbers<T>) -> [T; 2],
+        find: impl Fn(&PlanLine, &LineNumbers<T>) -> [T; 2],
     ) {
+        let numbers = model.lines();
         for ((line, k), l) in self.lines.iter().zip(&mut self.k).zip(&mut self.l) {
-            if let Some(numbers) = line.numbers(model) {
+            if let Some(numbers) = numbers.get(line.line) {
                 [*k, *l] = match is_detached(modes, line) {
                     true => [numbers.stiffness, T::from_f64(ENDLESS)],
-                    false => law(line, numbers),
+                    false => find(line, numbers),
                 };
             }
         }
+    }
+
+    /// Stretch of one of its lines of a free length, with its node at p where that is part of the state [m].
+    pub fn stretch(&self, line: &PlanLine, free_length: T, anchors: &[T], nodes: &[T]) -> T {
+        let vector = match (self.z, line.ends) {
+            (Some(_), [LineEnd::Anchor(a), _] | [_, LineEnd::Anchor(a)]) => {
+                triple(anchors, 6 * a) - triple(&self.p, 0)
+            }
+            _ => line.vector(anchors, nodes),
+        };
+        law::geometry(&vector, free_length).stretch
     }
 
     /// Gives the rate problem anchors, velocities and constants, and places it at `p`.

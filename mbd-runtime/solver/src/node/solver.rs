@@ -210,6 +210,11 @@ impl<T: Float> Solver<T> {
         &self.descent.here
     }
 
+    /// Room for an evaluation that is to be that of the last solve.
+    pub(super) fn evaluation_mut(&mut self) -> &mut BalanceEvaluation<T> {
+        &mut self.descent.here
+    }
+
     /// Solves g(p) = 0 from `p` with stiffness `k` > 0 [N/m] and free length `l` ≥ 0 [m]; `p` holds the balance if one was found and is
     /// unchanged otherwise. At most 12 + 8·40 + 300 Newton steps, with 5000 for the 300 where there is more than one node.
     pub fn solve<B: Balance<T>>(

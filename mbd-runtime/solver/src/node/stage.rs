@@ -1,7 +1,7 @@
 //! The nodes of a model at one stage of an integration step.
 
-use mbd_scene::laws::line;
-use mbd_scene::{At, Float, Layout, LineEnd, Model, Quantity, Work};
+use mbd_scene::laws::LineNumbers;
+use mbd_scene::{At, Float, Layout, Model, Quantity, Work};
 use nalgebra::Vector3;
 
 use super::balance::triple;
@@ -25,13 +25,21 @@ pub struct Nodes<T: Float> {
     pub(crate) nodes: Vec<T>,
     pub(crate) effective: Vec<T>,
     pub(crate) hold: Vec<T>,
-    /// Stretch of each node line at the last solve.
+    /// Stretch of each node line at the last solve, once it has been asked for.
     pub(crate) stretch: Vec<T>,
+    /// Free lengths of the lines at the last solve, while the stretches are not those of it.
+    free_lengths: Vec<T>,
+    /// Whether they are.
+    pub(super) stretched: bool,
     /// Mode of each line, of each stop, of each joint that may be detached, at the last solve.
     pub(crate) modes: Vec<Mode>,
     /// `Quantity::Guards` of the last request.
     pub(crate) guards: Vec<T>,
     pub(crate) frozen: bool,
+    /// Whether nothing is accepted or switched until it is said that it may be again.
+    kept: bool,
+    /// Whether the elements are held in the modes of the memory, and have been since it was kept.
+    pub(super) held: bool,
     /// Room for `Quantity::Rates`; empty where the nodes are not found that way.
     pub(crate) rates: Vec<T>,
     /// Whether the last solve found all nodes along with the derivative, by lines that span space.
@@ -83,9 +91,13 @@ impl<T: Float> Nodes<T> {
             effective: list(2 * layout.effective_lines),
             hold: list(layout.origin_at()),
             stretch: list(layout.lines.len()),
+            free_lengths: list(layout.lines.len()),
+            stretched: true,
             modes: vec![Mode::Free; layout.holds()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
+            kept: false,
+            held: false,
             rates: list(layout.len(Quantity::Rates)),
             spanned: false,
             span: T::zero(),
@@ -114,11 +126,20 @@ impl<T: Float> Nodes<T> {
     }
 
     /// `Quantity::AnchorStates` of the last solve, for [`At::ends`].
+    #[inline]
     #[must_use]
     pub fn ends(&self) -> &[T] {
+        match self.spanned {
+            true => self.ends_along(),
+            false => &self.ends,
+        }
+    }
+
+    /// The same where they were found along with the rates.
+    fn ends_along(&self) -> &[T] {
         let first = self.layout.nx();
         let along = self.rates.get(first..first + self.ends.len());
-        along.filter(|_| self.spanned).unwrap_or(&self.ends)
+        along.unwrap_or(&self.ends)
     }
 
     /// Measures places from an origin that moves so: the numbers behind the others of [`At::hold`].
@@ -133,7 +154,23 @@ impl<T: Float> Nodes<T> {
         own.zip(angles).for_each(|(own, angle)| *own = *angle);
     }
 
+    /// Everything that a model without equilibrium points may read.
+    #[inline]
+    pub(crate) fn at_no_node<'a>(&'a self, time: T, state: &'a [T], inputs: &'a [T]) -> At<'a, T> {
+        At {
+            time,
+            state,
+            nodes: &[],
+            effective: &[],
+            hold: &self.hold,
+            ends: &[],
+            inputs,
+            rows: &[],
+        }
+    }
+
     /// Everything a model may read, with the unknowns of the last solve.
+    #[inline]
     #[must_use]
     pub fn at<'a>(&'a self, time: T, state: &'a [T], inputs: &'a [T]) -> At<'a, T> {
         At {
@@ -157,6 +194,18 @@ impl<T: Float> Nodes<T> {
     /// Whether the modes of damped lines stay as the memory holds them (`true`: runs with located events) or every stage decides anew.
     pub fn freeze(&mut self, frozen: bool) {
         self.frozen = frozen;
+    }
+
+    /// Whether the memory that solves are given stays as it is from here on: then it need not be read for every one of them.
+    #[inline]
+    pub(crate) fn keep(&mut self, kept: bool) {
+        (self.kept, self.held) = (kept, false);
+    }
+
+    /// The elements are in the modes of the memory.
+    #[inline]
+    pub(super) fn has_held(&mut self) {
+        self.held = self.kept;
     }
 
     /// Places the nodes at a time and a state: `span` is the time since the last accepted step, 0 at its start [s].
@@ -223,10 +272,11 @@ impl<T: Float> Nodes<T> {
     ) -> Result<(), NodeError> {
         self.span = span;
         self.hold_modes(memory);
+        self.held = false;
         if self.plans.is_empty() {
             return Ok(());
         }
-        self.read_ends(stage, work)?;
+        self.read_anchors(stage, work)?;
         let result = self.each_plan(|nodes, plan| {
             if plan.is_rate() {
                 return nodes.solve_rate(stage, plan, memory);
@@ -241,7 +291,10 @@ impl<T: Float> Nodes<T> {
             nodes.note_motion(plan, span, memory, is_slack);
             Ok(())
         });
-        self.find_stretches(stage.model);
+        // Most stages are followed by others: the lines are measured where somebody asks.
+        let lines = self.free_lengths.iter_mut().zip(stage.model.lines());
+        lines.for_each(|(own, numbers)| *own = numbers.free_length);
+        self.stretched = false;
         result
     }
 
@@ -262,6 +315,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Whether there are equilibrium points.
+    #[inline]
     pub(crate) fn has_networks(&self) -> bool {
         !self.plans.is_empty()
     }
@@ -290,6 +344,8 @@ impl<T: Float> Nodes<T> {
     /// numbers, stretches, and how fast nodes move against their anchors.
     pub(crate) fn receive_warm(&mut self, span: T, fill: impl FnOnce([&mut [T]; 5])) {
         (self.span, self.spanned) = (span, false);
+        // The stretches are those of this solve.
+        self.stretched = true;
         let Nodes {
             ends,
             nodes,
@@ -302,7 +358,8 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Whether there is no line, no stop and no equilibrium point.
-    pub(super) fn is_idle(&self) -> bool {
+    #[inline]
+    pub(crate) fn is_idle(&self) -> bool {
         self.plans.is_empty() && self.stretch.is_empty() && self.modes.is_empty()
     }
 
@@ -311,6 +368,17 @@ impl<T: Float> Nodes<T> {
         if self.is_idle() || memory.check(&self.layout).is_err() {
             return;
         }
+        self.accept(h, memory);
+    }
+
+    /// The same for the memory of a run, which has the shape of its layout, where there is a line, a stop or an equilibrium point.
+    pub(crate) fn accept(&mut self, h: T, memory: &mut NodeMemory<T>) {
+        if self.plans.is_empty() {
+            // Lines that end at no node are the same before and after: their modes are those of the memory.
+            memory.step = h;
+            return;
+        }
+        self.measure_lines();
         let zero = T::zero();
         for (plan, smooth) in self.plans.iter().zip(&mut memory.smooth) {
             let taut = |stretch: &[T], line: &PlanLine| {
@@ -403,9 +471,15 @@ impl<T: Float> Nodes<T> {
     ) -> Result<(), NodeError> {
         self.spanned = false;
         self.check_shape(stage)?;
-        if self.plans.is_empty() {
-            return Ok(());
+        match self.plans.is_empty() {
+            true => Ok(()),
+            false => self.read_anchors(stage, work),
         }
+    }
+
+    /// The same for lists of the right lengths.
+    fn read_anchors(&mut self, stage: Stage<'_, T>, work: &mut Work<T>) -> Result<(), NodeError> {
+        self.spanned = false;
         let mut ends = std::mem::take(&mut self.ends);
         let at = self.at(stage.time, stage.state, stage.inputs);
         stage
@@ -423,12 +497,21 @@ impl<T: Float> Nodes<T> {
     /// afterwards.
     pub(crate) fn hold_modes(&mut self, memory: &NodeMemory<T>) {
         let slots = self.hold.iter_mut().zip(&mut self.modes);
-        for ((hold, mode), carried) in slots.zip(&memory.modes) {
-            *mode = *carried;
-            *hold = match self.frozen || *mode == Mode::Detached {
-                true => mode.hold(),
-                false => T::zero(),
-            };
+        let slots = slots.zip(&memory.modes);
+        match self.frozen {
+            true => slots.for_each(|((hold, mode), carried)| {
+                (*hold, *mode) = (carried.hold(), *carried);
+            }),
+            false => slots.for_each(|((hold, mode), carried)| {
+                *mode = *carried;
+                *hold = match *carried {
+                    Mode::Detached => carried.hold(),
+                    _ => T::zero(),
+                };
+            }),
+        }
+        if memory.held.is_empty() {
+            return;
         }
         let locks = self.layout.holds().saturating_sub(memory.held.len());
         for (hold, held) in self.hold.iter_mut().skip(locks).zip(&memory.held) {
@@ -473,6 +556,10 @@ impl<T: Float> Nodes<T> {
         plan: &mut NetworkPlan<T>,
         work: &mut Work<T>,
     ) -> Result<bool, NodeError> {
+        if let Some(outcome) = self.balance_one(stage, plan, work) {
+            self.statistics.count(&outcome);
+            return Ok(matches!(outcome, Outcome::Slack { .. }));
+        }
         let mut balance = SceneBalance {
             stage,
             work,
@@ -500,9 +587,7 @@ impl<T: Float> Nodes<T> {
         self.statistics.count(&outcome);
         let is_slack = matches!(outcome, Outcome::Slack { .. });
         if is_slack {
-            for at in plan.lines.iter().filter_map(|line| line.effective) {
-                self.effective[2 * at..2 * at + 2].fill(T::zero());
-            }
+            self.let_go(plan);
         }
         checked.map(|()| is_slack)
     }
@@ -527,27 +612,34 @@ impl<T: Float> Nodes<T> {
         });
     }
 
-    /// Stretches of the node lines with the nodes where the last solve put them.
-    pub(crate) fn find_stretches(&mut self, model: &dyn Model<T>) {
-        let plans = std::mem::take(&mut self.plans);
-        plans.iter().for_each(|plan| self.stretch_of(model, plan));
-        self.plans = plans;
+    /// Measures the lines where the last solve put the nodes, unless that is done.
+    fn measure_lines(&mut self) {
+        if self.stretched {
+            return;
+        }
+        self.stretched = true;
+        if self.spanned {
+            self.measure_along();
+        } else {
+            let lengths = std::mem::take(&mut self.free_lengths);
+            for plan in &self.plans {
+                for line in &plan.lines {
+                    if let Some(free) = lengths.get(line.line) {
+                        let stretch = plan.stretch(line, *free, &self.ends, &self.nodes);
+                        self.stretch[line.line] = stretch;
+                    }
+                }
+            }
+            self.free_lengths = lengths;
+        }
     }
 
-    /// Stretches of the lines of one network.
-    pub(crate) fn stretch_of(&mut self, model: &dyn Model<T>, plan: &NetworkPlan<T>) {
-        for line in &plan.lines {
-            let Some(numbers) = line.numbers(model) else {
-                continue;
-            };
-            let vector = match (plan.z, line.ends) {
-                (Some(_), [LineEnd::Anchor(a), _] | [_, LineEnd::Anchor(a)]) => {
-                    triple(&self.ends, 6 * a) - triple(&plan.p, 0)
-                }
-                _ => line.vector(&self.ends, &self.nodes),
-            };
-            self.stretch[line.line] = line::geometry(&vector, numbers.free_length).stretch;
-        }
+    /// Stretches of the node lines with the nodes where the last solve put them.
+    pub(crate) fn find_stretches(&mut self, lines: &[LineNumbers<T>]) {
+        let own = self.free_lengths.iter_mut().zip(lines);
+        own.for_each(|(own, numbers)| *own = numbers.free_length);
+        self.stretched = false;
+        self.measure_lines();
     }
 }
 

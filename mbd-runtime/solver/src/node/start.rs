@@ -75,7 +75,7 @@ impl<T: Float> Nodes<T> {
         self.hold_modes(memory);
         self.each_plan(|nodes, plan| nodes.start_plan(stage, plan, guess, work))?;
         self.find_modes(stage, memory, work);
-        self.find_stretches(stage.model);
+        self.find_stretches(stage.model.lines());
         memory.previous.fill(T::zero());
         memory.against.fill(T::zero());
         self.record(memory);
@@ -273,9 +273,15 @@ impl<T: Float> Nodes<T> {
         let shortest = relaxations.reduce(|least, one| least.min(one));
         let span = shortest.unwrap_or_default() * T::from_f64(TINY_STEP);
         self.place(plan);
-        self.stretch_of(model, plan);
+        let (nodes, ends) = (&self.nodes, &self.ends);
+        let stretches = plan.lines.iter().map(|line| {
+            let free = line.numbers(model).map_or(T::zero(), |n| n.free_length);
+            (line.line, plan.stretch(line, free, ends, nodes))
+        });
+        let stretches: Vec<(usize, T)> = stretches.collect();
         plan.set_law(model, &self.modes, |line, numbers| {
-            let last = self.stretch.get(line.line).copied().unwrap_or_default();
+            let last = stretches.iter().find(|(own, _)| *own == line.line);
+            let last = last.map_or(T::zero(), |(_, stretch)| *stretch);
             let history = History { last, before: None };
             effective(numbers, Difference::Euler, Clamp::Positive, span, history)
         });

@@ -49,6 +49,7 @@ impl<S: Real> Targets<S> {
 
 /// The Newton direction δ of one node, and whether H is certainly regular there, as it is at almost every step; `epsilon` is the rounding unit.
 /// `None` for more than one node.
+#[inline]
 pub(crate) fn direction_of_one<S: Real>(
     here: &BalanceEvaluation<S>,
     epsilon: S,
@@ -88,6 +89,7 @@ pub(crate) fn is_safe<S: Real>(square: S, epsilon: S) -> S::Mask {
 }
 
 /// Where a node would be that moved as its anchors do on the average [m].
+#[inline]
 pub(crate) fn carried<S: Real>(
     last: Vector3<S>,
     displacements: impl ExactSizeIterator<Item = Vector3<S>>,

@@ -40,6 +40,7 @@ impl<T: Float> Projection<T> {
     }
 
     /// Whether there are rows.
+    #[inline]
     pub(crate) fn any(&self) -> bool {
         !self.rows.is_empty()
     }

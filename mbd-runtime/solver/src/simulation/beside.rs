@@ -83,8 +83,9 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Whether the step from here on of a size was received; it is used once.
+    #[inline]
     pub(super) fn take_received(&mut self, step: f64) -> bool {
-        let is_this = self.received.take() == Some([self.time, step]);
+        let is_this = self.received.is_some() && self.received.take() == Some([self.time, step]);
         self.beside = is_this;
         match is_this {
             true => self.attempted = step,

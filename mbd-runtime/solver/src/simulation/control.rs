@@ -74,7 +74,15 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Calls the controllers whose sample is now. After an error what is held is what it was, and the same sample is due again.
+    #[inline]
     pub(super) fn sample(&mut self) -> Result<(), StepError> {
+        match self.samplers.is_empty() {
+            true => self.refresh(),
+            false => self.ask_controllers(),
+        }
+    }
+
+    fn ask_controllers(&mut self) -> Result<(), StepError> {
         let now = self.time + resolution(self.time);
         let due = |sampler: &Sampler<T>| sampler.instant() <= now;
         if self.samplers.iter().any(due) {
@@ -99,36 +107,58 @@ impl<T: Float> Simulation<T> {
     }
 
     /// When the next sample of a controller is [s]; infinity where there is none.
+    #[inline]
     pub(super) fn next_sample(&self) -> f64 {
+        if self.samplers.is_empty() {
+            return f64::INFINITY;
+        }
         let instants = self.samplers.iter().map(Sampler::instant);
         instants.fold(f64::INFINITY, f64::min)
     }
 
     /// Keeps what functions of time and state give at the end of a call, which the first stage of the next step was evaluated with.
+    #[inline]
     pub(super) fn leave(&mut self) -> Result<(), StepError> {
-        if !self.stale && self.system.has_functions() {
-            self.system.supply(self.time, &self.state)?;
-            self.left.clear();
-            self.left.extend_from_slice(&self.system.inputs);
+        match !self.stale && self.system.has_functions() {
+            true => self.keep_supplied(),
+            false => Ok(()),
         }
+    }
+
+    fn keep_supplied(&mut self) -> Result<(), StepError> {
+        self.system.supply(self.time, &self.state)?;
+        self.left.clear();
+        self.left.extend_from_slice(&self.system.inputs);
         Ok(())
     }
 
     /// Whether functions of time and state give the same at the start of the next call; otherwise the first stage is stale.
+    #[inline]
     pub(super) fn compare_supplied(&mut self) -> Result<(), StepError> {
-        if !self.stale && self.system.has_functions() {
-            self.system.supply(self.time, &self.state)?;
-            self.stale = self.left != self.system.inputs;
-            self.left.clear();
+        match !self.stale && self.system.has_functions() {
+            true => self.compare_left(),
+            false => Ok(()),
         }
+    }
+
+    fn compare_left(&mut self) -> Result<(), StepError> {
+        self.system.supply(self.time, &self.state)?;
+        self.stale = self.left != self.system.inputs;
+        self.left.clear();
         Ok(())
     }
 
     /// The first stage and the margins of the next step, for what is supplied now, where that has changed.
+    #[inline]
     pub(super) fn refresh(&mut self) -> Result<(), StepError> {
-        if !self.stale {
-            return Ok(());
+        match self.stale {
+            true => self.begin_anew(),
+            false => Ok(()),
         }
+    }
+
+    #[cold]
+    fn begin_anew(&mut self) -> Result<(), StepError> {
         self.system
             .follow_commands(self.time, Some(0.0), &self.state)?;
         self.inside.copy_from_slice(self.method.first());

@@ -56,12 +56,16 @@ impl<T: Float> Simulation<T> {
 
     /// Starts a run that was not started. In one that was, functions of time and state may give something else than in the last call, and what is
     /// held may have changed: then the first stage is evaluated anew.
+    #[inline]
     fn enter(&mut self) -> Result<(), RunError> {
-        if !self.started {
-            return self.begin();
+        match self.started {
+            false => self.begin(),
+            true if !self.stale && !self.system.has_functions() => Ok(()),
+            true => {
+                let begun = self.compare_supplied().and_then(|()| self.refresh());
+                begun.map_err(|cause| self.failed(cause))
+            }
         }
-        let begun = self.compare_supplied().and_then(|()| self.refresh());
-        begun.map_err(|cause| self.failed(cause))
     }
 
     /// What [`Simulation::run_while`] does.
@@ -237,8 +241,10 @@ impl<T: Float> Simulation<T> {
         let Some(found) = self.find_event(step)? else {
             self.watch_step(step)?;
             let changes = self.sees_stiffness(step);
-            self.record_inside(step, trajectory, go_on, before)?;
-            self.measure_step(step, trajectory)?;
+            if trajectory.is_some() {
+                self.record_inside(step, trajectory, go_on, before)?;
+                self.measure_step(step, trajectory)?;
+            }
             self.count += 1;
             let end = match self.pace {
                 _ if lands => until,
@@ -366,16 +372,23 @@ impl<T: Float> Simulation<T> {
     fn make_own_step(&mut self, step: f64) -> Result<(), StepError> {
         let (time, state) = (self.time, &self.state);
         (self.attempted, self.beside) = (f64::NAN, false);
-        let tried = self.method.attempt(&mut self.system, time, step, state);
-        // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
-        match tried {
-            Err(StepError::SingularConstraints { .. }) if self.system.escalate(time, state) => {
-                self.method.attempt(&mut self.system, time, step, state)?;
-            }
-            tried => tried?,
+        if let Err(cause) = self.method.attempt(&mut self.system, time, step, state) {
+            self.attempt_again(step, cause)?;
         }
         self.attempted = step;
         Ok(())
+    }
+
+    /// A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
+    #[cold]
+    fn attempt_again(&mut self, step: f64, cause: StepError) -> Result<(), StepError> {
+        let (time, state) = (self.time, &self.state);
+        match cause {
+            StepError::SingularConstraints { .. } if self.system.escalate(time, state) => {
+                self.method.attempt(&mut self.system, time, step, state)
+            }
+            cause => Err(cause),
+        }
     }
 
     #[cold]
@@ -494,6 +507,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// A row at the accepted step, when every step is asked for.
+    #[inline]
     fn record_step(&mut self, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StepError> {
         match trajectory {
             Some(trajectory) if trajectory.due().is_none() => trajectory.push(

@@ -132,15 +132,22 @@ impl<T: Float> Simulation<T> {
                 return Err(self.unstable(step, Instability::Stages(rho)));
             }
         }
-        self.follow_momentum(step);
+        if self.momentum.is_some() {
+            self.follow_momentum(step);
+        }
+        match self.meter {
+            Meter::Nothing => Ok(()),
+            // The step to be taken is not counted yet.
+            Meter::Laws if !(self.system.counters.steps + 1).is_multiple_of(SELDOM) => Ok(()),
+            _ => self.watch_energy(step),
+        }
+    }
+
+    /// Looks at the energy at the end of the attempted step.
+    fn watch_energy(&mut self, step: f64) -> Result<(), StepError> {
         let Some(mut balance) = self.balance else {
             return Ok(());
         };
-        // The step to be taken is not counted yet.
-        let seldom = (self.system.counters.steps + 1).is_multiple_of(SELDOM);
-        if self.meter == Meter::Laws && !seldom {
-            return Ok(());
-        }
         // Where the step ends on an event, what jumps there has not jumped yet.
         let end = self.time + step;
         let now = match self.system.sees_before() {
@@ -213,10 +220,17 @@ impl<T: Float> Simulation<T> {
     ///
     /// # Errors
     /// Positions so far from the origin that forces have no digits left.
+    #[inline]
     pub(super) fn look_back(&mut self) -> Result<(), StepError> {
-        if self.system.counters.steps.is_multiple_of(OFTEN) {
-            self.watch_rounding()?;
+        // What is done more seldom is done at one of these steps, too.
+        match self.system.counters.steps.is_multiple_of(OFTEN) {
+            true => self.look_back_now(),
+            false => Ok(()),
         }
+    }
+
+    fn look_back_now(&mut self) -> Result<(), StepError> {
+        self.watch_rounding()?;
         self.remember_good();
         Ok(())
     }

@@ -7,10 +7,15 @@ use crate::error::Stiff;
 
 impl<T: Float> Simulation<T> {
     /// Looks at the attempted step of an adaptive run before it is taken; true when the run goes on with its other method.
+    #[inline]
     pub(super) fn sees_stiffness(&mut self, step: f64) -> bool {
-        if matches!(self.pace, Pace::Fixed(_)) {
-            return false;
+        match self.pace {
+            Pace::Fixed(_) => false,
+            Pace::Adaptive(..) => self.compare_with_limit(step),
         }
+    }
+
+    fn compare_with_limit(&mut self, step: f64) -> bool {
         let part = self.method.part_of_limit(step, &self.watch_weights);
         let changes = match self.method.is_stiff() {
             true => self.stiffness.eases(part),

@@ -94,6 +94,7 @@ fn jumps(scene: &Scene) -> bool {
 
 impl<T: Float> System<T> {
     /// Whether something may jump where an event is.
+    #[inline]
     pub(crate) fn may_jump(&self) -> bool {
         self.near.is_some()
     }
@@ -108,6 +109,7 @@ impl<T: Float> System<T> {
     }
 
     /// Stages see everything.
+    #[inline]
     pub(crate) fn see_all(&mut self) {
         self.latest = f64::INFINITY;
         if let Some(near) = &mut self.near {

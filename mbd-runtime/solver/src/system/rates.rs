@@ -1,6 +1,6 @@
 //! A model as a system of ordinary differential equations: the rates of a stage, their derivatives, and the way back onto the joints.
 
-use mbd_scene::Float;
+use mbd_scene::{Float, Quantity};
 
 use super::{System, stage};
 use crate::columns::state_names;
@@ -47,41 +47,97 @@ impl<T: Float> System<T> {
     }
 }
 
-impl<T: Float> Rates<T> for System<T> {
-    fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError> {
+impl<T: Float> System<T> {
+    /// Puts the end of a step back on the joints, and decides how the rows of the step after it are solved.
+    fn end_on_joints(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        self.stay(time, state)?;
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.measure(time, state);
+        self.pick(time, state);
+        Ok(())
+    }
+
+    /// The rates of a scene that is nothing but a state and inputs.
+    fn derivative_as_rates(
+        &mut self,
+        time: f64,
+        state: &[T],
+        out: &mut [T],
+    ) -> Result<(), StepError> {
+        let time = time.min(self.latest);
+        self.supply(time, state)?;
+        let at = self
+            .nodes
+            .at_no_node(T::from_f64(time), state, &self.inputs);
+        self.model
+            .evaluate(Quantity::Derivative, &at, &mut self.work, out);
+        self.counters.rhs = self.counters.rhs.saturating_add(1);
+        match all_finite(out) {
+            true => Ok(()),
+            false => Err(self.fault(time, state, out)),
+        }
+    }
+
+    /// The rates of a scene of any kind.
+    fn rates_of_any(
+        &mut self,
+        time: f64,
+        span: f64,
+        state: &[T],
+        out: &mut [T],
+    ) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         let time = time.min(self.latest);
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
-        let nodes = &mut self.nodes;
-        let solved = nodes.differentiate(
+        let solved = self.nodes.differentiate(
             stage,
             T::from_f64(span),
             &self.memory,
             &mut self.work,
             derivative,
         );
-        solved.map_err(|error| self.node_error(time, error))?;
+        if let Err(error) = solved {
+            return Err(self.node_error(time, error));
+        }
         self.counters.rhs = self.counters.rhs.saturating_add(1);
-        self.accelerate(time, state, derivative)?;
-        self.pull_back(time, state, derivative)?;
+        if self.projection.any() {
+            self.accelerate(time, state, derivative)?;
+            self.pull_back(time, state, derivative)?;
+        }
         if !works.is_empty() {
             self.read_energy(time, state);
             for (work, power) in works.iter_mut().zip(self.energy.iter().skip(3)) {
                 *work = *power;
             }
         }
-        if all_finite(out) {
-            return self.keep_before(time, span, state, out);
+        match (all_finite(out), self.may_jump()) {
+            (true, false) => Ok(()),
+            (true, true) => self.keep_before(time, span, state, out),
+            (false, _) => Err(self.fault(time, state, out)),
         }
-        let fault = out.iter().position(|x| !x.is_finite());
+    }
+
+    /// Rates that are not finite: why, or the first of them.
+    #[cold]
+    fn fault(&mut self, time: f64, state: &[T], rates: &[T]) -> StepError {
+        let fault = rates.iter().position(|x| !x.is_finite());
         if let Some(source) = self.without_number(time, state) {
-            return Err(StepError::NonFinite { time, source });
+            return StepError::NonFinite { time, source };
         }
-        Err(self
-            .unsolvable(time, state)
-            .unwrap_or_else(|| self.not_finite(time, fault.unwrap_or_default())))
+        self.unsolvable(time, state)
+            .unwrap_or_else(|| self.not_finite(time, fault.unwrap_or_default()))
+    }
+}
+
+impl<T: Float> Rates<T> for System<T> {
+    #[inline]
+    fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError> {
+        match self.takes_derivative {
+            true => self.derivative_as_rates(time, state, out),
+            false => self.rates_of_any(time, span, state, out),
+        }
     }
 
     fn rates_inside(
@@ -131,20 +187,24 @@ impl<T: Float> Rates<T> for System<T> {
         self.counters.factors = self.counters.factors.saturating_add(1);
     }
 
+    #[inline]
     fn enter(&mut self) {
         self.fallback.enter();
         self.nodes.enter(&self.memory);
     }
 
+    #[inline]
+    fn hold(&mut self, nothing_changes: bool) {
+        self.nodes.keep(nothing_changes);
+    }
+
+    #[inline]
     fn project_end(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.drift = self.normalise(state);
         self.fallback.margin = f64::NAN;
-        self.stay(time, state)?;
-        if self.projection.any() {
-            let state = state.get(..self.nx).unwrap_or_default();
-            self.measure(time, state);
-            self.pick(time, state);
+        match self.projection.any() {
+            true => self.end_on_joints(time, state),
+            false => Ok(()),
         }
-        Ok(())
     }
 }

@@ -1,0 +1,159 @@
+//! What a step of RK4 asks of a model: counted, so that nothing is asked twice, and nothing of what a scene does not have.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
+use mbd_runtime::scene::laws::LineNumbers;
+use mbd_runtime::scene::{ParamError, Scene};
+use mbd_runtime::{At, Layout, Model, Options, Quantity, Simulation, Work, model};
+
+/// A model that counts what it is asked.
+#[derive(Clone)]
+struct Asked {
+    model: Arc<dyn Model<f64>>,
+    counts: Arc<Mutex<BTreeMap<String, usize>>>,
+}
+
+impl Asked {
+    fn count(&self, what: &str) {
+        *self.counts.lock().unwrap().entry(what.into()).or_default() += 1;
+    }
+}
+
+impl Model<f64> for Asked {
+    fn share(&self) -> Arc<dyn Model<f64>> {
+        Arc::new(self.clone())
+    }
+    fn with_params(&self, params: &[f64]) -> Result<Arc<dyn Model<f64>>, ParamError> {
+        self.model.with_params(params)
+    }
+    fn work(&self) -> Work<f64> {
+        self.model.work()
+    }
+    fn scene(&self) -> &Scene {
+        self.model.scene()
+    }
+    fn layout(&self) -> &Layout {
+        self.count("layout");
+        self.model.layout()
+    }
+    fn params(&self) -> &[f64] {
+        self.model.params()
+    }
+    fn lines(&self) -> &[LineNumbers<f64>] {
+        self.count("lines");
+        self.model.lines()
+    }
+    fn evaluate(&self, what: Quantity, at: &At<'_, f64>, work: &mut Work<f64>, out: &mut [f64]) {
+        self.count(&format!("{what:?}"));
+        self.model.evaluate(what, at, work, out);
+    }
+}
+
+/// What nine steps ask, the first of them after the first look back, at which a run looks at where bodies are.
+fn asked(model: &impl Model<f64>, options: Options) -> Vec<(String, usize)> {
+    let model = Asked {
+        model: model.share(),
+        counts: Arc::default(),
+    };
+    let mut run = Simulation::new(&model, options).unwrap();
+    run.start().unwrap();
+    for _ in 0..10 {
+        run.step().unwrap();
+    }
+    model.counts.lock().unwrap().clear();
+    for _ in 0..9 {
+        run.step().unwrap();
+    }
+    let counts = model.counts.lock().unwrap();
+    counts.iter().map(|(what, n)| (what.clone(), *n)).collect()
+}
+
+fn expected(counts: &[(&str, usize)]) -> Vec<(String, usize)> {
+    counts
+        .iter()
+        .map(|(what, n)| ((*what).into(), *n))
+        .collect()
+}
+
+fn without_locating(step: f64) -> Options {
+    Options {
+        locate: false,
+        ..Options::rk4(step)
+    }
+}
+
+model! {
+    /// Two rods on hinges.
+    model Rods {
+        coordinates: relative;
+        emit: [derivative];
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        body upper { mass: 1 kg, inertia: diag(0.01, 0.01, 0.001) kg*m^2, frame top at [0, 0, 0.15] m, frame end at [0, 0, -0.15] m }
+        body lower { mass: 1 kg, inertia: diag(0.01, 0.01, 0.001) kg*m^2, frame top at [0, 0, 0.15] m }
+        joint hold: hinge from world to upper.top { axis: y, start: 0.3 rad }
+        joint pin: hinge from upper.end to lower.top { axis: x, start: 0.3 rad }
+    }
+}
+
+/// A mass that hangs on three lines, all of them taut, over a point of some kind.
+macro_rules! hung {
+    ($name:ident { $($point:tt)* } { $($damping:tt)* }) => {
+        model! {
+            /// A mass under a point on two lines.
+            model $name {
+                emit: [derivative];
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                world { frame left at [-1, 0, 0] m, frame right at [1, 0.5, 0] m, frame back at [0, -1, 0] m }
+                point knot { $($point)* }
+                point weight { mass: 50 kg, start at [0.0, 0.0, -2.3] m }
+                line one from world.left to knot { free_length: 1.2 m, stiffness: 9 kN/m $($damping)* }
+                line two from world.right to knot { free_length: 1.2 m, stiffness: 9 kN/m $($damping)* }
+                line three from world.back to knot { free_length: 1.2 m, stiffness: 9 kN/m $($damping)* }
+                line four from knot to weight { free_length: 1.0 m, stiffness: 9 kN/m $($damping)* }
+            }
+        }
+    };
+}
+
+hung!(MassKnot { mass: 1 kg, start at [0.0, 0.0, -1.0] m } { , damping: 90 N*s/m });
+hung!(RateKnot { equilibrium: rate } { , damping: 90 N*s/m });
+hung!(StaticKnot { equilibrium: static } {});
+
+#[test]
+fn a_step_without_lines_asks_for_four_derivatives_and_nothing_else() {
+    let rods = Rods::new(RodsParams::default()).unwrap();
+    let asked = asked(&rods, Options::rk4(1e-3));
+    assert_eq!(asked, expected(&[("Derivative", 36)]));
+}
+
+#[test]
+fn lines_between_masses_are_looked_at_once_a_step_where_they_are_located() {
+    let knot = MassKnot::new(MassKnotParams::default()).unwrap();
+    let free = asked(&knot, without_locating(1e-4));
+    assert_eq!(free, expected(&[("Derivative", 36)]));
+    let located = asked(&knot, Options::rk4(1e-4));
+    assert_eq!(located, expected(&[("Derivative", 36), ("Guards", 9)]));
+}
+
+#[test]
+fn a_rate_node_is_found_along_with_the_derivative() {
+    let knot = RateKnot::new(RateKnotParams::default()).unwrap();
+    let free = asked(&knot, without_locating(1e-3));
+    assert_eq!(free, expected(&[("Rates", 36)]));
+    let located = asked(&knot, Options::rk4(1e-3));
+    assert_eq!(located, expected(&[("Guards", 9), ("Rates", 36)]));
+}
+
+#[test]
+fn a_static_node_asks_for_its_anchors_once_a_stage_and_for_its_lines_twice() {
+    let knot = StaticKnot::new(StaticKnotParams::default()).unwrap();
+    let asked: BTreeMap<String, usize> = asked(&knot, Options::rk4(1e-3)).into_iter().collect();
+    let balances = asked["Equilibrium(0)"];
+    assert_eq!(asked["AnchorStates"], 36);
+    assert_eq!(asked["Derivative"], 36);
+    assert_eq!(asked["lines"], 72);
+    assert_eq!(asked.len(), 4, "{asked:?}");
+    // Newton from the last place, carried along with the anchors: a step or two.
+    assert!((36..=36 * 3).contains(&balances), "{balances}");
+}
