@@ -24,6 +24,7 @@ const MOST: usize = 8;
 
 /// A run in a lane.
 pub struct Lane<'r, T: Float> {
+    /// The run.
     pub run: &'r mut Simulation<T>,
     /// Where it goes.
     pub course: &'r Course,
@@ -320,7 +321,7 @@ impl<L: Lanes> LaneGroup<L> {
         };
         let (mut count, mut changed) = (0, false);
         let mut goes_on = [false; MOST];
-        for lane in 0..L::WIDTH {
+        for (lane, goes_on) in goes_on.iter_mut().enumerate().take(L::WIDTH) {
             let Some(Lane {
                 run,
                 course,
@@ -339,8 +340,7 @@ impl<L: Lanes> LaneGroup<L> {
             tried.steps[lane] = step;
             count += 1;
             self.load_held(lane, run);
-            goes_on[lane] =
-                self.taken[lane] && run.goes_on_beside() && self.has_model_of(lane, run);
+            *goes_on = self.taken[lane] && run.goes_on_beside() && self.has_model_of(lane, run);
             tried.looks = tried.looks.and(run.looks_at(history));
         }
         if goes_on.contains(&true)
