@@ -1,7 +1,7 @@
 //! Words of other tools for the settings and the methods of a run, and what is written here.
 
 /// Words, and the answer to them.
-type Answers = &'static [(&'static [&'static str], &'static str)];
+type WordAnswers = &'static [(&'static [&'static str], &'static str)];
 
 /// The answer to a setting of another tool.
 pub(super) fn of_setting(word: &str) -> Option<&'static str> {
@@ -13,7 +13,7 @@ pub(super) fn of_method(word: &str) -> Option<&'static str> {
     answer(METHODS, word)
 }
 
-fn answer(answers: Answers, word: &str) -> Option<&'static str> {
+fn answer(answers: WordAnswers, word: &str) -> Option<&'static str> {
     let word = word.to_lowercase();
     let mut answers = answers.iter();
     let found = answers.find(|(theirs, _)| theirs.contains(&word.as_str()));
@@ -21,7 +21,7 @@ fn answer(answers: Answers, word: &str) -> Option<&'static str> {
 }
 
 /// Settings of other tools, and ours.
-const SETTINGS: Answers = &[
+const SETTINGS: WordAnswers = &[
     (
         &[
             "end",
@@ -76,7 +76,7 @@ const SETTINGS: Answers = &[
 ];
 
 /// Methods of other tools, and what to take here.
-const METHODS: Answers = &[
+const METHODS: WordAnswers = &[
     (
         &[
             "rk45", "ode45", "dopri5", "dopri", "dp5", "rkf45", "cashkarp", "adaptive",

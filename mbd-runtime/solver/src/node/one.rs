@@ -63,10 +63,19 @@ impl<T: Float> Nodes<T> {
                     continue;
                 }
             };
-            plan.p.copy_from_slice(&p);
-            if let Outcome::Slack { .. } = outcome {
-                self.let_go(plan);
+            match outcome {
+                Outcome::Slack { .. } => self.let_go(plan),
+                _ => {
+                    // On by the step from where it is balanced, as the chain does.
+                    if let Some((delta, true)) = direction_of_one(here, T::EPSILON) {
+                        for (p, delta) in p.iter_mut().zip(delta.iter()) {
+                            *p += *delta;
+                        }
+                        *self.nodes.get_mut(3 * node..)?.first_chunk_mut()? = p;
+                    }
+                }
             }
+            plan.p.copy_from_slice(&p);
             return Some(outcome);
         }
         None
