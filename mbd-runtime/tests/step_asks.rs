@@ -89,8 +89,17 @@ model! {
         coordinates: relative;
         emit: [derivative];
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        body upper { mass: 1 kg, inertia: diag(0.01, 0.01, 0.001) kg*m^2, frame top at [0, 0, 0.15] m, frame end at [0, 0, -0.15] m }
-        body lower { mass: 1 kg, inertia: diag(0.01, 0.01, 0.001) kg*m^2, frame top at [0, 0, 0.15] m }
+        body upper {
+            mass: 1 kg,
+            inertia: diag(0.01, 0.01, 0.001) kg*m^2,
+            frame top at [0, 0, 0.15] m,
+            frame end at [0, 0, -0.15] m,
+        }
+        body lower {
+            mass: 1 kg,
+            inertia: diag(0.01, 0.01, 0.001) kg*m^2,
+            frame top at [0, 0, 0.15] m,
+        }
         joint hold: hinge from world to upper.top { axis: y, start: 0.3 rad }
         joint pin: hinge from upper.end to lower.top { axis: x, start: 0.3 rad }
     }
