@@ -54,7 +54,7 @@ pub fn evaluate_with_multipliers(
             let mut power = forces::drive_power(&evaluation);
             match tree {
                 Some(tree) => power += tree.drive_power_for(&evaluation, assembly),
-                None => each(&evaluation, &mut |_, rows, own, _| {
+                None => each(&evaluation, |_, rows, own, _| {
                     for (row, &multiplier) in rows.rows().iter().zip(own) {
                         power -= multiplier * row.time;
                     }
@@ -86,7 +86,7 @@ pub fn evaluate_with_multipliers(
 /// Writes force and torque of every joint, (1).
 fn reactions(evaluation: &Evaluation<'_, f64>, out: &mut [f64]) {
     out.fill(0.0);
-    each(evaluation, &mut |joint, rows, own, ends| {
+    each(evaluation, |joint, rows, own, ends| {
         let rows = rows
             .rows()
             .iter()
@@ -101,7 +101,7 @@ fn reactions(evaluation: &Evaluation<'_, f64>, out: &mut [f64]) {
 /// Hands out every joint with its rows, their multipliers and its ends, body components.
 fn each(
     evaluation: &Evaluation<'_, f64>,
-    look: &mut dyn FnMut(usize, &Rows<f64>, &[f64], &Ends<'_, f64>),
+    mut look: impl FnMut(usize, &Rows<f64>, &[f64], &Ends<'_, f64>),
 ) {
     let mut rows = Rows::default();
     let joints = evaluation.scene.joints.iter();

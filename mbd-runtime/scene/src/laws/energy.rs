@@ -68,7 +68,7 @@ pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S])
 /// Visits the mass, position in the world, linear momentum there and angular momentum about itself of everything that moves, bodies first.
 fn visit_moving<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    visit: &mut dyn FnMut(Place, S, &Vector3<S>, &Vector3<S>, &Vector3<S>),
+    mut visit: impl FnMut(Place, S, &Vector3<S>, &Vector3<S>, &Vector3<S>),
 ) {
     let bodies = evaluation.motions.iter().zip(&evaluation.numbers.bodies);
     for (index, (motion, body)) in bodies.enumerate() {
@@ -98,7 +98,7 @@ fn visit_moving<S: Real>(
 /// Position and velocity of the centre of mass of everything that moves.
 pub fn centre_of_mass<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let (mut whole, mut place, mut momentum) = (S::zero(), Vector3::zeros(), Vector3::zeros());
-    visit_moving(evaluation, &mut |_, mass, position, p, _| {
+    visit_moving(evaluation, |_, mass, position, p, _| {
         whole += mass;
         place += position.map(|x| mass * x);
         momentum += p;
@@ -110,7 +110,7 @@ pub fn centre_of_mass<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 
 pub fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
-    visit_moving(evaluation, &mut |_, _, position, p, spin| {
+    visit_moving(evaluation, |_, _, position, p, spin| {
         linear += p;
         angular += position.cross(p) + spin;
     });
@@ -125,7 +125,7 @@ pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let (mut force, mut torque) = forces::loads(evaluation);
     let [mut linear, mut angular] = [S::zero(); 2];
     let [mut push, mut twist] = [norm(&force), norm(&torque)];
-    visit_moving(evaluation, &mut |place, mass, position, p, spin| {
+    visit_moving(evaluation, |place, mass, position, p, spin| {
         let weight = gravity::at(evaluation, place).map(|g| mass * g);
         force += weight;
         torque += position.cross(&weight);

@@ -39,7 +39,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
     fn chain(self, value: T, slope: T) -> Self {
         let mut slopes = self.slopes;
         for own in &mut slopes {
-            *own = *own * slope;
+            *own *= slope;
         }
         Dual { value, slopes }
     }
