@@ -262,10 +262,8 @@ impl<L: Lanes> Networks<L> {
             // A lane whose direction follows other rules, or whose residual has no certain size, is left to its run.
             let certain = flag::<L>(certain);
             let goes_on = active * certain * found * (one - done);
-            // The step from where a node is balanced costs no evaluation.
-            let polished = active * regular * flag::<L>(standing.balanced) * (one - slack);
             usable -= active * (one - certain * L::select(zero.lt(done), one, found));
-            let moves = zero.lt(goes_on + polished);
+            let moves = zero.lt(goes_on);
             let here = crate::node::triple(&stages.nodes, 3 * node);
             let next = here.zip_map(&delta, |p, delta| L::select(moves, p + delta, p));
             place(stages, node, &next);

@@ -63,19 +63,10 @@ impl<T: Float> Nodes<T> {
                     continue;
                 }
             };
-            match outcome {
-                Outcome::Slack { .. } => self.let_go(plan),
-                _ => {
-                    // On by the step from where it is balanced, as the chain does.
-                    if let Some((delta, true)) = direction_of_one(here, T::EPSILON) {
-                        for (p, delta) in p.iter_mut().zip(delta.iter()) {
-                            *p += *delta;
-                        }
-                        *self.nodes.get_mut(3 * node..)?.first_chunk_mut()? = p;
-                    }
-                }
-            }
             plan.p.copy_from_slice(&p);
+            if let Outcome::Slack { .. } = outcome {
+                self.let_go(plan);
+            }
             return Some(outcome);
         }
         None

@@ -413,12 +413,7 @@ impl<T: Float> Descent<T> {
             balance.evaluate(&self.p, k, l, &mut self.here);
             let residual = match self.judge(load, limits) {
                 Ok(residual) => residual,
-                Err(verdict) => {
-                    if matches!(verdict, DescentEnd::Balanced(_)) {
-                        self.polish();
-                    }
-                    return verdict;
-                }
+                Err(verdict) => return verdict,
             };
             if residual.is_finite() && smallest.is_none_or(|least| residual < least) {
                 smallest = Some(residual);
@@ -486,16 +481,6 @@ impl<T: Float> Descent<T> {
             Standing { slack: true, .. } => Err(DescentEnd::Slack),
             Standing { balanced: true, .. } => Err(DescentEnd::Balanced(residual)),
             _ => Ok(residual),
-        }
-    }
-
-    /// Takes one node on by the Newton step from where it is balanced, which costs no evaluation: what the balance is off by then is rounding, however near
-    /// its tolerance it was, and so however good the start.
-    fn polish(&mut self) {
-        if self.direction_of_one() {
-            for (p, &delta) in self.p.iter_mut().zip(&self.delta) {
-                *p += delta;
-            }
         }
     }
 
