@@ -56,7 +56,7 @@ impl<C: Into<Cell>> From<Option<C>> for Cell {
 /// What lies between two columns, in letters.
 const GAP: usize = 1;
 /// Tables that need more letters than this beside each other, the style of each, and the width of a page up to which it has no room for them [rem].
-const CARDS: [(usize, &str, u32); 2] = [(84, "broad", 54), (46, "wide", 34)];
+const CARDS: [(usize, &str, u32); 2] = [(84, "broad", 54), (40, "wide", 34)];
 
 /// The style of tables that have no room: every row is a card, every cell has the head of its column beside it, and what is missing is left out.
 pub(super) fn style_sheet() -> String {
