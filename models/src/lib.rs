@@ -1,14 +1,8 @@
-//! Ready scenes, reports and what the command line `mbd` is made of.
+//! Ready scenes, the parachute with its report, and scenes that are not compiled in lanes.
 
-pub mod advice;
-pub mod describe;
-pub mod extremes;
 pub mod in_lanes;
 pub mod parachute;
-pub mod quantities;
-pub mod run;
 pub mod scenes;
-pub mod trade;
 
 pub use mbd_campaign::progress;
 pub use mbd_report as report;

@@ -1,7 +1,7 @@
 """Robots as people have them, read by `mbd` and by Pinocchio: joint accelerations from the same states. For developers; nothing of it runs in CI.
 
     pip install pin example-robot-data
-    cargo build --release -p models
+    cargo build --release
     python tests/scripts/robots.py target/release/mbd                  # the table of all robots of example-robot-data
     python tests/scripts/robots.py target/release/mbd --reference      # writes tests/reference/robots/urdf_arm.json
 

@@ -8,6 +8,7 @@
 //!
 //! Where the coordinates stand among joints and speeds is read from their names.
 
+use dense::pseudo_inverse;
 use mbd_scene::{AngularVelocity, Coordinates, Layout, Quantity, Scene};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::rc::Rc;
@@ -140,9 +141,8 @@ impl<'s> Minimal<'s> {
             let rates = evaluate(self.scene, Quantity::Derivative, &state, &self.inputs, &[]);
             self.turns.column_mut(column).copy_from_slice(&rates[..nq]);
         }
-        let inverse = |matrix: DMatrix<f64>| matrix.pseudo_inverse(1e-9).expect("a positive bound");
-        self.moves = inverse(self.turns.clone());
-        self.rows = inverse(self.rows_there());
+        self.moves = pseudo_inverse(self.turns.clone());
+        self.rows = pseudo_inverse(self.rows_there());
     }
 
     /// Moves or speeds by least squares of the rows.

@@ -1,10 +1,10 @@
 //! The ready scenes: each runs, stays on its joints and keeps its energy; where the motion is known, it is that.
 
+use mbd_command::run::{Quality, RunOutcome, RunPlan, Settings, fly_model};
 use mbd_compiler::{read_toml, write_toml};
+use mbd_report::drawings;
 use mbd_scene::Layout;
 use models::progress::ProgressLine;
-use models::report::drawings;
-use models::run::{Quality, RunOutcome, RunPlan, Settings, fly_model};
 use models::scenes::{READY, Ready};
 use tests::assert_close;
 use tests::reference::{load, numbers};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Source folders of the crates, tests left out.
-const SOURCES: [&str; 8] = [
+const SOURCES: [&str; 9] = [
     "mbd-runtime/scene/src",
     "mbd-runtime/solver/src",
     "mbd-runtime/src",
@@ -15,6 +15,7 @@ const SOURCES: [&str; 8] = [
     "mbd-macros/src",
     "mbd-macros/compiler/src",
     "models/src",
+    "models/command/src",
 ];
 
 /// Words that declare a type or a trait.

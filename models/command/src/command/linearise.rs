@@ -1,0 +1,385 @@
+//! `mbd linearise`: how a scene vibrates about its start, or about where it rests.
+
+use std::path::PathBuf;
+
+use crate::run::RunPlan;
+use clap::Args;
+use mbd_compiler::read_number;
+use mbd_report::{ReportTable, significant};
+use mbd_runtime::nalgebra::DMatrix;
+use mbd_runtime::scene::{Dimension, Scene};
+use mbd_runtime::{
+    Content, Generic, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory, Trimmed,
+    trim,
+};
+use serde_json::json;
+use toml::Value;
+
+use super::check::pretty;
+use super::failure::CommandFailure;
+use super::run::{Flag, SET, assign, assigned};
+use super::scene_file::SceneFile;
+
+/// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
+const MOMENT: f64 = 1e-3;
+const NOTED: f64 = 1e-2;
+
+/// Where and in which coordinates.
+#[derive(Args, Debug)]
+pub struct LineariseArgs {
+    /// A ready scene (`mbd list`) or a scene file.
+    scene: PathBuf,
+    /// About the rest that is found from the start, instead of about the start.
+    #[arg(long)]
+    trim: bool,
+    /// A coordinate that is to be one of the linear system, `crank.angle`; may be repeated [default: joint coordinates in order of declaration].
+    #[arg(long = "along", value_name = "COORDINATE")]
+    along: Vec<String>,
+    /// Where a coordinate of the rest begins that is looked for, `boom.angle=-20deg`; may be repeated [default: the start].
+    #[arg(long = "guess", value_name = "NAME=VALUE", requires = "trim")]
+    guess: Vec<String>,
+    /// A coordinate of the rest that stays at a value, `boom.angle=-20deg`; may be repeated.
+    #[arg(long = "fix", value_name = "NAME=VALUE", requires = "trim")]
+    fix: Vec<String>,
+    /// A coordinate that goes on at a constant rate where all others rest, `plane.x=55m/s` of a steady flight; may be repeated.
+    #[arg(long = "rate", value_name = "NAME=VALUE", requires = "trim")]
+    rate: Vec<String>,
+    /// An input that is looked for, `thrust`, `wind.x`; may be repeated [default: inputs stay as they are].
+    #[arg(long = "free", value_name = "INPUT", requires = "trim")]
+    free: Vec<String>,
+    /// A param with another value, `riser_k=50kN/m`; may be repeated.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// A, B, C, D with the names of their rows and columns, and the eigenvalues, as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Linearises a scene and tells its coordinates and eigenvalues.
+pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
+    let SceneFile {
+        scene,
+        mut settings,
+        ..
+    } = SceneFile::find(&args.scene)?;
+    assign(&mut settings.params, SET, &args.set)?;
+    // Nothing runs: a scene need not say until when.
+    settings.until.get_or_insert(Value::Float(1.0));
+    let invalid = |error: &dyn std::fmt::Display| {
+        CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
+    };
+    let plan = RunPlan::new(&scene, &settings).map_err(|error| invalid(&error))?;
+    let model = Generic::new(scene, &plan.params).map_err(|error| invalid(&error))?;
+    let mut run = Simulation::new(&model, plan.options).map_err(|e| invalid(&e))?;
+    plan.begin(&mut run).map_err(|e| invalid(&e))?;
+    run.start().map_err(|e| invalid(&e))?;
+    let along: Vec<&str> = args.along.iter().map(String::as_str).collect();
+    let numbers = |flag, list: &[String]| -> Result<Vec<_>, CommandFailure> {
+        let each = list.iter();
+        each.map(|written| number(model.scene(), flag, written))
+            .collect()
+    };
+    let guesses = numbers(GUESS, &args.guess)?;
+    let fixed = numbers(FIX, &args.fix)?;
+    let rates = numbers(RATE, &args.rate)?;
+    if !args.trim {
+        let space = run.linearise(&along).map_err(|e| invalid(&e))?;
+        if args.json {
+            return json_of(&space, None);
+        }
+        let here = row_of(&mut run).map_err(|e| invalid(&e))?;
+        let note = match turning(&here, &space) {
+            note if note.is_empty() => changing(&mut run, &space, &along),
+            note => note,
+        };
+        return Ok(format!("{}{}", told(&space, "start"), note));
+    }
+    let begun = trim(&model).begin_at(&run);
+    let begun = along.iter().fold(begun, |it, name| it.along(name));
+    let asked = args.free.iter().fold(begun, |it, name| it.free_input(name));
+    let asked = guesses
+        .iter()
+        .fold(asked, |it, (name, value)| it.guess(name, *value));
+    let asked = fixed
+        .iter()
+        .fold(asked, |it, (name, value)| it.fix(name, *value));
+    let asked = rates
+        .iter()
+        .fold(asked, |it, (name, value)| it.rate(name, *value));
+    let rest = asked.solve().map_err(|e| invalid(&e))?;
+    let there = there(&mut run, &rest).map_err(|e| invalid(&e))?;
+    if args.json {
+        return json_of(&rest.space, Some((&rest, &there)));
+    }
+    let place = match rates.is_empty() {
+        true => "rest",
+        false => "steady motion",
+    };
+    Ok(format!(
+        "{}\n{}\n{}{}",
+        told_rest(&rest, place),
+        told_there(&there),
+        told(&rest.space, place),
+        turning(&there, &rest.space)
+    ))
+}
+
+/// Everything that a history holds of a rest: one row of it.
+fn there(run: &mut Simulation<f64>, rest: &Trimmed) -> Result<Trajectory, RunError> {
+    run.set_inputs(&rest.inputs)?;
+    run.set_state(run.time(), &rest.state)?;
+    if !rest.nodes.is_empty() {
+        run.set_nodes(&rest.nodes)?;
+    }
+    row_of(run)
+}
+
+/// Everything that a history holds of a run where it stands.
+fn row_of(run: &mut Simulation<f64>) -> Result<Trajectory, RunError> {
+    let model = run.model().clone();
+    let content = Content {
+        energy: false,
+        ..Content::ALL
+    };
+    let mut row = Trajectory::new(&*model, Sampling::Steps, content);
+    run.record(run.time(), &mut row)?;
+    Ok(row)
+}
+
+/// Names, units and values of the row of a rest; what its constraints are off by is no part of it.
+fn columns(there: &Trajectory) -> impl Iterator<Item = (&Name, f64)> {
+    let all = there.names().iter().filter_map(|name| {
+        let value = there.column(&name.name)?.first().copied()?;
+        Some((name, value))
+    });
+    all.filter(|(name, _)| name.name != "time" && !name.name.contains("_drift"))
+}
+
+const GUESS: Flag = ("--guess", "pin.angle=30deg");
+const FIX: Flag = ("--fix", "pin.angle=30deg");
+const RATE: Flag = ("--rate", "plane.x=55m/s");
+
+/// A coordinate and its number, as they are written: with its unit, where it is not zero.
+fn number(scene: &Scene, flag: Flag, written: &str) -> Result<(String, f64), CommandFailure> {
+    let wrong = |why: String| CommandFailure::Usage(format!("{} `{written}`: {why}", flag.0));
+    let (name, value) = assigned(flag, written)?;
+    let (value, unit) = read_number(value).map_err(wrong)?;
+    let as_rate = flag == RATE;
+    let of_joint = |(joint, number, is_rate): (usize, usize, bool)| {
+        let coordinate = scene.joints.get(joint)?.law.coordinate(number)?;
+        Some(Dimension {
+            length: if coordinate.is_angle() { 0 } else { 2 },
+            time: if is_rate || as_rate { -2 } else { 0 },
+            ..Dimension::default()
+        })
+    };
+    // What is no coordinate of a joint is a position, or a turn, which a trim refuses by name.
+    let position = Dimension {
+        length: 2,
+        time: if as_rate { -2 } else { 0 },
+        ..Dimension::default()
+    };
+    let wanted = match scene.joint_coordinate(name) {
+        Some(found) => of_joint(found),
+        None => (!name.contains(".turn_")).then_some(position),
+    };
+    let fits = !unit.text.is_empty() && wanted.is_none_or(|wanted| wanted == unit.dimension);
+    match fits || value == 0.0 {
+        true => Ok((name.to_owned(), value)),
+        false if as_rate => Err(wrong("give it in the unit of its rate, rad/s, deg/s or rpm of an angle, m/s of a slide or a position".into())),
+        false => Err(wrong("give it in the unit of its coordinate, deg or rad of an angle, m of a slide or a position".into())),
+    }
+}
+
+/// The matrices by rows, with names and units, and the eigenvalues; with the rest, if they are about one.
+fn json_of(
+    space: &StateSpace,
+    rest: Option<(&Trimmed, &Trajectory)>,
+) -> Result<String, CommandFailure> {
+    let names = |list: &[Name]| -> Vec<_> {
+        let each = list.iter();
+        each.map(|one| json!({ "name": one.name, "unit": one.unit }))
+            .collect()
+    };
+    let rows = |matrix: &DMatrix<f64>| -> Vec<Vec<f64>> {
+        let rows = matrix.row_iter();
+        rows.map(|row| row.iter().copied().collect()).collect()
+    };
+    let vibrations = space.vibrations();
+    let eigenvalues: Vec<_> = vibrations
+        .iter()
+        .map(|one| {
+            json!({ "real": one.real, "imaginary": one.imaginary, "hertz": one.hertz(), "damping": one.damping(),
+                "shape": one.shape, "participation": one.participation })
+        })
+        .collect();
+    let rest = rest.map(|(rest, there)| {
+        let value = |(name, value): (&Name, f64)| json!({ "name": name.name, "unit": name.unit, "value": value });
+        json!({
+            "coordinates": rest.values().map(value).collect::<Vec<_>>(),
+            "there": columns(there).map(value).collect::<Vec<_>>(),
+            "undecided": rest.undecided,
+        })
+    });
+    pretty(&json!({
+        "rest": rest, "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs),
+        "a": rows(&space.a), "b": rows(&space.b), "c": rows(&space.c), "d": rows(&space.d),
+        "accelerations": space.accelerations.as_slice(), "eigenvalues": eigenvalues,
+    }))
+}
+
+/// What is said where turns are measured about axes that turn themselves: frequencies are those seen from there.
+fn turning(here: &Trajectory, space: &StateSpace) -> String {
+    let sizes: Vec<f64> = space
+        .vibrations()
+        .iter()
+        .map(|one| one.frequency())
+        .collect();
+    let fastest = sizes.iter().copied().fold(0.0, f64::max);
+    let own = sizes.into_iter().filter(|size| *size > 1e-6 * fastest);
+    let slowest = own.fold(f64::INFINITY, f64::min);
+    if slowest.is_infinite() {
+        return String::new();
+    }
+    let mut notes: Vec<String> = Vec::new();
+    for (owner, _) in space
+        .states
+        .iter()
+        .filter_map(|state| state.name.split_once(".turn_"))
+    {
+        let rate = |axis: char| {
+            let names = ["omega_body", "omega"].map(|kind| format!("{owner}.{kind}_{axis}"));
+            let mut columns = names.iter().filter_map(|name| here.column(name)?.first());
+            columns.next().copied().unwrap_or(0.0)
+        };
+        let rate = ['x', 'y', 'z']
+            .map(rate)
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt();
+        let note = format!("`{owner}`, at {} rad/s", significant(rate, 4));
+        if rate > 0.0 && rate > NOTED * slowest && !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    match notes.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\nNote: turns are about axes that turn with {}. Frequencies are those seen from there, and where forces do not turn with it the linear system changes along the motion and its eigenvalues are no frequencies of the motion. With `angular_velocity: world;` turns are about axes that stay.\n",
+            notes.join(" and ")
+        ),
+    }
+}
+
+/// What is said where the linear system is another one a moment later, as with coordinates that turn with a part that spins: its eigenvalues are no
+/// frequencies of the motion.
+fn changing(run: &mut Simulation<f64>, space: &StateSpace, along: &[&str]) -> String {
+    let sizes = space.vibrations().into_iter().map(|one| one.frequency());
+    let fastest = sizes.fold(0.0, f64::max);
+    let moment = MOMENT / fastest;
+    let later = run
+        .run(run.time() + moment)
+        .ok()
+        .and_then(|_| run.linearise(along).ok());
+    let Some(later) = later.filter(|later| later.a.shape() == space.a.shape()) else {
+        return String::new();
+    };
+    let change = (&later.a - &space.a).norm() / (MOMENT * space.a.norm());
+    match change > NOTED {
+        true => format!(
+            "\nNote: along the motion this linear system changes, by {:.2} of itself while its fastest mode turns by a radian: its eigenvalues hold at this instant and are no frequencies of the motion. Coordinates that do not turn with a part that spins (`--along`), or a rest (`--trim`), may give one that stays.\n",
+            change
+        ),
+        false => String::new(),
+    }
+}
+
+/// Everything there.
+fn told_there(there: &Trajectory) -> String {
+    let mut table = ReportTable::new("There")
+        .column("column", "")
+        .column("unit", "")
+        .column("value", "");
+    for (name, value) in columns(there) {
+        table.push([
+            name.name.as_str().into(),
+            name.unit.as_str().into(),
+            value.into(),
+        ]);
+    }
+    table.text()
+}
+
+/// Where the rest is.
+fn told_rest(rest: &Trimmed, place: &str) -> String {
+    let title = match place {
+        "rest" => "Rest",
+        _ => "Steady motion",
+    };
+    let mut table = ReportTable::new(title)
+        .column("coordinate", "")
+        .column("unit", "")
+        .column("value", "");
+    for (name, value) in rest.values() {
+        let (name, unit) = (name.name.as_str(), name.unit.as_str());
+        table.push([name.into(), unit.into(), value.into()]);
+    }
+    let undecided = rest.undecided.join("`, `");
+    match undecided.is_empty() {
+        true => table.text(),
+        false => format!(
+            "{}\nNothing decides `{undecided}`: what stayed where it began.\n",
+            table.text()
+        ),
+    }
+}
+
+/// The tables.
+fn told(space: &StateSpace, place: &str) -> String {
+    let count = space.states.len();
+    let mut states = ReportTable::new(format!("Linear system about the {place}"))
+        .column("state", "")
+        .column("unit", "")
+        .column("acceleration", "");
+    // Coordinates, then their rates, then what stands behind the speeds.
+    let coordinates = count - space.accelerations.len();
+    for (index, name) in space.states.iter().enumerate() {
+        let own = index.checked_sub(coordinates);
+        let own = own.and_then(|index| space.accelerations.get(index).copied());
+        states.push([
+            name.name.as_str().into(),
+            name.unit.as_str().into(),
+            own.into(),
+        ]);
+    }
+    let mut vibrations = ReportTable::new("Eigenvalues")
+        .column("frequency", "Hz")
+        .column("|λ|", "rad/s")
+        .column("damping", "")
+        .column("Re λ", "1/s")
+        .column("Im λ", "rad/s")
+        .column("moves most", "");
+    for one in space.vibrations() {
+        let share = |index: usize| one.participation.get(index).copied().unwrap_or(0.0);
+        // A coordinate takes part with its rate, which stands behind all coordinates.
+        let shares = (0..count).filter_map(|index| match index {
+            index if index < coordinates => {
+                Some((index, share(index) + share(coordinates + index)))
+            }
+            index if index < 2 * coordinates => None,
+            index => Some((index, share(index))),
+        });
+        let most = shares.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let most = most.and_then(|(index, _)| space.states.get(index));
+        vibrations.push([
+            one.hertz().into(),
+            one.frequency().into(),
+            one.damping().into(),
+            one.real.into(),
+            one.imaginary.into(),
+            most.map(|name| name.name.as_str()).into(),
+        ]);
+    }
+    format!("{}\n{}", states.text(), vibrations.text())
+}

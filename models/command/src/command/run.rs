@@ -1,0 +1,443 @@
+//! `mbd run`: flies a scene and writes what came out.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::run::{
+    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, phases_json,
+    publish, publish_gltf, publish_phases, summary_json, warning, windows,
+};
+use clap::Args;
+use mbd_campaign::Campaign;
+use mbd_campaign::progress::ProgressLine;
+use mbd_campaign::run::GivenSettings;
+use mbd_report::ReportTable;
+use mbd_runtime::scene::Scene;
+use toml::{Table, Value};
+
+use super::failure::CommandFailure;
+use super::list;
+use super::phases::{MOST, Phases};
+use super::scene_file::SceneFile;
+
+/// What to run, and how; flags go before the `[run]` table of the file.
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    /// A ready scene (`mbd list`) or a scene file.
+    scene: PathBuf,
+    /// Folder for history, figures, report and summary [default: out/NAME of a ready scene, out/PATH of a file without its extension].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// The integrator: rk4 (fixed steps), rattle (fixed steps, long runs), tsit5, vern7 (tight tolerances), rodas5p (stiff), auto [default: rk4 with --dt, else tsit5].
+    #[arg(long, value_name = "METHOD")]
+    method: Option<String>,
+    /// Fixed step of RK4 or Rattle, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
+    #[arg(long, value_name = "STEP", conflicts_with = "tol")]
+    dt: Option<String>,
+    /// Relative tolerance of adaptive steps [default: 1e-8 if no equilibrium point is stepwise].
+    #[arg(long, value_name = "NUMBER")]
+    tol: Option<String>,
+    /// End of the run, with unit or in seconds.
+    #[arg(long, value_name = "TIME")]
+    until: Option<String>,
+    /// Distance of the rows of the history, with unit or in seconds [default: every step].
+    #[arg(long, value_name = "TIME")]
+    every: Option<String>,
+    /// The most steps, accepted and rejected, before the run is given up [default: 10000000 of fixed steps, 1000000 of adaptive methods].
+    #[arg(long, value_name = "NUMBER")]
+    max_steps: Option<u64>,
+    /// Value of a param with its unit, `riser_k=50kN/m`; may be repeated. `mbd check` shows the params with their ranges.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// An input with another value for the whole run, `push=5N`, `wind="[8, 0, 0] m/s"`; may be repeated.
+    #[arg(long = "input", value_name = "NAME=VALUE")]
+    input: Vec<String>,
+    /// Leave out the second, finer run that tells the error of the first.
+    #[arg(long)]
+    no_estimate: bool,
+    /// Run a case of this campaign file as the campaign does, with its params, inputs and start.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "dt", "tol", "until", "every", "max_steps", "set", "input"])]
+    campaign: Option<PathBuf>,
+    /// Which case; 0 is the nominal.
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 0,
+        requires = "campaign"
+    )]
+    case: u64,
+    /// Write the run as an animated glTF file, too: `motion.glb`, for viewers and Blender.
+    #[arg(long)]
+    gltf: bool,
+    /// Print the summary as JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl RunArgs {
+    /// The scene as it was typed.
+    pub fn scene(&self) -> &Path {
+        &self.scene
+    }
+
+    /// Everything that the run is made of: the scene file, what it names, what these name; the campaign with its tables. Whether the scenes can be read.
+    pub fn files(&self) -> (Vec<PathBuf>, bool) {
+        let (mut files, mut whole, mut next) = (vec![self.scene.clone()], true, 0);
+        while let Some(file) = files.get(next) {
+            let (named, read) = SceneFile::names(file);
+            whole &= read;
+            for file in named {
+                // Scenes may lead back to each other.
+                if !files.contains(&file) && files.len() < MOST {
+                    files.push(file);
+                }
+            }
+            next += 1;
+        }
+        if let Some(campaign) = &self.campaign {
+            files.extend(Campaign::tables(campaign));
+            files.push(campaign.clone());
+        }
+        (files, whole)
+    }
+
+    /// The folder that the run is written into.
+    pub fn folder(&self) -> PathBuf {
+        let named = || Path::new("out").join(folder_name(&self.scene));
+        self.out.clone().unwrap_or_else(named)
+    }
+}
+
+/// A run that came to an end, or stopped early.
+#[derive(Debug)]
+pub struct FinishedRun {
+    /// What was run.
+    pub scene: Scene,
+    /// How.
+    pub plan: RunPlan,
+    /// What came out.
+    pub outcome: RunOutcome,
+    /// What was noticed when the scene was read.
+    pub remarks: Vec<String>,
+}
+
+/// Runs a scene and writes nothing.
+pub fn flown(args: &RunArgs) -> Result<FinishedRun, CommandFailure> {
+    fly(args, SceneFile::find_alone(&args.scene, "compare")?)
+}
+
+fn fly(args: &RunArgs, file: SceneFile) -> Result<FinishedRun, CommandFailure> {
+    let settings = with_flags(file.settings.clone(), args)?;
+    let invalid = |error: &dyn std::fmt::Display| {
+        CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
+    };
+    let plan = match &args.campaign {
+        Some(campaign) => case_of(&file, settings, campaign, args.case)?,
+        None => RunPlan::new(&file.scene, &settings).map_err(|error| file.misset(&error))?,
+    };
+    let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
+    let outcome = fly_model(&*model, &plan, &mut ProgressLine::new());
+    Ok(FinishedRun {
+        scene: file.scene,
+        plan,
+        outcome,
+        remarks: file.remarks,
+    })
+}
+
+/// Runs a scene, and what its events let go on, and writes everything.
+pub fn run(args: &RunArgs) -> Result<String, CommandFailure> {
+    let phases = Phases::of(SceneFile::find(&args.scene)?, &args.scene)?;
+    match phases.is_one() {
+        true => phases
+            .files
+            .into_iter()
+            .next()
+            .map_or_else(|| Ok(String::new()), |file| run_one(args, file)),
+        false => run_all(args, &phases),
+    }
+}
+
+/// Runs several scenes one after the other.
+fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
+    if args.gltf {
+        return Err(CommandFailure::Usage(
+            "--gltf takes a scene that flies alone: an event of this one lets another scene go on"
+                .into(),
+        ));
+    }
+    let Some(first) = phases.files.first() else {
+        return Ok(String::new());
+    };
+    let plans = plans(args, phases)?;
+    let mut warnings = phases.decided(&names(&args.set))?;
+    let mut all = Vec::with_capacity(plans.len());
+    for ((file, plan), next) in phases.files.iter().zip(&plans).zip(&phases.next) {
+        let model = file.model(&plan.params);
+        all.push(Phase {
+            model: model
+                .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", file.name)))?,
+            settings: file.settings.clone(),
+            next: next.clone(),
+        });
+    }
+    let segments = fly_phases(&all, &plans, &mut ProgressLine::new());
+    let folder = args.folder();
+    let tables = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
+    let mut doubtful = false;
+    for (segment, phase) in segments
+        .iter()
+        .filter_map(|segment| Some((segment, all.get(segment.phase)?)))
+    {
+        let doubt = doubt(phase.model.scene(), &segment.plan, &segment.outcome);
+        doubtful |= doubt.is_some();
+        warnings.extend(warning(
+            phase.model.scene(),
+            &segment.plan,
+            &segment.outcome,
+        ));
+        warnings.extend(doubt);
+    }
+    let told = if args.json {
+        warnings.iter().for_each(|warning| eprintln!("{warning}"));
+        phases_json(&all, &segments).map_err(|error| unwritten(&error))?
+    } else {
+        let remarks = phases.files.iter().flat_map(|file| &file.remarks);
+        let remarks = remarks.chain(&warnings);
+        let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
+        let files = "report.html, history.csv, summary.json, and a folder a phase";
+        let tables: Vec<String> = tables.iter().map(ReportTable::text).collect();
+        format!(
+            "{remarks}{}\nwritten to {}: {files}; the error by a finer run is told of scenes that fly alone\n",
+            tables.join("\n"),
+            folder.display()
+        )
+    };
+    let error = segments
+        .last()
+        .and_then(|segment: &Segment| segment.outcome.error.as_ref());
+    match error {
+        None if doubtful => Err(CommandFailure::Inaccurate(told)),
+        None => Ok(told),
+        Some(error) => Err(CommandFailure::Aborted(format!(
+            "{told}\n{}: {error}",
+            first.scene.name
+        ))),
+    }
+}
+
+/// How each of several scenes is flown.
+fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure> {
+    if let Some(file) = &args.campaign {
+        let (first, later) = phases.of_many()?;
+        let plans = Campaign::read_phases(file, first, later)?.plans(args.case);
+        return plans
+            .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", file.display())));
+    }
+    let first = phases.files.first().map(|file| file.settings.clone());
+    let settings = with_flags(first.unwrap_or_default(), args)?;
+    let given = GivenSettings {
+        method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
+        every: args.every.is_some(),
+        max_steps: args.max_steps.is_some(),
+        params: names(&args.set),
+        inputs: names(&args.input),
+    };
+    phases.planned(&settings, &given)
+}
+
+/// The names that flags give a value.
+fn names(given: &[String]) -> Vec<String> {
+    let parts = given.iter().filter_map(|written| written.split_once('='));
+    parts.map(|(name, _)| name.trim().to_owned()).collect()
+}
+
+/// Runs a scene that flies alone.
+fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
+    let FinishedRun {
+        scene,
+        plan,
+        outcome,
+        remarks,
+    } = fly(args, file)?;
+    let folder = args.folder();
+    let tables = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let unmoved = args.gltf
+        && !publish_gltf(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let unmoved = unmoved
+        .then(|| "warning: nothing of this scene has a place: no motion.glb is written".to_owned());
+    let warning = warning(&scene, &plan, &outcome);
+    let doubt = doubt(&scene, &plan, &outcome);
+    let warning = warning.into_iter().chain(doubt.clone()).chain(unmoved);
+    // An event may have ended it before.
+    let end = plan.until.min(outcome.time);
+    let short = match outcome.error {
+        None => windows(&scene, end),
+        Some(_) => Vec::new(),
+    };
+    let warning = warning.chain(short);
+    let warning: Vec<String> = warning.collect();
+    let told = if args.json {
+        for warning in &warning {
+            eprintln!("{warning}");
+        }
+        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&error))?
+    } else {
+        let remarks = remarks.iter().chain(&warning);
+        let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
+        let tables: Vec<String> = tables.iter().map(ReportTable::text).collect();
+        let tables = tables.join("\n");
+        format!("{remarks}{tables}\n{}", written(&outcome, &folder))
+    };
+    match &outcome.error {
+        None if doubt.is_some() => Err(CommandFailure::Inaccurate(told)),
+        None => Ok(told),
+        Some(error) => Err(CommandFailure::Aborted(format!(
+            "{told}\n{}: {error}",
+            scene.name
+        ))),
+    }
+}
+
+/// The plan of a case of a campaign.
+fn case_of(
+    file: &SceneFile,
+    settings: Settings,
+    campaign: &Path,
+    case: u64,
+) -> Result<RunPlan, CommandFailure> {
+    let model = super::campaign::nominal(file)?;
+    let plan = Campaign::read(campaign, model, settings)?.plan(case);
+    plan.map_err(|error| CommandFailure::Invalid(format!("{}: {error}", campaign.display())))
+}
+
+fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, CommandFailure> {
+    if args.dt.is_some() || args.tol.is_some() {
+        (settings.step, settings.tolerance) = (value(&args.dt), value(&args.tol));
+        // The method of the file stays where it has what is given.
+        let fixed = |word: &String| word == "rk4";
+        settings.method = settings
+            .method
+            .filter(|word| fixed(word) == args.dt.is_some());
+    }
+    if let Some(word) = &args.method {
+        // A step or a tolerance of the file belongs to its own method.
+        match word.as_str() {
+            "rk4" if args.tol.is_none() => settings.tolerance = None,
+            _ if args.dt.is_none() => settings.step = None,
+            _ => {}
+        }
+        settings.method = Some(word.clone());
+    }
+    settings.until = value(&args.until).or(settings.until);
+    settings.every = value(&args.every).or(settings.every);
+    settings.max_steps = args.max_steps.or(settings.max_steps);
+    if args.no_estimate {
+        settings.estimate = Some(false);
+    }
+    assign(&mut settings.params, SET, &args.set)?;
+    assign(&mut settings.inputs, INPUT, &args.input)?;
+    Ok(settings)
+}
+
+/// A flag that gives a name a value, and how it is written.
+pub(super) type Flag = (&'static str, &'static str);
+pub(super) const SET: Flag = ("--set", "riser_k=50kN/m");
+const INPUT: Flag = ("--input", "push=5N");
+
+/// Puts what a flag gives in place of what a table of `[run]` has.
+pub(super) fn assign(
+    table: &mut Table,
+    flag: Flag,
+    given: &[String],
+) -> Result<(), CommandFailure> {
+    let mut names: Vec<&str> = Vec::new();
+    for written in given {
+        let (name, value) = assigned(flag, written)?;
+        if names.contains(&name) {
+            let text = format!("{} gives `{name}` twice: leave one of them out", flag.0);
+            return Err(CommandFailure::Usage(text));
+        }
+        names.push(name);
+        // A text even where it is a bare number: what a person types carries its unit.
+        table.insert(name.to_owned(), Value::String(value.to_owned()));
+    }
+    Ok(())
+}
+
+/// The name and the value that a flag gives.
+pub(super) fn assigned(
+    (flag, example): Flag,
+    written: &str,
+) -> Result<(&str, &str), CommandFailure> {
+    let parts = written
+        .split_once('=')
+        .map(|(name, value)| (name.trim(), value.trim()));
+    let whole = parts.filter(|(name, value)| !name.is_empty() && !value.is_empty());
+    whole.ok_or_else(|| {
+        let text = format!("{flag} `{written}`: write it as NAME=VALUE, such as {example}");
+        CommandFailure::Usage(text)
+    })
+}
+
+fn value(flag: &Option<String>) -> Option<Value> {
+    flag.as_deref().map(typed)
+}
+
+/// A bare number, or a text that carries its unit.
+fn typed(text: &str) -> Value {
+    let text = text.trim();
+    text.parse()
+        .map_or_else(|_| Value::String(text.to_string()), Value::Float)
+}
+
+/// The folder of a scene in `out`: the name of a ready scene, or where a file lies, so that no two scenes share one. The extension is left out
+/// unless it tells the file from a ready scene, or from another file beside it.
+pub(super) fn folder_name(given: &Path) -> PathBuf {
+    let here = std::env::current_dir().unwrap_or_default();
+    let path = given.strip_prefix(&here).unwrap_or(given);
+    let parts = path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name),
+        _ => None,
+    });
+    let folder: PathBuf = parts.collect();
+    let short = folder.with_extension("");
+    let is_ready = short
+        .to_str()
+        .is_some_and(|name| list::ready(name).is_some());
+    let others = ["toml", "mbd"].map(|extension| given.with_extension(extension));
+    let beside = others.iter().any(|other| other != given && other.is_file());
+    if given.is_file() && (is_ready || beside) {
+        let name = folder.to_string_lossy().replace('.', "_");
+        return PathBuf::from(name);
+    }
+    if short == Path::new("parachute") {
+        // The main job has that one.
+        return PathBuf::from("parachute_scene");
+    }
+    short
+}
+
+pub(super) fn unwritten(error: &std::io::Error) -> CommandFailure {
+    CommandFailure::Usage(format!("cannot write {error}"))
+}
+
+/// A positive number with two digits or more: `0.048`, `3.4`, `1523`.
+fn rounded(number: f64) -> String {
+    let digits = (1.0 - number.log10().floor()).clamp(0.0, 9.0);
+    format!("{number:.0$}", digits as usize)
+}
+
+fn written(outcome: &RunOutcome, folder: &Path) -> String {
+    let speed = if outcome.time > 0.0 && outcome.wall_s > 0.0 {
+        format!(
+            "{} simulated seconds a second; ",
+            rounded(outcome.time / outcome.wall_s)
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "{speed}written to {}: report.html, history.csv, summary.json\n",
+        folder.display()
+    )
+}

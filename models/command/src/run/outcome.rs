@@ -1,0 +1,140 @@
+//! The run itself: of a compiled model, or of the compiled equations of a scene, interpreted.
+
+use std::time::Instant;
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{
+    Content, Imbalance, Model, MomentumImbalance, Moved, Options, ParamError, RunError, Sampling,
+    Simulation, Stop, Trajectory,
+};
+
+use super::estimate::{Estimate, estimate};
+use mbd_campaign::progress::ProgressLine;
+use mbd_campaign::run::RunPlan;
+
+/// What a history holds.
+pub(super) const CONTENT: Content = Content::ALL;
+
+/// What a run gave, also when it stopped early.
+#[derive(Clone, Debug)]
+pub struct RunOutcome {
+    /// The history up to the end or to the last accepted step.
+    pub trajectory: Trajectory,
+    /// Where the run stands [s].
+    pub time: f64,
+    /// Why it stopped before its end.
+    pub error: Option<RunError>,
+    /// The event that ended it.
+    pub ended_by: Option<String>,
+    /// What the start moved so that the joints hold, the largest distance first.
+    pub moved: Vec<Moved>,
+    /// Whether the start is a singular position of the joints.
+    pub singular_start: bool,
+    /// Energy that the run made or lost; `None` where it cannot be told.
+    pub imbalance: Option<Imbalance>,
+    /// Momentum that the run made or lost; `None` where the ground holds something, or nothing moved.
+    pub momentum: Option<MomentumImbalance>,
+    /// The most that rounding of positions made of forces.
+    pub rounding: f64,
+    /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
+    pub estimate: Option<Estimate>,
+    /// Time the run took on the clock [s].
+    pub wall_s: f64,
+}
+
+/// Runs a scene as planned.
+///
+/// # Errors
+/// Params that the scene cannot be run with. A run that stops early is an [`RunOutcome`] with its reason.
+pub fn fly(
+    scene: &Scene,
+    plan: &RunPlan,
+    progress: &mut ProgressLine,
+) -> Result<RunOutcome, ParamError> {
+    let model = Interpreted::<f64>::shared(scene.clone(), &plan.params)?;
+    Ok(fly_model(&*model, plan, progress))
+}
+
+/// Runs a model as planned. A run that stops early has its reason.
+#[must_use]
+pub fn fly_model(
+    model: &dyn Model<f64>,
+    plan: &RunPlan,
+    progress: &mut ProgressLine,
+) -> RunOutcome {
+    let mut outcome = fly_on(begun(model, plan), model, plan, progress).outcome;
+    if outcome.error.is_none() && plan.estimate {
+        outcome.estimate = estimate(model, plan, &outcome.trajectory);
+    }
+    outcome
+}
+
+/// A run that may go on in another model.
+pub(super) struct FlownPhase {
+    /// What it gave; nothing is estimated.
+    pub outcome: RunOutcome,
+    /// The run where it stands, and why it stands there; `None` after an error.
+    pub run: Option<(Simulation<f64>, Stop)>,
+}
+
+/// A run where its plan begins, which tells of its momentum.
+pub(super) fn begun(model: &dyn Model<f64>, plan: &RunPlan) -> Result<Simulation<f64>, RunError> {
+    let options = Options {
+        momentum: true,
+        ..plan.options
+    };
+    let mut run = Simulation::new(model, options)?;
+    plan.begin(&mut run)?;
+    Ok(run)
+}
+
+/// Flies a run of a model that has begun, until the end of its plan.
+pub(super) fn fly_on(
+    run: Result<Simulation<f64>, RunError>,
+    model: &dyn Model<f64>,
+    plan: &RunPlan,
+    progress: &mut ProgressLine,
+) -> FlownPhase {
+    let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
+    let mut trajectory = Trajectory::new(model, sampling, CONTENT);
+    let started = Instant::now();
+    let (mut time, mut moved, mut singular_start) = (0.0, Vec::new(), false);
+    let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
+    let mut fly = |mut simulation: Simulation<f64>| {
+        let mut watch = |now: f64| {
+            progress.show(now / plan.until, &model.scene().name);
+            true
+        };
+        let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
+        time = simulation.time();
+        moved = simulation.start_moved().to_vec();
+        singular_start = simulation.starts_singular();
+        (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
+        momentum = simulation.momentum_imbalance();
+        stop.map(|stop| (simulation, stop))
+    };
+    let (run, error) = match run.and_then(&mut fly) {
+        Ok(run) => (Some(run), None),
+        Err(error) => (None, Some(error)),
+    };
+    progress.clear();
+    let ended_by = match &run {
+        Some((_, Stop::Event(event))) => model.scene().events.get(*event),
+        _ => None,
+    };
+    let outcome = RunOutcome {
+        ended_by: ended_by.map(|event| event.name.clone()),
+        imbalance: imbalance.filter(|it| it.moved > 0.0),
+        momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
+        rounding,
+        estimate: None,
+        time,
+        error,
+        moved,
+        singular_start,
+        wall_s: started.elapsed().as_secs_f64(),
+        trajectory,
+    };
+    FlownPhase { outcome, run }
+}

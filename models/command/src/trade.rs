@@ -1,0 +1,264 @@
+//! The trade between speed and accuracy of a scene: methods and tolerances, other models of its equilibrium points and the other family of
+//! coordinates, raced over one question.
+
+use std::io;
+use std::path::Path;
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene};
+use mbd_runtime::{
+    Content, FailedSetting, Generic, ParamError, Question, Race, Sampling, TradeError, Trajectory,
+    Variant, trade,
+};
+
+use crate::run::{PlanError, RunPlan, Settings};
+use mbd_report::files::{make_folder, write_text};
+use mbd_report::{Cell, Figure, Report, ReportTable, Run, Series, Views};
+
+/// Something to race: a scene with its plan.
+struct SceneContender {
+    name: &'static str,
+    model: Interpreted<f64>,
+    plan: RunPlan,
+}
+
+/// Why a scene could not be raced.
+#[derive(Debug)]
+pub enum RaceFailure {
+    /// A setting that cannot be used.
+    Plan(PlanError),
+    /// Params outside their declaration.
+    Params(ParamError),
+    /// No trade was measured.
+    Trade(TradeError),
+}
+
+impl std::fmt::Display for RaceFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            RaceFailure::Plan(error) => error.fmt(f),
+            RaceFailure::Params(error) => error.fmt(f),
+            RaceFailure::Trade(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for RaceFailure {}
+
+/// Races a scene as declared, with every other model of its equilibrium points, in the other family of coordinates, and in single precision, all
+/// interpreted. The window is the whole
+/// run where none is given.
+///
+/// # Errors
+/// Settings or params that cannot be used, or what [`trade`] says.
+pub fn race(
+    scene: &Scene,
+    settings: &Settings,
+    column: &str,
+    window: Option<[f64; 2]>,
+) -> Result<Race, RaceFailure> {
+    let contenders = contenders(scene, settings)?;
+    let until = contenders.first().map_or(0.0, |first| first.plan.until);
+    let question = Question::new(column, window.unwrap_or([0.0, until]));
+    let mut variants: Vec<Variant<'_>> = Vec::new();
+    for one in &contenders {
+        variants.push(Variant::new(one.name, &one.model, |run| {
+            one.plan.begin(run)
+        }));
+    }
+    // The numbers of params that f32 cannot hold are refused there; the scene is raced without it then.
+    let single = contenders.first().and_then(|first| {
+        let params: Vec<f32> = first.plan.params.iter().map(|x| *x as f32).collect();
+        let model = Interpreted::<f32>::shared(scene.clone(), &params).ok()?;
+        Some((model, &first.plan))
+    });
+    if let Some((model, plan)) = &single {
+        variants.push(Variant::new("single precision", &**model, |run| {
+            plan.begin(run)
+        }));
+    }
+    trade(&variants, &question).map_err(RaceFailure::Trade)
+}
+
+/// The scene as declared, then with each other model of its equilibrium points, where it has some and can be run so, and in the other family of
+/// coordinates, where joints make a difference.
+fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<SceneContender>, RaceFailure> {
+    let of = |name, scene: Scene| -> Result<SceneContender, RaceFailure> {
+        let plan = RunPlan::new(&scene, settings).map_err(RaceFailure::Plan)?;
+        let model = Interpreted::new(scene, &plan.params).map_err(RaceFailure::Params)?;
+        Ok(SceneContender { name, model, plan })
+    };
+    let mut all = vec![of("as declared", scene.clone())?];
+    let stepwise = NodeModel::Stepwise {
+        formula: Difference::default(),
+        clamp: Clamp::default(),
+    };
+    for (name, model) in [
+        ("node: rate", NodeModel::Rate),
+        ("node: static", NodeModel::Static),
+        ("node: stepwise", stepwise),
+    ] {
+        let mut other = scene.clone();
+        for point in &mut other.points {
+            if let PointKind::Node(declared) = &mut point.kind {
+                *declared = model;
+            }
+        }
+        if other != *scene {
+            all.extend(of(name, other).ok());
+        }
+    }
+    let (name, other) = match scene.coordinates {
+        Coordinates::Absolute => ("relative coordinates", Coordinates::Relative),
+        Coordinates::Relative => ("absolute coordinates", Coordinates::Absolute),
+    };
+    if !scene.joints.is_empty() {
+        all.extend(of(name, scene.in_coordinates(other)).ok());
+    }
+    Ok(all)
+}
+
+/// The unit of a column of the histories of a scene; empty for a pure number, and where there is no such column.
+#[must_use]
+pub fn unit(scene: &Scene, column: &str) -> String {
+    let Ok(model) = Generic::<f64>::with_defaults(scene.clone()) else {
+        return String::new();
+    };
+    let history = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+    let found = history.names().iter().find(|name| name.name == column);
+    found.map_or(String::new(), |name| name.unit.clone())
+}
+
+/// Every setting that gave an answer, with its error and what it cost; errors are in the unit of the column.
+#[must_use]
+pub fn table(race: &Race, unit: &str) -> ReportTable {
+    let column = &race.question.column;
+    let mut table = ReportTable::new(format!("What `{column}` costs"))
+        .column("variant", "")
+        .column("method", "")
+        .column("steps", "")
+        .column("evaluations", "")
+        .column("Jacobians", "")
+        .number("error, rms", unit, 2)
+        .number("error, most", unit, 2)
+        .number("time", "s", 2);
+    for entry in &race.entries {
+        table.push([
+            entry.name.as_str().into(),
+            entry.method.to_string().into(),
+            Cell::Count(entry.statistics.steps),
+            Cell::Count(entry.statistics.rhs),
+            Cell::Count(entry.statistics.jacobians),
+            entry.error.rms.into(),
+            entry.error.largest.into(),
+            entry.seconds.into(),
+        ]);
+    }
+    let [first, second] = race.references;
+    table = table.note(format!(
+        "The references, {first} and {second} as declared, are {:.1e} apart (rms): errors below that mean nothing. Times are of interpreted equations.",
+        race.apart.rms
+    ));
+    // What stopped a method is told once, of its finest setting that stopped.
+    for (index, failed) in race.failed.iter().enumerate() {
+        let of = |failed: &FailedSetting| (failed.name.clone(), failed.method.name());
+        let next = race.failed.get(index + 1);
+        if next.is_none_or(|next| of(next) != of(failed)) {
+            let text = format!("{}, {}: {}", failed.name, failed.method, failed.cause);
+            table = table.note(text);
+        }
+    }
+    table
+}
+
+/// Error against time: one curve a method as declared, and the best of every other variant.
+fn figure<'a>(race: &Race, unit: &str, curves: &'a [(String, Vec<f64>, Vec<f64>)]) -> Figure<'a> {
+    let [from, to] = race.question.window;
+    let mut figure = Figure::new(format!("What accuracy of {} costs", race.question.column))
+        .x("time of the run", "s")
+        .y("error, rms", unit)
+        .log_x()
+        .log_y()
+        .caption(format!(
+            "Root mean square over {from} s to {to} s, against references that are {:.1e} apart. Lower left is better.",
+            race.apart.rms
+        ));
+    for (name, seconds, errors) in curves {
+        figure = figure.series(Series::new(name.clone(), seconds, errors));
+    }
+    figure
+}
+
+fn curves(race: &Race) -> Vec<(String, Vec<f64>, Vec<f64>)> {
+    let mut curves: Vec<(String, Vec<f64>, Vec<f64>)> = Vec::new();
+    let declared = race.entries.iter().filter(|entry| entry.variant == 0);
+    let last = race.entries.iter().map(|entry| entry.variant).max();
+    let others = (1..=last.unwrap_or(0)).flat_map(|variant| race.front(Some(variant)));
+    for entry in declared.chain(others) {
+        let name = match entry.variant {
+            0 => format!("{}, {}", entry.name, entry.method.name()),
+            _ => format!("{}, the best", entry.name),
+        };
+        if curves.last().is_none_or(|(last, ..)| *last != name) {
+            curves.push((name, Vec::new(), Vec::new()));
+        }
+        if let Some((_, seconds, errors)) = curves.last_mut() {
+            seconds.push(entry.seconds);
+            errors.push(entry.error.rms);
+        }
+    }
+    curves
+}
+
+/// One sentence: the cheapest setting that meets a wanted error, and the modelling switch that pays most; or why there is none.
+#[must_use]
+pub fn advice(race: &Race, unit: &str, wanted: f64) -> String {
+    let gap = if unit.is_empty() { "" } else { " " };
+    match race.advise(wanted) {
+        Some(advice) => format!(
+            "for {} within {wanted:.1e}{gap}{unit}: {advice}",
+            race.question.column
+        ),
+        None if race.apart.rms > 0.1 * wanted => format!(
+            "no advice for {} within {wanted:.1e}{gap}{unit}: the references are {:.1e}{gap}{unit} apart, and must agree ten times better than what is wanted",
+            race.question.column, race.apart.rms
+        ),
+        None => format!(
+            "no setting that was raced has {} within {wanted:.1e}{gap}{unit}",
+            race.question.column
+        ),
+    }
+}
+
+/// A thousandth of the size of what was asked.
+#[must_use]
+pub fn usual(race: &Race) -> f64 {
+    1e-3 * race
+        .reference
+        .iter()
+        .fold(0.0_f64, |most, x| most.max(x.abs()))
+}
+
+/// Writes `trade.csv`, `trade.svg` and `trade.html` into a folder; the page shows a run as it moves.
+///
+/// # Errors
+/// The folder or a file cannot be written.
+pub fn publish(
+    race: &Race,
+    (advice, unit): (&str, &str),
+    shown: &Run<'_>,
+    folder: &Path,
+) -> io::Result<()> {
+    make_folder(folder)?;
+    let table = table(race, unit);
+    write_text(&folder.join("trade.csv"), &table.csv())?;
+    let curves = curves(race);
+    let figure = figure(race, unit, &curves);
+    write_text(&folder.join("trade.svg"), &figure.svg())?;
+    let report = Report::new(format!("Speed and accuracy of {}", race.question.column))
+        .paragraph(advice)
+        .figure(&figure)
+        .table(&table);
+    let report = Views::new(shown).with_motion(report);
+    write_text(&folder.join("trade.html"), &report.html())
+}
