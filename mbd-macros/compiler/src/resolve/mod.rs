@@ -59,7 +59,16 @@ pub struct Instance<'a> {
     pub indices: Vec<(String, i64)>,
 }
 
+/// The index of the numbers of an output that are no vector: no name, so that nothing refers to it.
+const PART: &str = "";
+
 impl Instance<'_> {
+    /// Which number of its list it is, of an output of several.
+    fn part(&self) -> Option<usize> {
+        let own = self.indices.last().filter(|(name, _)| name == PART);
+        own.and_then(|(_, part)| usize::try_from(*part).ok())
+    }
+
     /// The scope of its values.
     pub fn scope(&self, stage: MayDependOn) -> Scope<'_> {
         Scope {

@@ -366,10 +366,7 @@ pub fn push_clause<'a>(
 }
 
 fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), LexemeMessage> {
-    let missing = spec
-        .clauses
-        .iter()
-        .find(|clause| clause.needed && item.given(clause.sign).is_none());
+    let missing = spec.lacks(|sign| item.given(sign).is_some());
     match missing {
         Some(clause) => Err(say::missing_clause(item.name_at(), spec, clause.sign)),
         None => Ok(()),

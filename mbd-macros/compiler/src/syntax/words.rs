@@ -32,6 +32,15 @@ pub struct Clause {
     pub needed: bool,
 }
 
+impl ItemWord {
+    /// The first clause that must be there and is not, of those that are given by their signs. A frame that is only rotated is where its thing is.
+    pub fn lacks(&self, given: impl Fn(&str) -> bool) -> Option<&'static Clause> {
+        let rotated = self.word == FRAME.word && given("rotated");
+        let mut clauses = self.clauses.iter();
+        clauses.find(|clause| clause.needed && !rotated && !given(clause.sign))
+    }
+}
+
 const fn needs(sign: &'static str, key: &'static str) -> Clause {
     Clause {
         sign,
