@@ -20,10 +20,30 @@ pub(crate) fn number(setting: &str, value: &Value, unit: &str) -> Result<f64, Pl
         }
     };
     if number.is_finite() {
-        Ok(number)
+        bare(setting, number, unit)
     } else {
         Err(wrong(setting, "give it a finite value"))
     }
+}
+
+/// A number without a unit, which is one in SI. Where that is seldom meant it is refused: beside another unit in the declaration, and as an angle of more
+/// than a turn.
+fn bare(setting: &str, number: f64, unit: &str) -> Result<f64, PlanError> {
+    let declared = read_number(&format!("1 {unit}")).ok();
+    let factor = declared.map_or(1.0, |(_, unit)| unit.factor);
+    if number != 0.0 && factor != 1.0 {
+        let text = format!(
+            "{number} has no unit, and what it is given for is declared in {unit}: write `\"{number} {unit}\"`"
+        );
+        return Err(wrong(setting, text));
+    }
+    if unit == "rad" && number.abs() > std::f64::consts::TAU {
+        let text = format!(
+            "{number} has no unit and would be more than a full turn in radians: write `\"{number} deg\"`, or `\"{number} rad\"` if that is meant"
+        );
+        return Err(wrong(setting, text));
+    }
+    Ok(number)
 }
 
 fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {
