@@ -151,15 +151,16 @@ impl SceneFile {
         })
     }
 
-    /// Tells what stands in the settings of its run and cannot be used; what is left out may be given with the command that runs it.
+    /// Tells what stands in the settings that it is run with and cannot be used; what is left out may be given with the command that runs it. A scene that
+    /// goes on from another (`begins` is false) begins where that one is.
     ///
     /// # Errors
     /// The first such setting.
-    pub fn check_settings(&self) -> Result<(), CommandFailure> {
-        let mut settings = self.settings.clone();
+    pub fn check_settings(&self, settings: &Settings, begins: bool) -> Result<(), CommandFailure> {
+        let mut settings = settings.clone();
         settings.until.get_or_insert(1.0.into());
         let told = match RunPlan::new(&self.scene, &settings) {
-            Ok(plan) => self.open_start(&plan),
+            Ok(plan) => self.open_start(&plan).filter(|_| begins),
             Err(error) => match self.line_of(&error) {
                 Some(line) => Some(format!("line {line}: {error}")),
                 // What the declaration says of its start stands in no setting.
