@@ -194,6 +194,24 @@ fn an_output_of_two_or_more_numbers_has_a_column_each() {
 }
 
 #[test]
+fn a_metric_and_the_guard_of_an_event_may_name_an_output() {
+    let items = |pull: &str| {
+        format!(
+            "joint pin: hinge from world to rod.top {{ axis: y }}
+             output pull = norm(pin.force) in kN;
+             metric most = max {pull} in N;
+             event slack = {pull} falls 2 N;"
+        )
+    };
+    let named = pendulum(&items("pull"));
+    assert!(named.scene.is_some(), "{}", told(&named));
+    assert_eq!(named.scene, pendulum(&items("norm(pin.force)")).scene);
+    // What an event sets cannot depend on accelerations, by whatever name.
+    let set = items("pull").replace("falls 2 N", "falls 2 N { set: m = pull / (10 m/s^2) }");
+    assert!(told(&pendulum(&set)).contains("`pull` is the name of an output"));
+}
+
+#[test]
 fn the_remainder_lies_between_zero_and_the_divisor() {
     let path = format!("{}/tests/pass/remainder.mbd", env!("CARGO_MANIFEST_DIR"));
     let scene = read_text(&std::fs::read_to_string(path).unwrap())

@@ -77,6 +77,10 @@ impl<'a> Resolver<'a> {
             return;
         };
         self.reserved(name);
+        if spec.word == "table" && words::reserved_table(&name.word.text) {
+            let (at, word) = (name.word.at.into(), &name.word.text);
+            self.messages.push(say_syntax::reserved_name(at, word));
+        }
         let Some(mut instances) = self.expand(name, &[]) else {
             return;
         };

@@ -231,6 +231,9 @@ impl Resolver<'_> {
             Some(part) => self.part_of_list(value, part)?,
         };
         let asked = self.in_unit(item.clause("in"))?;
+        let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
+        let typed = self.reading_as(typed, wanted);
+        self.shown.insert(instance.slot, typed.clone());
         let (value, components, unit) = self.column(typed, asked)?;
         let entry = self.scene.outputs.get_mut(instance.slot)?;
         entry.value = value;

@@ -137,6 +137,8 @@ pub struct Resolver<'a> {
     radians_of_states: Vec<turns::RadiansOfState>,
     /// What is known of each `let`.
     lets: Vec<lets::LetProgress>,
+    /// What each output shows, in SI.
+    shown: BTreeMap<usize, Typed>,
     /// How many lets are being resolved because another one names them.
     nested: usize,
     /// What a `let` names that is not known yet.
@@ -174,6 +176,8 @@ enum ResolvedSoFar {
     Joints,
     /// Also which coordinates have motors.
     Motors,
+    /// Also what outputs show, which events and metrics may name.
+    Outputs,
 }
 
 /// Resolves a model as far as it goes.
@@ -201,6 +205,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.windings();
     resolver.loads();
     resolver.outputs();
+    resolver.known = ResolvedSoFar::Outputs;
     resolver.events();
     resolver.metrics();
     resolver.unlocked();
@@ -239,6 +244,7 @@ impl<'a> Resolver<'a> {
             turning: BTreeMap::new(),
             radians_of_states: Vec::new(),
             lets: Vec::new(),
+            shown: BTreeMap::new(),
             nested: 0,
             too_early: None,
             known: ResolvedSoFar::Numbers,

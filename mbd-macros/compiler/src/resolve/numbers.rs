@@ -398,6 +398,8 @@ impl Resolver<'_> {
             if units::find(word).is_none() {
                 return self.fail(say::unknown_input_type(only.at.into(), word));
             }
+        } else if let Some(unit) = of_quantities(lexemes) {
+            return Some(unit);
         }
         let unit = match unit::whole(Cursor::new(ValueSyntax { lexemes, at })) {
             Ok(unit) => unit,
@@ -408,6 +410,27 @@ impl Resolver<'_> {
         }
         Some(unit)
     }
+}
+
+/// The SI unit of a product of quantities and units in which a quantity stands: `volume/s`.
+fn of_quantities(lexemes: &[Lexeme]) -> Option<Unit> {
+    let mut named = false;
+    let text = lexemes.iter().map(|lexeme| match &lexeme.kind {
+        LexemeKind::Word(word) if let Some(unit) = units::of_quantity(word) => {
+            named = true;
+            format!("({})", unit.text)
+        }
+        _ => lexeme.shown(),
+    });
+    let text: String = text.collect();
+    let (lexemes, _, messages) = crate::lexeme::from_text(&text);
+    let value = ValueSyntax {
+        lexemes: &lexemes,
+        at: Region::START,
+    };
+    let read = unit::whole(Cursor::new(value)).ok()?;
+    let fits = named && messages.is_empty();
+    fits.then(|| units::si(&units::si_text(read.dimension), read.dimension))
 }
 
 /// The unit of a value that is one number, or one vector.

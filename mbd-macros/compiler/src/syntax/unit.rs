@@ -12,9 +12,13 @@ pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, LexemeMessage> {
     if alone(&cursor) {
         return Ok(units::si("", units::NONE));
     }
+    let bracket = matches!(
+        cursor.peek().map(|lexeme| &lexeme.kind),
+        Some(LexemeKind::Open(Bracket::Round, _))
+    );
     let first = match reciprocal(&mut cursor) {
         Some(one) => one,
-        None if cursor.peek_word().is_some() => factor(&mut cursor, true)?,
+        None if cursor.peek_word().is_some() || bracket => factor(&mut cursor, true)?,
         None => return Err(say::unit_expected(cursor.here())),
     };
     let unit = product(&mut cursor, first, true)?;
