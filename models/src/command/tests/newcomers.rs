@@ -31,8 +31,8 @@ const SCENES: [Scene; 15] = [
             ),
             (
                 "output turned",
-                "output angle",
-                "`angle` is a word of the language",
+                "output time",
+                "`time` is a word of the language",
             ),
             (
                 "\"10 s\"",
@@ -56,11 +56,6 @@ const SCENES: [Scene; 15] = [
                 "[JIB, 0, 9.75 m]",
                 "[500 kg, 0, 9.75] m",
                 "does not fit the `m` behind the bracket: it is a mass (kg)",
-            ),
-            (
-                "point hook_load",
-                "point load",
-                "`load` is a word of the language",
             ),
         ],
     ),
