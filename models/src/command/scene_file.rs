@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use mbd_campaign::run::check_units;
 use mbd_compiler::{
     Emitted, Interpreted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf,
     write_toml,
@@ -270,6 +271,14 @@ impl SceneFile {
             Some((line, told)) => Err(format!("line {line}: {told}")),
             None => Settings::read(&run),
         };
+        let settings = settings.and_then(|settings| {
+            let scene = reading.scene.as_ref();
+            let checked = scene.map_or(Ok(()), |scene| check_units(scene, &settings));
+            checked.map(|()| settings).map_err(|error| {
+                let line = line_of(&run, &error.setting);
+                line.map_or_else(|| error.to_string(), |line| format!("line {line}: {error}"))
+            })
+        });
         let mut errors = reading.errors.clone();
         let scene = reading.scene.as_ref();
         errors.extend(scene.and_then(|scene| immovable(&reading, &Layout::new(scene))));

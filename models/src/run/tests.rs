@@ -6,6 +6,8 @@ use mbd_runtime::scene::{
 };
 use mbd_runtime::{Method, Options};
 
+use mbd_campaign::run::check_units;
+
 use super::*;
 use crate::progress::ProgressLine;
 
@@ -135,8 +137,8 @@ fn a_start_may_be_given_by_the_quantities_that_an_expression_has() {
 fn a_number_without_a_unit_is_refused_where_it_is_seldom_meant_in_si() {
     let plan = |scene: &Scene, table: &str| {
         let text = format!("[run]\nuntil = 1\n{table}");
-        let plan = RunPlan::new(scene, &settings(&text));
-        plan.map(|_| ()).map_err(|error| error.to_string())
+        let plan = check_units(scene, &settings(&text));
+        plan.map_err(|error| error.to_string())
     };
     let swing = swing();
     assert_eq!(

@@ -20,15 +20,24 @@ pub(crate) fn number(setting: &str, value: &Value, unit: &str) -> Result<f64, Pl
         }
     };
     if number.is_finite() {
-        bare(setting, number, unit)
+        Ok(number)
     } else {
         Err(wrong(setting, "give it a finite value"))
     }
 }
 
-/// A number without a unit, which is one in SI. Where that is seldom meant it is refused: beside another unit in the declaration, and as an angle of more
-/// than a turn.
-fn bare(setting: &str, number: f64, unit: &str) -> Result<f64, PlanError> {
+/// Refuses a number without a unit where one in SI is seldom meant: beside another unit in the declaration, and as an angle of more than a turn.
+pub(crate) fn not_bare(setting: &str, value: &Value, unit: &str) -> Result<(), PlanError> {
+    let number = match value {
+        Value::Integer(whole) => *whole as f64,
+        Value::Float(number) => *number,
+        Value::Array(parts) => {
+            return parts
+                .iter()
+                .try_for_each(|part| not_bare(setting, part, unit));
+        }
+        _ => return Ok(()),
+    };
     let declared = read_number(&format!("1 {unit}")).ok();
     let factor = declared.map_or(1.0, |(_, unit)| unit.factor);
     if number != 0.0 && factor != 1.0 {
@@ -43,7 +52,7 @@ fn bare(setting: &str, number: f64, unit: &str) -> Result<f64, PlanError> {
         );
         return Err(wrong(setting, text));
     }
-    Ok(number)
+    Ok(())
 }
 
 fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {

@@ -13,7 +13,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use super::names::{PlanError, flat, no_column, unknown, wrong};
-use super::number::{not_negative, number, numbers as numbers_of, positive, zeros};
+use super::number::{not_bare, not_negative, number, numbers as numbers_of, positive, zeros};
 use super::scales::scales;
 use super::settings::Settings;
 use super::words;
@@ -115,6 +115,30 @@ impl RunPlan {
             inputs: inputs(scene, layout, &settings.inputs)?,
         })
     }
+}
+
+/// Refuses numbers without a unit in settings that somebody wrote, where SI is seldom meant. What a campaign gives its cases is in SI.
+///
+/// # Errors
+/// The first such number.
+pub fn check_units(scene: &Scene, settings: &Settings) -> Result<(), PlanError> {
+    let params = scene.params.iter().map(|it| ("params", &it.name, &it.unit));
+    let inputs = scene.inputs.iter().map(|it| ("inputs", &it.name, &it.unit));
+    for (table, name, unit) in params.chain(inputs) {
+        let given = match table {
+            "params" => &settings.params,
+            _ => &settings.inputs,
+        };
+        if let Some(value) = given.get(name) {
+            not_bare(&format!("{table}.{name}"), value, &unit.text)?;
+        }
+    }
+    for (name, value) in flat(&settings.start) {
+        if let Some(unit) = coordinate_unit(scene, &name) {
+            not_bare(&format!("start.{name}"), value, unit)?;
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a history that memory or disk have no room for.
@@ -391,7 +415,8 @@ fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table
         let has = known.iter().any(|known| known.name == name);
         layout.directions.plane.is_some() && number == 0.0 && !has
     };
-    let mut all = Table::new();
+    // A component goes before the vector that it is one of.
+    let (mut vectors, mut all) = (Table::new(), Table::new());
     let mut add = |name: String, value: Value| match all.insert(name.clone(), value) {
         None => Ok(()),
         Some(_) => Err(wrong(format!("start.{name}"), "is given twice")),
@@ -404,7 +429,7 @@ fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table
             for (axis, number) in ["x", "y", "z"].into_iter().zip(given) {
                 let name = format!("{owner}.{prefix}{axis}");
                 if !across(&name, number) {
-                    add(name, Value::String(format!("{number:?} {unit}")))?;
+                    vectors.insert(name, Value::String(format!("{number:?} {unit}")));
                 }
             }
             continue;
@@ -418,6 +443,9 @@ fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table
             _ => name,
         };
         add(name, value.clone())?;
+    }
+    for (name, value) in vectors {
+        all.entry(name).or_insert(value);
     }
     Ok(all)
 }
