@@ -130,10 +130,8 @@ impl Phases {
             return Ok(());
         };
         let settings = self.settings(&first.settings, &GivenSettings::default());
-        let files = self.files.iter().zip(&settings).enumerate();
-        files
-            .map(|(place, (file, settings))| file.check_settings(settings, place == 0))
-            .collect()
+        let mut files = self.files.iter().zip(&settings).enumerate();
+        files.try_for_each(|(place, (file, settings))| file.check_settings(settings, place == 0))
     }
 
     /// One sentence a param that was given by `--set` and that the map of an event decides.
