@@ -70,35 +70,48 @@ const POUND: f64 = 0.453_592_37;
 const UNITS: &[(&str, f64, Dimension)] = &[
     ("kg", 1.0, MASS),
     ("g", 1e-3, MASS),
+    ("mg", 1e-6, MASS),
     // Not `t`: behind a number it is the time of those who write `2 rad/s * t`.
     ("tonne", 1e3, MASS),
     ("m", 1.0, LENGTH),
     ("mm", 1e-3, LENGTH),
     ("cm", 1e-2, LENGTH),
+    ("um", 1e-6, LENGTH),
     ("km", 1e3, LENGTH),
     ("ft", 0.3048, LENGTH),
+    ("inch", 0.0254, LENGTH),
     ("s", 1.0, TIME),
     ("ms", 1e-3, TIME),
+    ("us", 1e-6, TIME),
     ("min", 60.0, TIME),
     ("h", 3600.0, TIME),
     ("kph", 1000.0 / 3600.0, SPEED),
+    ("mph", 0.447_04, SPEED),
+    ("knot", 1852.0 / 3600.0, SPEED),
     ("Hz", 1.0, RATE),
+    ("kHz", 1e3, RATE),
     ("rpm", std::f64::consts::TAU / 60.0, RATE),
     ("rad", 1.0, NONE),
+    ("mrad", 1e-3, NONE),
     ("deg", DEGREE, NONE),
+    ("rev", std::f64::consts::TAU, NONE),
     ("N", 1.0, FORCE),
     ("mN", 1e-3, FORCE),
     ("kN", 1e3, FORCE),
     ("MN", 1e6, FORCE),
     ("lbf", POUND * 9.806_65, FORCE),
     ("J", 1.0, TORQUE),
+    ("mJ", 1e-3, TORQUE),
     ("kJ", 1e3, TORQUE),
+    ("MJ", 1e6, TORQUE),
     ("W", 1.0, POWER),
+    ("mW", 1e-3, POWER),
     ("kW", 1e3, POWER),
     ("MW", 1e6, POWER),
     ("Pa", 1.0, PRESSURE),
     ("kPa", 1e3, PRESSURE),
     ("MPa", 1e6, PRESSURE),
+    ("GPa", 1e9, PRESSURE),
     ("bar", 1e5, PRESSURE),
     ("l", 1e-3, VOLUME),
     ("A", 1.0, CURRENT),
@@ -110,20 +123,22 @@ const UNITS: &[(&str, f64, Dimension)] = &[
     ("kohm", 1e3, RESISTANCE),
     ("H", 1.0, INDUCTANCE),
     ("mH", 1e-3, INDUCTANCE),
+    ("uH", 1e-6, INDUCTANCE),
     ("F", 1.0, CAPACITANCE),
     ("uF", 1e-6, CAPACITANCE),
+    ("nF", 1e-9, CAPACITANCE),
 ];
 
-/// Names people write for them.
-const FOREIGN: &[(&str, &str)] = &[
+/// Units that are angles, and those that count them in a time.
+pub const ANGLES: &[&str] = &["rad", "mrad", "deg", "rev", "rpm"];
+
+/// Other spellings that are read, and the words they stand for.
+const SPELLINGS: &[(&str, &str)] = &[
     ("meter", "m"),
     ("meters", "m"),
     ("metre", "m"),
     ("metres", "m"),
     ("tonnes", "tonne"),
-    ("ton", "tonne"),
-    ("tons", "tonne"),
-    ("t", "tonne"),
     ("sec", "s"),
     ("second", "s"),
     ("seconds", "s"),
@@ -133,30 +148,51 @@ const FOREIGN: &[(&str, &str)] = &[
     ("degrees", "deg"),
     ("radian", "rad"),
     ("radians", "rad"),
+    ("turn", "rev"),
+    ("turns", "rev"),
+    ("revs", "rev"),
+    ("revolution", "rev"),
+    ("revolutions", "rev"),
     ("kilogram", "kg"),
     ("kilograms", "kg"),
+    ("gram", "g"),
+    ("grams", "g"),
     ("feet", "ft"),
+    ("foot", "ft"),
+    ("inches", "inch"),
+    ("knots", "knot"),
     ("hertz", "Hz"),
     ("kgs", "kg"),
     ("kilometer", "km"),
     ("kilometers", "km"),
+    ("kilometre", "km"),
+    ("kilometres", "km"),
+    ("centimeter", "cm"),
+    ("centimeters", "cm"),
+    ("centimetre", "cm"),
+    ("centimetres", "cm"),
     ("millimeter", "mm"),
     ("millimeters", "mm"),
+    ("millimetre", "mm"),
+    ("millimetres", "mm"),
+    ("micron", "um"),
+    ("microns", "um"),
+    ("millisecond", "ms"),
+    ("milliseconds", "ms"),
     ("minute", "min"),
     ("minutes", "min"),
     ("hour", "h"),
     ("hours", "h"),
     ("hr", "h"),
-    ("foot", "ft"),
     ("joule", "J"),
     ("joules", "J"),
     ("watt", "W"),
     ("watts", "W"),
     ("pascal", "Pa"),
     ("liter", "l"),
+    ("liters", "l"),
     ("litre", "l"),
-    ("ms2", "m/s^2"),
-    ("mps", "m/s"),
+    ("litres", "l"),
     ("ampere", "A"),
     ("amperes", "A"),
     ("amp", "A"),
@@ -166,6 +202,16 @@ const FOREIGN: &[(&str, &str)] = &[
     ("ohms", "ohm"),
     ("henry", "H"),
     ("farad", "F"),
+];
+
+/// Names people write for them that are not read, because they are other units to others, or none.
+const FOREIGN: &[(&str, &str)] = &[
+    ("ton", "tonne"),
+    ("tons", "tonne"),
+    ("t", "tonne"),
+    ("ms2", "m/s^2"),
+    ("mps", "m/s"),
+    ("kmh", "kph"),
 ];
 
 /// Units that are not here, and what one of them is.
@@ -178,21 +224,28 @@ const INSTEAD: &[(&str, &str)] = &[
     ("oz", "`0.028349523125 kg` for one"),
     ("slug", "`1 lbf*s^2/ft` for one"),
     ("kgf", "`9.80665 N` for one"),
-    ("inch", "`25.4 mm` for one"),
-    ("inches", "`25.4 mm` for one"),
     ("mile", "`1609.344 m` for one"),
     ("miles", "`1609.344 m` for one"),
-    ("mph", "`0.44704 m/s` for one"),
-    ("knot", "`1852 m/h` for one"),
-    ("knots", "`1852 m/h` for one"),
-    ("rev", "`360 deg` for one"),
-    ("turn", "`360 deg` for one"),
+    ("dm", "`0.1 m` for one"),
+    ("rps", "`1 rev/s` for one"),
     ("psi", "`1 lbf/(25.4 mm)^2` for one"),
+    ("atm", "`101325 Pa` for one"),
+    ("hpa", "`100 Pa` for one"),
+    ("mbar", "`100 Pa` for one"),
+    ("hp", "`745.7 W` for one, `735.5 W` for a metric one"),
+    ("wh", "`3600 J` for one"),
+    ("kwh", "`3.6 MJ` for one"),
     ("day", "`24 h` for one"),
     ("days", "`24 h` for one"),
 ];
 
 const POUND_TEXT: &str = "`0.45359237 kg` for one of mass, `lbf` for a force";
+
+/// The word of a unit that is spelled otherwise, if that is read.
+pub fn spelled(word: &str) -> Option<&'static str> {
+    let found = SPELLINGS.iter().find(|(theirs, _)| *theirs == word);
+    found.map(|(_, ours)| *ours)
+}
 
 /// What to write instead of a unit that is not here.
 pub fn instead(word: &str) -> Option<&'static str> {
@@ -240,9 +293,8 @@ pub fn known() -> Vec<&'static str> {
 /// Our word for a unit that people call otherwise.
 pub fn foreign(word: &str) -> Option<&'static str> {
     let lower = word.to_lowercase();
-    FOREIGN
-        .iter()
-        .find(|(theirs, _)| *theirs == lower)
+    let mut all = SPELLINGS.iter().chain(FOREIGN);
+    all.find(|(theirs, _)| *theirs == lower)
         .map(|(_, ours)| *ours)
 }
 

@@ -74,6 +74,157 @@ fn what_is_probably_not_meant_is_a_warning() {
     }
 }
 
+/// A pendulum with a mass called like a unit, and these items.
+fn pendulum(items: &str) -> Reading {
+    let text = format!(
+        "model Pendulum {{
+            gravity: [0, 0, -9.81] m/s^2;
+            param m = 2 kg;
+            body rod {{ mass: m, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0, 0, 1] m }}
+            {items}
+        }}"
+    );
+    read_text(&text)
+}
+
+#[test]
+fn a_word_that_is_a_unit_and_a_name_is_what_gives_the_dimension_that_is_wanted() {
+    let pin = |force: &str| {
+        format!("joint pin: hinge from world to rod.top {{ axis: y, force: {force} }}")
+    };
+    let pairs = [
+        (
+            pin("-20 N*m * sin(pin.angle)"),
+            pin("-20 (N*m) * sin(pin.angle)"),
+        ),
+        (
+            pin("-20 N*m*s * pin.angle_rate"),
+            pin("-20 (N*m*s) * pin.angle_rate"),
+        ),
+        (
+            pin("0 N*m") + "load w on rod = [0, 0, -1] * (9.81 m/s^2 * m);",
+            pin("0 N*m") + "load w on rod = [0, 0, -1] * ((9.81 m/s^2) * m);",
+        ),
+        (
+            pin("0 N*m") + "output x = 9.81 m/s^2 * m + 1 N in kN;",
+            pin("0 N*m") + "output x = (9.81 m/s^2) * m + 1 N in kN;",
+        ),
+    ];
+    for (written, meant) in pairs {
+        let read = pendulum(&written);
+        assert!(read.scene.is_some(), "{}", told(&read));
+        assert_eq!(read.scene, pendulum(&meant).scene, "{written}");
+        assert!(
+            read.notes.iter().any(|note| note.starts_with("`m`")),
+            "{written}"
+        );
+    }
+    let frame = |at: &str| {
+        let pin = pin("0 N*m");
+        format!(
+            "const N = 3; world {{ frame a at [{at}, 0, 0] }} {pin} joint b: spherical from world.a to rod.top;"
+        )
+    };
+    let read = pendulum(&frame("2 m * N"));
+    assert_eq!(
+        read.scene,
+        pendulum(&frame("N * 2 m")).scene,
+        "{}",
+        told(&read)
+    );
+    // A const, and where only one way fits together at all.
+    let side = |side: &str| {
+        let pin = pin("0 N*m");
+        format!("const N = 6; const side = 2 m * sin({side}); {pin} output x = side * pin.angle;")
+    };
+    let read = pendulum(&side("180 deg / N"));
+    assert_eq!(
+        read.scene,
+        pendulum(&side("30 deg")).scene,
+        "{}",
+        told(&read)
+    );
+    // Where no dimension is wanted both might be meant.
+    for output in [
+        "output x = 2 N*m * sin(pin.angle);",
+        "let x = 3 m/s^2 * m; output y = x;",
+    ] {
+        let read = pendulum(&(pin("0 N*m") + output));
+        assert!(
+            told(&read).contains("`m` is also a param"),
+            "{}",
+            told(&read)
+        );
+    }
+    // `2 m * m` behind a stroke would be divided by the first alone.
+    let read = pendulum(&(pin("0 N*m") + "output x = 4 kg*m / 2 m * m in kg^2;"));
+    assert!(read.scene.is_none());
+}
+
+#[test]
+fn an_output_of_two_or_more_numbers_has_a_column_each() {
+    let pin = "joint pin: hinge from world to rod.top { axis: y }";
+    let listed = pendulum(&format!(
+        "{pin} output both = [pin.angle, 2 * pin.angle] in deg;"
+    ));
+    let alone = pendulum(&format!(
+        "{pin} output both[i in 1..3] = i * pin.angle in deg;"
+    ));
+    let names = |read: &Reading| -> Vec<String> {
+        let scene = read.scene.as_ref().expect("read");
+        scene
+            .outputs
+            .iter()
+            .map(|output| output.name.clone())
+            .collect()
+    };
+    assert_eq!(names(&listed), ["both[0]", "both[1]"]);
+    assert_eq!(names(&alone), ["both[1]", "both[2]"]);
+    let units = |read: &Reading| -> Vec<String> {
+        let scene = read.scene.as_ref().expect("read");
+        scene
+            .outputs
+            .iter()
+            .map(|output| output.unit.text.clone())
+            .collect()
+    };
+    assert_eq!(units(&listed), ["deg", "deg"]);
+    let five = pendulum(&format!("{pin} output all = [1, 2, 3, 4, 5] m;"));
+    assert_eq!(names(&five).len(), 5);
+}
+
+#[test]
+fn a_metric_and_the_guard_of_an_event_may_name_an_output() {
+    let items = |pull: &str| {
+        format!(
+            "joint pin: hinge from world to rod.top {{ axis: y }}
+             output pull = norm(pin.force) in kN;
+             metric most = max {pull} in N;
+             event slack = {pull} falls 2 N;"
+        )
+    };
+    let named = pendulum(&items("pull"));
+    assert!(named.scene.is_some(), "{}", told(&named));
+    assert_eq!(named.scene, pendulum(&items("norm(pin.force)")).scene);
+    // What an event sets cannot depend on accelerations, by whatever name.
+    let set = items("pull").replace("falls 2 N", "falls 2 N { set: m = pull / (10 m/s^2) }");
+    assert!(told(&pendulum(&set)).contains("`pull` is the name of an output"));
+}
+
+#[test]
+fn the_remainder_lies_between_zero_and_the_divisor() {
+    let path = format!("{}/tests/pass/remainder.mbd", env!("CARGO_MANIFEST_DIR"));
+    let scene = read_text(&std::fs::read_to_string(path).unwrap())
+        .scene
+        .unwrap();
+    let ends: Vec<_> = scene.lines.iter().map(|line| line.to).collect();
+    let point = mbd_scene::Place::Point;
+    assert_eq!(ends, [1, 2, 0, 2, 0, 1].map(point));
+    let left = scene.consts.iter().find(|it| it.name == "left").unwrap();
+    assert_eq!(left.value.scalar(), Some(2.0));
+    assert_eq!(scene.outputs[1].value, mbd_scene::Formula::Number(4.0));
+}
+
 /// Compares what every file of a folder is told with its first lines; `UPDATE_GOLDEN` writes them.
 fn compare(folder: &str, told: impl Fn(&str, &Reading) -> Vec<String>) {
     let mut wrong = Vec::new();

@@ -521,7 +521,7 @@ fn simple_solids_are_shapes_and_meshes_are_left_out() {
 #[test]
 fn names_that_the_language_does_not_take_are_changed_and_told() {
     let text = ARM
-        .replace("\"elbow\"", "\"joint\"")
+        .replace("\"elbow\"", "\"at\"")
         .replace("\"upper\"", "\"2nd link\"")
         .replace("\"shoulder\"", "\"fore\"");
     let reading = read_urdf(&text);
@@ -533,8 +533,7 @@ fn names_that_the_language_does_not_take_are_changed_and_told() {
         .clone();
     assert_eq!(
         note,
-        "names of the URDF that differ here: link \"2nd link\" is `n2nd_link`, joint \"fore\" is `fore_joint`, \
-         joint \"joint\" is `joint_joint`, link \"tool mount\" is `tool_mount`"
+        "names of the URDF that differ here: link \"2nd link\" is `n2nd_link`, joint \"fore\" is `fore_joint`, joint \"at\" is `at_joint`, link \"tool mount\" is `tool_mount`"
     );
     scene(reading);
 }

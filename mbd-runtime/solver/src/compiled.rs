@@ -61,6 +61,7 @@ doors! {
     fn together(model: &dyn Model<Self>, width: usize) -> Option<Box<dyn Together<Self>>> = crate::lanes::together;
     fn take_step(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::take_step;
     fn begin(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::begin;
+    fn look_at_output(run: &mut Simulation<Self>, name: &str) -> Option<Self> = Simulation::look_at_output;
     fn look(run: &mut Simulation<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = Simulation::look;
     fn give_state(run: &mut Simulation<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = Simulation::give_state;
     fn give_nodes(run: &mut Simulation<Self>, guess: &[Self]) -> Result<(), RunError> = Simulation::give_nodes;
@@ -286,6 +287,35 @@ impl<T: Scalar> Simulation<T> {
     /// A slice of another length; no equilibrium of a node.
     pub fn evaluate(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
         T::look(self, what, out)
+    }
+
+    /// An output at the last accepted step by the name of its column, `bend`, `tip.x`, `both[0]`, in the unit that it is declared in; `None` for a name that is no
+    /// output, and where it cannot be computed. What it was on the way is a column of what [`Simulation::record`] records.
+    ///
+    /// ```
+    /// use mbd_runtime::{Options, Simulation, model};
+    ///
+    /// model! {
+    ///     /// A stone that falls.
+    ///     model Stone {
+    ///         gravity: [0.0, 0.0, -10.0] m/s^2;
+    ///         emit: [derivative, outputs];
+    ///         point stone { mass: 1.0 kg, start at [0.0, 0.0, 5.0] m }
+    ///         output height = stone.position.z in mm;
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let stone = Stone::new(StoneParams::default())?;
+    /// let mut simulation = Simulation::new(&stone, Options::tsit5(1e-9))?;
+    /// simulation.run(0.8)?;
+    /// let height = simulation.output("height").expect("it is declared");
+    /// assert!((height - 1800.0).abs() < 1e-9);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn output(&mut self, name: &str) -> Option<T> {
+        T::look_at_output(self, name)
     }
 
     /// Sets time [s] and state x = [q | v | z | s]; `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.

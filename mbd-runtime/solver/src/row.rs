@@ -5,6 +5,7 @@ use mbd_scene::{Float, Layout, Quantity, Scene};
 use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
 use crate::content::Content;
 use crate::error::StepError;
+use crate::linearise::output_names;
 use crate::system::{System, WORKS};
 
 /// Where a row is made.
@@ -212,13 +213,7 @@ pub(crate) fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Nam
         }
     }
     if content.outputs {
-        for output in &scene.outputs {
-            let unit = &output.unit.text;
-            match output.components {
-                1 => names.push(Name::new(&output.name, "", unit)),
-                _ => names.extend(["x", "y", "z"].map(|c| Name::new(&output.name, c, unit))),
-            }
-        }
+        names.extend(output_names(scene));
     }
     if content.energy {
         names.extend(

@@ -13,6 +13,7 @@ use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Stepper, StiffnessTest};
+use crate::linearise::output_names;
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
@@ -329,6 +330,16 @@ impl<T: Float> Simulation<T> {
                 report(scene, self.system.model.layout(), element, mode)
             }
         }
+    }
+
+    /// What [`Simulation::output`] does.
+    pub(crate) fn look_at_output(&mut self, name: &str) -> Option<T> {
+        let model = Arc::clone(self.model());
+        let names = output_names(model.scene());
+        let index = names.iter().position(|column| column.name == name)?;
+        let mut columns = vec![T::zero(); model.layout().len(Quantity::Outputs)];
+        self.look(Quantity::Outputs, &mut columns).ok()?;
+        columns.get(index).copied()
     }
 
     /// What [`Simulation::evaluate`] does.

@@ -25,7 +25,7 @@ pub enum Sign {
     Comparison,
     /// `+`, `-`
     Sum,
-    /// `*`, `/`
+    /// `*`, `/`, `%`
     Product,
     /// The `=` before a value: no cut.
     Equal,
@@ -47,7 +47,7 @@ pub fn signs(lexemes: &[Lexeme], marks: &[Mark]) -> Vec<Sign> {
         (LexemeKind::Sign(','), _) => Sign::Comma,
         (LexemeKind::Sign('<' | '>'), Role::Between) => Sign::Comparison,
         (LexemeKind::Sign('+' | '-'), Role::Between) => Sign::Sum,
-        (LexemeKind::Sign('*' | '/'), Role::Between) => Sign::Product,
+        (LexemeKind::Sign('*' | '/' | '%'), Role::Between) => Sign::Product,
         (LexemeKind::Sign('='), Role::Between) => Sign::Equal,
         _ => Sign::Other,
     };
@@ -95,7 +95,7 @@ fn roles(lexemes: &[Lexeme], marks: &[Mark]) -> Vec<Role> {
             ':' if continued || sign(at + 1, ':') => Role::Joint,
             '.' | '^' => Role::Joint,
             '-' if begins_operand(lexemes, marks, at) => Role::Minus,
-            '+' | '-' | '*' | '/' | '=' | '<' | '>' | '!' => Role::Between,
+            '+' | '-' | '*' | '/' | '%' | '=' | '<' | '>' | '!' => Role::Between,
             _ => Role::Other,
         });
     }

@@ -221,6 +221,16 @@ impl Messages {
         self.reports.is_empty()
     }
 
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.reports.len()
+    }
+
+    /// Forgets those that came after so many: what was read was read otherwise.
+    pub fn forget_after(&mut self, count: usize) {
+        self.reports.truncate(count);
+    }
+
     /// Takes over the messages of another stage.
     pub fn extend(&mut self, other: Messages) {
         other

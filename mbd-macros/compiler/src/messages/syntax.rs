@@ -306,7 +306,14 @@ pub fn clause_behind_braces(at: Region, spec: &ItemWord, sign: &str) -> LexemeMe
 }
 
 pub fn repeated_clause(at: Region, clause: &str, first: Region) -> LexemeMessage {
-    LexemeMessage::new(at, format!("`{clause}` is given twice")).also(first, "first given here")
+    let once = match clause {
+        "world" => ": all frames of the world stand in one `world { … }`",
+        "set" => ": several stand in brackets, `set: [a = 1 m, b = 2 m]`",
+        "detach" | "attach" | "lock" | "free" | "shape" => ": several stand in brackets, `[a, b]`",
+        _ => "",
+    };
+    LexemeMessage::new(at, format!("`{clause}` is given twice{once}"))
+        .also(first, "first given here")
 }
 
 pub fn empty_value(at: Region, clause: &str) -> LexemeMessage {
@@ -448,13 +455,6 @@ pub fn equality(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
         "quantities are compared by `<`, `<=`, `>` or `>=`: that two of them are equal is seldom true to the last digit",
-    )
-}
-
-pub fn remainder(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "there is no `%`: the remainder of a by b is `a - b * floor(a / b)`, and signs that alternate are `(-1)^i`",
     )
 }
 

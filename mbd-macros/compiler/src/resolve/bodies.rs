@@ -156,12 +156,17 @@ impl Resolver<'_> {
         stage: MayDependOn,
     ) -> Option<([Formula; 3], Option<RotationRows>)> {
         let scope = instance.scope(stage);
-        let at = instance.item.clause("at")?;
-        let position = self.triple("at", at, units::LENGTH, scope);
-        let position = position.and_then(|parts| {
-            self.two_derivatives(&parts, at.at)?;
-            Some(parts)
-        });
+        let position = match instance.item.clause("at") {
+            None if instance.item.broken => return None,
+            // Only rotated.
+            None => Some([0.0; 3].map(Formula::Number)),
+            Some(at) => self
+                .triple("at", at, units::LENGTH, scope)
+                .and_then(|parts| {
+                    self.two_derivatives(&parts, at.at)?;
+                    Some(parts)
+                }),
+        };
         let rotation = match instance.item.clause("rotated") {
             Some(value) => self.rotation(value, scope)?,
             None => None,
@@ -348,7 +353,7 @@ impl Resolver<'_> {
         Some((rows != identity).then_some(rows))
     }
 
-    /// `diag(…) unit`, or `full { … } unit (matrix elements)` with the unit before or behind the brackets; `(unchecked)` behind it lets through moments that no rigid body has. They must be
+    /// `diag(…) unit`, also `[…] unit`, in a plane one number, or `full { … } unit (matrix elements)` with the unit before or behind the brackets; `(unchecked)` behind it lets through moments that no rigid body has. They must be
     /// positive all the same, or nothing could be computed. Hands back whether that was said, too.
     fn inertia(
         &mut self,
@@ -359,8 +364,23 @@ impl Resolver<'_> {
         let mut cursor = Cursor::new(value);
         let form = cursor.word();
         let inertia = match form.as_ref().map(|word| word.text.as_str()) {
-            Some("diag") => self.diagonal(&mut cursor, value.at, scope)?,
+            Some("diag") => self.diagonal(&mut cursor, Bracket::Round, value.at, scope)?,
+            None if begins_list(&cursor) => {
+                self.diagonal(&mut cursor, Bracket::Square, value.at, scope)?
+            }
             Some("full") => self.full(&mut cursor, value.at, scope)?,
+            // In a plane one moment acts, that about its normal; the others are no smaller than half of it, and as good as any.
+            other
+                if self.scene.planar.is_some()
+                    && other.is_none_or(|word| self.names.is(word, Named::is_value)) =>
+            {
+                let moment = self.element("inertia", value, None, scope)?;
+                cursor = Cursor::new(ValueSyntax {
+                    lexemes: &[],
+                    ..value
+                });
+                diagonal_of([moment.clone(), moment.clone(), moment])
+            }
             other => {
                 let shape = other.and_then(|shape| say::inertia_of_shape(value.at, shape));
                 return self.fail(shape.unwrap_or_else(|| say::inertia_form(value.at)));
@@ -380,10 +400,11 @@ impl Resolver<'_> {
     fn diagonal(
         &mut self,
         cursor: &mut Cursor<'_>,
+        bracket: Bracket,
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Inertia> {
-        let Some(group) = cursor.group(Bracket::Round) else {
+        let Some(group) = cursor.group(bracket) else {
             return self.fail(say::inertia_form(at));
         };
         let parts = Cursor::new(group).comma_separated();
@@ -396,16 +417,7 @@ impl Resolver<'_> {
             // The first mistake is told alone: mostly it is that of the unit of all three.
             moments.push(self.element("inertia", part, unit.as_ref(), scope)?);
         }
-        let [xx, yy, zz]: [Formula; 3] = moments.try_into().ok()?;
-        let zero = || Formula::Number(0.0);
-        Some(Inertia {
-            xx,
-            yy,
-            zz,
-            xy: zero(),
-            xz: zero(),
-            yz: zero(),
-        })
+        moments.try_into().ok().map(diagonal_of)
     }
 
     fn full(&mut self, cursor: &mut Cursor<'_>, at: Region, scope: Scope<'_>) -> Option<Inertia> {
@@ -487,6 +499,25 @@ impl Resolver<'_> {
         let typed = self.in_brackets(typed, unit)?;
         self.fits(typed, field, false, units::INERTIA)
     }
+}
+
+/// An inertia without products.
+fn diagonal_of([xx, yy, zz]: [Formula; 3]) -> Inertia {
+    let zero = || Formula::Number(0.0);
+    Inertia {
+        xx,
+        yy,
+        zz,
+        xy: zero(),
+        xz: zero(),
+        yz: zero(),
+    }
+}
+
+/// Whether a square bracket comes next.
+fn begins_list(cursor: &Cursor<'_>) -> bool {
+    let next = cursor.peek().map(|lexeme| &lexeme.kind);
+    matches!(next, Some(LexemeKind::Open(Bracket::Square, _)))
 }
 
 /// Takes `(unchecked)`.

@@ -3,12 +3,14 @@
 use mbd_scene::Free;
 use mbd_scene::{
     Body, Formula, Frame, Inertia, Joint, JointLaw, Line, LineKind, Load, LoadKind, Place, Point,
-    PointKind,
+    PointKind, Unit,
 };
 
-use super::{Instance, Named, Resolver};
+use super::repeat::Labelled;
+use super::{Instance, Named, PART, Resolver, forces};
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::syntax::expression::Expression;
 use crate::syntax::words::{self, Reserved};
 use crate::syntax::{Item, ModelSyntax, NameSyntax};
 
@@ -75,9 +77,16 @@ impl<'a> Resolver<'a> {
             return;
         };
         self.reserved(name);
-        let Some(instances) = self.expand(name, &[]) else {
+        if spec.word == "table" && words::reserved_table(&name.word.text) {
+            let (at, word) = (name.word.at.into(), &name.word.text);
+            self.messages.push(say_syntax::reserved_name(at, word));
+        }
+        let Some(mut instances) = self.expand(name, &[]) else {
             return;
         };
+        if let (None, Some((parts, _))) = (name.index, listed_output(item)) {
+            instances = numbered(&name.word.text, parts.len());
+        }
         if instances.is_empty() {
             self.idle.push(item);
             if let Err(first) = self.names.reserve(&name.word.text, name.word.at.into()) {
@@ -299,6 +308,19 @@ impl<'a> Resolver<'a> {
             _ => self.number_placeholder(word, name, doc),
         }
     }
+}
+
+/// The numbers of an output that are no vector, with their unit.
+fn listed_output(item: &Item<'_>) -> Option<(Vec<Expression>, Option<Unit>)> {
+    let value = item.clause("=").filter(|_| item.word.text == "output")?;
+    forces::listed(value)
+}
+
+/// Instances of an output of several numbers: `NAME[0]`, `NAME[1]`.
+fn numbered(word: &str, count: usize) -> Vec<Labelled> {
+    let count = i64::try_from(count).unwrap_or(0);
+    let label = |i| (Some(i), format!("{word}[{i}]"), Some((PART.to_owned(), i)));
+    (0..count).map(label).collect()
 }
 
 fn named(word: &str, slot: usize) -> Named {

@@ -50,6 +50,10 @@ impl Resolver<'_> {
             let report = say::nothing_to_couple(value.at, word, law.keyword());
             return self.fail(report);
         }
+        // A joint alone is its only coordinate.
+        if rest.is_empty() && law.measured().count() == 1 && !self.bad.contains(&named) {
+            return Some((joint, 0));
+        }
         let scope = Scope {
             stage: MayDependOn::Live,
             ..scope

@@ -5,9 +5,19 @@ use mbd_scene::{Formula, Function, LoadKind, Place, PointKind, Unit};
 use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed};
 use crate::lexeme::{LexemeKind, Region};
 use crate::messages::resolve as say;
-use crate::syntax::expression;
+use crate::syntax::expression::{self, Expression};
 use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
+
+/// The numbers of an output that are no vector, two or more than three, and the unit behind them: `[left.angle, right.angle] in deg`.
+pub(super) fn listed(value: ValueSyntax<'_>) -> Option<(Vec<Expression>, Option<Unit>)> {
+    match expression::whole(value) {
+        Ok(Expression::Vector { parts, unit, .. }) if ![0, 1, 3].contains(&parts.len()) => {
+            Some((parts, unit))
+        }
+        _ => None,
+    }
+}
 
 impl Resolver<'_> {
     /// Fills the loads.
@@ -34,13 +44,21 @@ impl Resolver<'_> {
                 LoadKind::External
             }
             (Some(given), None) => {
+                if let Some(axes) = self.axes_of_load(item.clause("in")) {
+                    let body = item.clause("on").and_then(|on| Cursor::new(on).word());
+                    let body = body.map_or_else(String::new, |word| word.text);
+                    return self.fail(say::load_axes(axes, &body));
+                }
                 let unit = self.in_unit(item.clause("in"));
                 let typed = self.value(given.value, scope)?;
                 // What is wrong with its kind may follow from what is wrong with its place.
                 place?;
-                let fits = [units::FORCE, units::TORQUE].map(Some);
-                if fits.contains(&typed.dimension) {
+                let fits = [units::FORCE, units::TORQUE];
+                let typed = self.reading(typed, &fits);
+                if typed.dimension.is_some_and(|found| fits.contains(&found)) {
                     self.unit_fits(typed.at);
+                } else if let Some(report) = self.unit_misfit(typed.at) {
+                    return self.fail(report);
                 }
                 self.load_kind(typed, unit?.map(|(unit, _)| unit))?
             }
@@ -51,6 +69,15 @@ impl Resolver<'_> {
         entry.at = place;
         entry.kind = kind;
         Some(())
+    }
+
+    /// Where a word stands behind `in` that is no unit and says in which axes a load is meant: `in body`.
+    fn axes_of_load(&self, value: Option<ValueSyntax<'_>>) -> Option<Region> {
+        let mut cursor = Cursor::new(value?);
+        let word = cursor.word()?;
+        let named = self.names.is(&word.text, |it| matches!(it, Named::Body(_)));
+        let axes = named || ["body", "local", "world", "frame"].contains(&word.text.as_str());
+        axes.then(|| word.at.into())
     }
 
     /// `on body at frame`, `on point`.
@@ -69,13 +96,20 @@ impl Resolver<'_> {
         if matches!(owner, Named::Joint(_)) {
             return self.fail(say::load_on_joint(on.at, &first.word.text));
         }
-        if let Some(step) = rest.first() {
-            let frame = &step.word.text;
-            return self.fail(say::load_on_frame(on.at, &first.word.text, frame));
-        }
         match owner {
             Named::Body(body) => {
-                let Some(at) = item.clause("at") else {
+                // `on rod.tip` is `on rod at tip`.
+                let at = match (rest, item.clause("at")) {
+                    ([], at) => at,
+                    ([step], None) => {
+                        return Some(Place::Body(body, self.body_frame(body, step, scope)?));
+                    }
+                    ([step, ..], _) => {
+                        let frame = &step.word.text;
+                        return self.fail(say::load_on_frame(on.at, &first.word.text, frame));
+                    }
+                };
+                let Some(at) = at else {
                     return Some(Place::Body(body, 0));
                 };
                 let steps = match expression::path(at) {
@@ -86,6 +120,9 @@ impl Resolver<'_> {
                     [step] => Some(Place::Body(body, self.body_frame(body, step, scope)?)),
                     _ => self.fail(say::load_at(at.at)),
                 }
+            }
+            Named::Point(_) if let Some(step) = rest.first() => {
+                self.fail(say::after_place(step.word.at.into(), &step.word.text))
             }
             Named::Point(point) => match item.given("at") {
                 Some(at) => self.fail(say::load_at_point(at.at)),
@@ -188,8 +225,15 @@ impl Resolver<'_> {
 
     fn output(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let typed = self.value(item.clause("=")?, instance.scope(MayDependOn::Result))?;
+        let value = item.clause("=")?;
+        let typed = match instance.part() {
+            None => self.value(value, instance.scope(MayDependOn::Result))?,
+            Some(part) => self.part_of_list(value, part)?,
+        };
         let asked = self.in_unit(item.clause("in"))?;
+        let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
+        let typed = self.reading_as(typed, wanted);
+        self.shown.insert(instance.slot, typed.clone());
         let (value, components, unit) = self.column(typed, asked)?;
         let entry = self.scene.outputs.get_mut(instance.slot)?;
         entry.value = value;
@@ -198,12 +242,28 @@ impl Resolver<'_> {
         Some(())
     }
 
+    /// One number of a list that is no vector.
+    fn part_of_list(&mut self, value: ValueSyntax<'_>, part: usize) -> Option<Typed> {
+        let (parts, unit) = listed(value)?;
+        let scope = Scope {
+            stage: MayDependOn::Result,
+            indices: &[],
+        };
+        let typed = self.read_either_way(parts.get(part)?, scope)?;
+        if typed.vector {
+            return self.fail(say::scalar_wanted(typed.at, "one of several values"));
+        }
+        self.in_brackets(typed, unit.as_ref())
+    }
+
     /// A value in the unit that is asked for, how many components it has, and that unit.
     pub(super) fn column(
         &mut self,
         typed: Typed,
         asked: Option<(Unit, Region)>,
     ) -> Option<(Formula, usize, Unit)> {
+        let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
+        let typed = self.reading_as(typed, wanted);
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
         let mut value = typed.formula.clone();
         if let Some((wanted, at)) = asked {

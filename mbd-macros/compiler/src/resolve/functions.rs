@@ -54,13 +54,20 @@ impl Resolver<'_> {
                 })
             }
             "min" | "max" => {
+                let mut typed = typed;
+                let more = typed.split_off(typed.len().min(2));
                 let [a, b] = self.scalars(typed, name, at)?;
                 let function = if name.text == "min" {
                     Function::Min
                 } else {
                     Function::Max
                 };
-                self.alike(function, a, b, at)
+                let mut found = self.alike(function, a, b, at)?;
+                for next in more {
+                    let [next] = self.scalars(vec![next], name, at)?;
+                    found = self.alike(function, found, next, at)?;
+                }
+                Some(found)
             }
             "abs" => {
                 let [a] = self.scalars(typed, name, at)?;

@@ -461,6 +461,7 @@ impl Resolver<'_> {
         owner: &FieldsOwner<'_>,
     ) -> Option<Formula> {
         let held = field.of(owner.coordinate);
+        let typed = self.reading(typed, &[held.dimension]);
         let wrong = typed.dimension.filter(|found| *found != held.dimension);
         match wrong {
             Some(found) if !typed.vector => {

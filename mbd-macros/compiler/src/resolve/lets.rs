@@ -152,8 +152,11 @@ impl Resolver<'_> {
     fn fill_let(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
         let typed = self.value(item.clause("=")?, instance.scope(MayDependOn::Result))?;
+        let asked = self.in_unit(item.clause("in"))?;
+        let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
+        let typed = self.reading_as(typed, wanted);
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
-        if let Some((wanted, at)) = self.in_unit(item.clause("in"))? {
+        if let Some((wanted, at)) = asked {
             if let Some(found) = typed.dimension
                 && found != wanted.dimension
             {

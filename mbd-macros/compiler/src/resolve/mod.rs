@@ -59,7 +59,16 @@ pub struct Instance<'a> {
     pub indices: Vec<(String, i64)>,
 }
 
+/// The index of the numbers of an output that are no vector: no name, so that nothing refers to it.
+const PART: &str = "";
+
 impl Instance<'_> {
+    /// Which number of its list it is, of an output of several.
+    fn part(&self) -> Option<usize> {
+        let own = self.indices.last().filter(|(name, _)| name == PART);
+        own.and_then(|(_, part)| usize::try_from(*part).ok())
+    }
+
     /// The scope of its values.
     pub fn scope(&self, stage: MayDependOn) -> Scope<'_> {
         Scope {
@@ -128,6 +137,8 @@ pub struct Resolver<'a> {
     radians_of_states: Vec<turns::RadiansOfState>,
     /// What is known of each `let`.
     lets: Vec<lets::LetProgress>,
+    /// What each output shows, in SI.
+    shown: BTreeMap<usize, Typed>,
     /// How many lets are being resolved because another one names them.
     nested: usize,
     /// What a `let` names that is not known yet.
@@ -165,6 +176,8 @@ enum ResolvedSoFar {
     Joints,
     /// Also which coordinates have motors.
     Motors,
+    /// Also what outputs show, which events and metrics may name.
+    Outputs,
 }
 
 /// Resolves a model as far as it goes.
@@ -192,6 +205,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.windings();
     resolver.loads();
     resolver.outputs();
+    resolver.known = ResolvedSoFar::Outputs;
     resolver.events();
     resolver.metrics();
     resolver.unlocked();
@@ -230,6 +244,7 @@ impl<'a> Resolver<'a> {
             turning: BTreeMap::new(),
             radians_of_states: Vec::new(),
             lets: Vec::new(),
+            shown: BTreeMap::new(),
             nested: 0,
             too_early: None,
             known: ResolvedSoFar::Numbers,

@@ -147,6 +147,7 @@ impl Resolver<'_> {
                 self.const_names(&parsed, &mut needs);
                 if needs.is_disjoint(&open) {
                     open.remove(&instance.slot);
+                    self.unit_words.waiting.clone_from(&open);
                     self.poison(Named::Const(instance.slot), |this| {
                         this.constant(&instance, &parsed)
                     });
@@ -159,6 +160,7 @@ impl Resolver<'_> {
                 break;
             }
         }
+        self.unit_words.waiting.clear();
         for (instance, _) in waiting {
             let name = self.scene.consts.get(instance.slot).map(|c| c.name.clone());
             let report = say::circular(instance.item.name_at(), "const", &name.unwrap_or_default());
@@ -197,7 +199,7 @@ impl Resolver<'_> {
 
     fn constant(&mut self, instance: &Instance<'_>, parsed: &Expression) -> Option<()> {
         self.instead = Some(say::LET_OF_PARAMS);
-        let typed = self.typed(parsed, instance.scope(MayDependOn::Constant));
+        let typed = self.read_either_way(parsed, instance.scope(MayDependOn::Constant));
         self.instead = None;
         let typed = typed?;
         let unit = written_unit(parsed).unwrap_or_else(|| typed.unit());
@@ -236,7 +238,7 @@ impl Resolver<'_> {
                 });
             }
         };
-        let typed = self.typed(&parsed, instance.scope(MayDependOn::Constant))?;
+        let typed = self.read_either_way(&parsed, instance.scope(MayDependOn::Constant))?;
         let unit = written_unit(&parsed).unwrap_or_else(|| typed.unit());
         let (at, dimension) = (typed.at, typed.dimension);
         let bare = typed.bare.clone();
@@ -396,6 +398,8 @@ impl Resolver<'_> {
             if units::find(word).is_none() {
                 return self.fail(say::unknown_input_type(only.at.into(), word));
             }
+        } else if let Some(unit) = of_quantities(lexemes) {
+            return Some(unit);
         }
         let unit = match unit::whole(Cursor::new(ValueSyntax { lexemes, at })) {
             Ok(unit) => unit,
@@ -406,6 +410,27 @@ impl Resolver<'_> {
         }
         Some(unit)
     }
+}
+
+/// The SI unit of a product of quantities and units in which a quantity stands: `volume/s`.
+fn of_quantities(lexemes: &[Lexeme]) -> Option<Unit> {
+    let mut named = false;
+    let text = lexemes.iter().map(|lexeme| match &lexeme.kind {
+        LexemeKind::Word(word) if let Some(unit) = units::of_quantity(word) => {
+            named = true;
+            format!("({})", unit.text)
+        }
+        _ => lexeme.shown(),
+    });
+    let text: String = text.collect();
+    let (lexemes, _, messages) = crate::lexeme::from_text(&text);
+    let value = ValueSyntax {
+        lexemes: &lexemes,
+        at: Region::START,
+    };
+    let read = unit::whole(Cursor::new(value)).ok()?;
+    let fits = named && messages.is_empty();
+    fits.then(|| units::si(&units::si_text(read.dimension), read.dimension))
 }
 
 /// The unit of a value that is one number, or one vector.

@@ -4,7 +4,7 @@ use mbd_scene::{Dimension, EnergyKind, Formula, Gravity, Place, PointKind, Unit}
 
 use super::names::{Members, NameEntry};
 use super::value::angle_of;
-use super::{MayDependOn, Named, Resolver, Scope, Typed, fold};
+use super::{MayDependOn, Named, ResolvedSoFar, Resolver, Scope, Typed, fold};
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, resolve as say};
 use crate::syntax::expression::{self, PathStep};
@@ -145,6 +145,13 @@ impl Resolver<'_> {
                 let table = self.scene.tables.get(index);
                 let arguments = table.map_or(1, |table| table.arguments());
                 self.fail(say::table_without_argument(here, word, arguments))
+            }
+            Named::Output(_) if self.bad.contains(&named) => None,
+            Named::Output(index)
+                if self.known == ResolvedSoFar::Outputs && scope.stage == MayDependOn::Result =>
+            {
+                let shown = self.shown.get(&index)?.clone();
+                self.tail(Typed { at, ..shown }, rest)
             }
             other => self.fail(say::not_a_quantity(here, word, other.kind())),
         }

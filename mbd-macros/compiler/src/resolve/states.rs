@@ -29,7 +29,7 @@ impl Resolver<'_> {
             Ok(parsed) => parsed,
             Err(report) => return self.fail(report),
         };
-        let typed = self.typed(&parsed, instance.scope(MayDependOn::Fixed))?;
+        let typed = self.read_either_way(&parsed, instance.scope(MayDependOn::Fixed))?;
         let unit = match &kind {
             Some(unit) => unit.clone(),
             None => match written_unit(&parsed).filter(|unit| unit.factor == 1.0) {

@@ -4,10 +4,12 @@ use std::collections::BTreeSet;
 
 use mbd_scene::{Dimension, Unit};
 
-use super::{Named, Resolver, Scope};
+use super::{Named, Resolver, Scope, Typed};
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, resolve as say};
-use crate::syntax::expression::Expression;
+use crate::number::read_number;
+use crate::syntax::Word;
+use crate::syntax::expression::{Expression, PathStep};
 use crate::units;
 
 /// What is known of words of units that are names, too.
@@ -17,8 +19,14 @@ pub struct UnitWords {
     told: BTreeSet<String>,
     /// Those that may be units.
     open: Vec<OpenWord>,
-    /// Whether what is read is a value that is one number with its unit, or three.
-    literal: bool,
+    /// The value that is being read, if its dimension tells what such a word is: values are counted, as a `let` is read inside another.
+    value: Option<usize>,
+    /// How many values were read.
+    values: usize,
+    /// Consts whose numbers are not known yet: nothing is read with them.
+    pub waiting: BTreeSet<usize>,
+    /// Values as they are with words of their units as names, each with its place.
+    by_name: Vec<(Region, Typed)>,
 }
 
 /// A word that may be a unit.
@@ -28,17 +36,26 @@ struct OpenWord {
     of_unit: Dimension,
     /// Where the number with the unit is.
     at: Region,
+    /// The value it stands in, if that is told by its dimension.
+    value: Option<usize>,
     /// Whether it is one only where the number fits what it stands for.
     has_to_fit: bool,
     note: String,
     report: LexemeMessage,
 }
 
+impl UnitWords {
+    /// Takes out words that may be units.
+    fn taken(&mut self, which: impl Fn(&OpenWord) -> bool) -> Vec<OpenWord> {
+        self.open.extract_if(.., |open| which(open)).collect()
+    }
+}
+
 impl Resolver<'_> {
     /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`.
     ///
     /// It is the unit, and a note says so, if what has the name has a dimension, and another one, and the word stands below the line or is a
-    /// power, `1.2 kg/m^3` beside a mass `m`, or the number is all of a value and has the dimension that is wanted there: `damping: 2 N*m*s`.
+    /// power, `1.2 kg/m^3` beside a mass `m`, or the value has the dimension that is wanted there: `damping: 2 N*m*s`, `force: -2 N*m * pin.angle`.
     pub fn unit_alone(&mut self, number: &str, unit: Option<&Unit>, at: Region) -> Option<()> {
         let text = unit.map_or("", |unit| unit.text.as_str());
         for (place, word) in open_words(text).into_iter().skip(1) {
@@ -53,11 +70,12 @@ impl Resolver<'_> {
             let report = say::unit_or_name(at, (number, text), place, word, declared);
             let below = text[..place].ends_with('/');
             let raised = text[place + word.len()..].starts_with('^');
-            if below || raised || self.unit_words.literal {
+            if below || raised || self.unit_words.value.is_some() {
                 self.unit_words.open.push(OpenWord {
                     word: word.to_owned(),
                     of_unit,
                     at,
+                    value: self.unit_words.value,
                     has_to_fit: !below && !raised,
                     note: format!("`{word}` in `{text}` is the unit, not the {kind} `{word}`"),
                     report,
@@ -72,19 +90,244 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// Remembers whether a value is one number with its unit, or three.
-    pub fn reads_literal(&mut self, parsed: &Expression) {
-        let inner = match parsed {
-            Expression::Negative(inner, _) => inner,
-            parsed => parsed,
-        };
-        self.unit_words.literal =
-            matches!(inner, Expression::Number { .. } | Expression::Vector { .. });
+    /// Reads a value. Where a word of a unit in it is a name, too, `9.81 m/s^2 * m` beside a mass `m`, it is read both ways, and the dimension that is
+    /// wanted decides ([`reading`](Self::reading)); of two ways of which one fits together at all, that one is it.
+    pub fn read_either_way(&mut self, parsed: &Expression, scope: Scope<'_>) -> Option<Typed> {
+        let before = (self.messages.count(), self.bad.len());
+        self.unit_words.values += 1;
+        let value = Some(self.unit_words.values);
+        let outer = std::mem::replace(&mut self.unit_words.value, value);
+        let typed = self.typed(parsed, scope);
+        self.unit_words.value = outer;
+        let mut open = self.unit_words.open.iter();
+        if !open.any(|open| open.value == value) {
+            return typed;
+        }
+        let other = self.read_by_name(parsed, scope);
+        match (typed, other) {
+            (Some(typed), other) => {
+                let open = self.unit_words.open.iter_mut();
+                open.filter(|open| open.value == value)
+                    .for_each(|open| open.at = typed.at);
+                let other = other.map(|other| (typed.at, other));
+                self.unit_words.by_name.extend(other);
+                Some(typed)
+            }
+            (None, Some(other)) => {
+                let (said, bad) = before;
+                if bad == self.bad.len() {
+                    self.messages.forget_after(said);
+                }
+                self.are_names(|open| open.value == value);
+                Some(other)
+            }
+            (None, None) => {
+                for open in self.unit_words.taken(|open| open.value == value) {
+                    if self.too_early.is_none() && self.unit_words.told.insert(open.word) {
+                        self.messages.push(open.report);
+                    }
+                }
+                None
+            }
+        }
     }
 
-    /// No value is being read.
-    pub fn literal_is_read(&mut self) {
-        self.unit_words.literal = false;
+    /// The value with words of its units as names, if it fits together so. What does not is told nowhere.
+    fn read_by_name(&mut self, parsed: &Expression, scope: Scope<'_>) -> Option<Typed> {
+        let by_name = self.by_name(parsed)?;
+        let (said, bad) = (self.messages.count(), self.bad.len());
+        let outer = self.unit_words.value.take();
+        let typed = self.typed(&by_name, scope);
+        self.unit_words.value = outer;
+        if bad == self.bad.len() {
+            self.messages.forget_after(said);
+        }
+        typed
+    }
+
+    /// A value as it is where one of these dimensions is wanted: with words of its units as units, or as names where it fits only so.
+    pub fn reading(&mut self, typed: Typed, wanted: &[Dimension]) -> Typed {
+        let mut others = self.unit_words.by_name.iter();
+        let Some(found) = others.rposition(|(at, _)| *at == typed.at) else {
+            return typed;
+        };
+        let (at, other) = self.unit_words.by_name.remove(found);
+        let fits = |read: &Typed| read.dimension.is_none_or(|it| wanted.contains(&it));
+        if fits(&typed) || !fits(&other) {
+            return typed;
+        }
+        self.are_names(|open| open.at == at);
+        other
+    }
+
+    /// The same where a dimension may be wanted; where it is, words in units are units if the value has it.
+    pub fn reading_as(&mut self, typed: Typed, wanted: Option<Dimension>) -> Typed {
+        let Some(wanted) = wanted else {
+            return typed;
+        };
+        let typed = self.reading(typed, &[wanted]);
+        if typed.dimension.is_none_or(|found| found == wanted) {
+            self.unit_fits(typed.at);
+        }
+        typed
+    }
+
+    /// These words are names.
+    fn are_names(&mut self, which: impl Fn(&OpenWord) -> bool) {
+        for open in self.unit_words.taken(which) {
+            let note = format!(
+                "`{}` behind a number is the name here, not the unit",
+                open.word
+            );
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+    }
+
+    /// An expression in which words of units are the names that they are, too, from the first such word on. `None` where that is no product with names.
+    fn by_name(&self, parsed: &Expression) -> Option<Expression> {
+        let both = |sides: &[Expression; 2]| {
+            Some(Box::new([
+                self.by_name(&sides[0])?,
+                self.by_name(&sides[1])?,
+            ]))
+        };
+        let all = |parts: &[Expression]| -> Option<Vec<Expression>> {
+            parts.iter().map(|part| self.by_name(part)).collect()
+        };
+        Some(match parsed {
+            Expression::Number {
+                value,
+                text,
+                unit: Some(unit),
+                at,
+            } if let Some(place) = self.first_name(unit) => {
+                let number = |unit| Expression::Number {
+                    value: *value,
+                    text: text.clone(),
+                    unit,
+                    at: *at,
+                };
+                self.times_names(unit, place, *at, number)?
+            }
+            Expression::Vector {
+                parts,
+                unit: Some(unit),
+                at,
+            } if let Some(place) = self.first_name(unit) => {
+                let vector = |unit| Expression::Vector {
+                    parts: parts.clone(),
+                    unit,
+                    at: *at,
+                };
+                self.times_names(unit, place, *at, vector)?
+            }
+            Expression::Number { .. } | Expression::Path(_) => parsed.clone(),
+            Expression::Vector { parts, unit, at } => Expression::Vector {
+                parts: all(parts)?,
+                unit: unit.clone(),
+                at: *at,
+            },
+            Expression::Call {
+                name,
+                arguments,
+                at,
+            } => Expression::Call {
+                name: name.clone(),
+                arguments: all(arguments)?,
+                at: *at,
+            },
+            Expression::Component { of, axis } => Expression::Component {
+                of: Box::new(self.by_name(of)?),
+                axis: axis.clone(),
+            },
+            Expression::Compare { sign, sides } => Expression::Compare {
+                sign,
+                sides: both(sides)?,
+            },
+            Expression::Negative(inner, at) => {
+                Expression::Negative(Box::new(self.by_name(inner)?), *at)
+            }
+            Expression::Binary { sign, sides } => {
+                // `a / 2 m * N` divides by 2 m alone, if `N` is a name.
+                let divides = ['/', '%', '^'].contains(sign);
+                if let (
+                    true,
+                    Expression::Number {
+                        unit: Some(unit), ..
+                    },
+                ) = (divides, &sides[1])
+                    && self.first_name(unit).is_some()
+                {
+                    return None;
+                }
+                Expression::Binary {
+                    sign: *sign,
+                    sides: both(sides)?,
+                }
+            }
+        })
+    }
+
+    /// Where in a unit the first word stands that is the name of a value, behind the first word.
+    fn first_name(&self, unit: &Unit) -> Option<usize> {
+        let words = open_words(&unit.text).into_iter().skip(1);
+        let mut names = words.filter(|(_, word)| self.names.is(word, Named::is_value));
+        names.next().map(|(place, _)| place)
+    }
+
+    /// `3 N*m/s` with the first word as unit and the others as names: `(3 N) * m / s`.
+    fn times_names(
+        &self,
+        unit: &Unit,
+        place: usize,
+        at: Region,
+        number: impl Fn(Option<Unit>) -> Expression,
+    ) -> Option<Expression> {
+        let (before, names) = unit.text.split_at(place);
+        let before = before.trim_end_matches(['*', '/']);
+        let (_, before) = read_number(&format!("1 {before}")).ok()?;
+        let mut product = number(Some(before));
+        let mut sign = unit.text.get(..place)?.chars().next_back()?;
+        for part in names.split_inclusive(['*', '/']) {
+            let word = part.trim_end_matches(['*', '/']);
+            let (word, exponent) = word.split_once('^').unwrap_or((word, "1"));
+            let waits =
+                |named| matches!(named, Named::Const(it) if self.unit_words.waiting.contains(&it));
+            if !self.names.is(word, Named::is_value) || self.names.is(word, waits) {
+                return None;
+            }
+            let step = PathStep {
+                word: Word {
+                    text: word.to_owned(),
+                    at: at.last,
+                },
+                index: None,
+            };
+            let name = Expression::Path(vec![step]);
+            let power = match exponent {
+                "1" => name,
+                exponent => {
+                    let exponent = Expression::Number {
+                        value: exponent.parse().ok()?,
+                        text: exponent.to_owned(),
+                        unit: None,
+                        at,
+                    };
+                    Expression::Binary {
+                        sign: '^',
+                        sides: Box::new([name, exponent]),
+                    }
+                }
+            };
+            product = Expression::Binary {
+                sign,
+                sides: Box::new([product, power]),
+            };
+            sign = part.chars().next_back()?;
+        }
+        Some(product)
     }
 
     /// A value has the dimension that is wanted where it stands: words in its unit are units.

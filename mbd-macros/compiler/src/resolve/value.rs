@@ -76,6 +76,17 @@ impl Typed {
         angle && radius.angle == 0 && radius.dimension == Some(units::LENGTH)
     }
 
+    /// Whether this is an angular rate and the other a speed, or both are accelerations.
+    fn turns_per_way(&self, way: &Typed) -> bool {
+        let both = (self.dimension, way.dimension);
+        let alike = [
+            (units::RATE, units::SPEED),
+            (units::ANGULAR_ACCELERATION, units::ACCELERATION),
+        ];
+        let alike = alike.map(|(turning, way)| (Some(turning), Some(way)));
+        self.angle != 0 && way.angle == 0 && alike.contains(&both)
+    }
+
     /// Its SI unit; angles are told apart from pure numbers where that is known.
     pub fn unit(&self) -> Unit {
         // Numbers without a unit under `units: si` leave open what a product of them measures.
@@ -101,12 +112,7 @@ impl Resolver<'_> {
     /// Reads a value as an expression.
     pub fn value(&mut self, value: ValueSyntax<'_>, scope: Scope<'_>) -> Option<Typed> {
         match expression::whole(value) {
-            Ok(parsed) => {
-                self.reads_literal(&parsed);
-                let typed = self.typed(&parsed, scope);
-                self.literal_is_read();
-                typed
-            }
+            Ok(parsed) => self.read_either_way(&parsed, scope),
             Err(report) => self.fail(report),
         }
     }
@@ -326,8 +332,24 @@ impl Resolver<'_> {
                 }
                 self.product(Function::Div, a, b, at)
             }
+            '%' => self.remainder(a, b, at),
             _ => self.power(a, b, at),
         }
+    }
+
+    /// a − b ⌊a / b⌋: between zero and b, of negative a, too.
+    pub fn remainder(&mut self, a: Typed, b: Typed, at: Region) -> Option<Typed> {
+        if let Some(vector) = [&a, &b].into_iter().find(|side| side.vector) {
+            return self.fail(say::scalar_wanted(vector.at, "a side of `%`"));
+        }
+        let ratio = self.product(Function::Div, a.clone(), b.clone(), at)?;
+        let whole = self.apply(Function::Floor, vec![ratio.formula], at)?;
+        let multiple = self.apply(Function::Mul, vec![b.formula.clone(), whole], at)?;
+        let of_multiple = Typed {
+            formula: multiple,
+            ..b
+        };
+        self.alike(Function::Sub, a, of_multiple, at)
     }
 
     /// A function of two values of the same shape and dimension.
@@ -408,6 +430,8 @@ impl Resolver<'_> {
         let per_turn = divide && a.is_in_radians() && b.is_a_turn(&self.scene);
         // An angle times a radius is a length: what is made of that has no radians.
         let arc = !divide && (a.turns_about(&b) || b.turns_about(&a));
+        // An angular rate over a speed is one over a radius.
+        let curvature = divide && a.turns_per_way(&b);
         let formula = self.apply(function, vec![a.formula, b.formula], at)?;
         Some(Typed {
             bare: bare.then(|| shown(&formula)).flatten(),
@@ -415,7 +439,7 @@ impl Resolver<'_> {
             vector: a.vector || b.vector,
             dimension,
             angle: match divide {
-                _ if per_turn || arc => 0,
+                _ if per_turn || arc || curvature => 0,
                 true => a.angle.saturating_sub(b.angle),
                 false => a.angle.saturating_add(b.angle),
             },
@@ -476,6 +500,7 @@ impl Resolver<'_> {
         vector: bool,
         wanted: Dimension,
     ) -> Option<Formula> {
+        let typed = self.reading(typed, &[wanted]);
         if typed.vector != vector {
             let what = format!("`{field}`");
             return self.fail(if vector {
@@ -526,6 +551,6 @@ pub fn angle_of(unit: &Unit) -> i8 {
     i8::from(
         words
             .next()
-            .is_some_and(|word| ["rad", "deg", "rpm"].contains(&word)),
+            .is_some_and(|word| units::ANGLES.contains(&word)),
     )
 }

@@ -62,7 +62,7 @@ pub enum Expression {
     Negative(Box<Expression>, Region),
     /// `a + b`
     Binary {
-        /// `+ - * / ^`
+        /// `+ - * / % ^`
         sign: char,
         /// The operands.
         sides: Box<[Expression; 2]>,
@@ -140,7 +140,8 @@ impl Parser {
     }
 
     fn sum(&mut self, cursor: &mut Cursor<'_>) -> Deep {
-        self.chain(cursor, ['+', '-'], Self::product)
+        let first = self.product(cursor)?;
+        self.chain(cursor, first, ['+', '-'], Self::product)
     }
 
     /// A sum, or two with a comparison between them.
@@ -160,23 +161,33 @@ impl Parser {
     }
 
     fn product(&mut self, cursor: &mut Cursor<'_>) -> Deep {
-        let found = self.chain(cursor, ['*', '/'], Self::negative)?;
-        let here = cursor.here();
-        match cursor.sign('%') {
-            Some(_) => Err(say::remainder(here)),
-            None => Ok(found),
+        let mut found = self.negative(cursor)?;
+        loop {
+            found = self.chain(cursor, found, ['*', '/'], Self::negative)?;
+            let here = cursor.here();
+            if cursor.sign('%').is_none() {
+                return Ok(found);
+            }
+            let ((left, depth), (right, other)) = (found, self.negative(cursor)?);
+            let depth = depth.max(other) + 1;
+            if depth > DEEPEST {
+                return Err(say::deep_expression(here));
+            }
+            let sides = Box::new([left, right]);
+            found = (Expression::Binary { sign: '%', sides }, depth);
         }
     }
 
-    /// Operands of one rank.
+    /// Operands of one rank behind the first.
     fn chain(
         &mut self,
         cursor: &mut Cursor<'_>,
+        first: (Expression, usize),
         signs: [char; 2],
         operand: fn(&mut Self, &mut Cursor<'_>) -> Deep,
     ) -> Deep {
-        let here = cursor.here();
-        let mut chain = Chain::new(signs, operand(self, cursor)?);
+        let here = first.0.at();
+        let mut chain = Chain::new(signs, first);
         while let Some(sign) = signs.into_iter().find(|&s| cursor.sign(s).is_some()) {
             if sign == '*' && cursor.sign('*').is_some() {
                 return Err(say::two_stars(cursor.before()));

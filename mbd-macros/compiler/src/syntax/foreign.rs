@@ -346,6 +346,20 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
     ("tand", "an angle carries its unit: `tan(30 deg)`"),
     ("sqr", "write `a^2`"),
     ("square", "write `a^2`"),
+    ("step", STEP),
+    ("heaviside", STEP),
+    (
+        "pulse",
+        "write `if time < t0 { 0 } else if time < t1 { a } else { 0 }`",
+    ),
+    ("deg", IN_DEGREES),
+    ("degrees", IN_DEGREES),
+    ("rad2deg", IN_DEGREES),
+    ("to_degrees", IN_DEGREES),
+    ("radians", FROM_DEGREES),
+    ("rad", FROM_DEGREES),
+    ("deg2rad", FROM_DEGREES),
+    ("to_radians", FROM_DEGREES),
     ("cbrt", "write `exp(ln(a) / 3)`"),
     ("hypot", "write `sqrt(a^2 + b^2)`, or `norm` of a vector"),
     ("exp2", "write `exp(a * ln(2))`"),
@@ -364,11 +378,14 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
     ("table", TABLE_CALL),
 ];
 
+const STEP: &str = "write `if(time < t0, 0, a)`";
+const IN_DEGREES: &str = "an output is told in degrees by `in deg` behind its value";
+const FROM_DEGREES: &str = "an angle carries its unit: `30 deg`";
 /// A comparison where a value stands.
 pub const COMPARISON: &str = "a comparison is no value: it stands in `if(a < b, this, that)`";
 const RATES: &str =
     "rates are quantities: `body.velocity`, `joint.angle_rate`, `line.stretch_rate`";
-const REMAINDER: &str = "write `a - b * floor(a / b)`";
+const REMAINDER: &str = "write `a % b`, which lies between zero and `b`";
 const NO_CHANCE: &str = "a model has no chance in it: what is random comes by an `input`";
 const TABLE_CALL: &str = "a table is called by its own name, `lift(x)`";
 
@@ -397,12 +414,18 @@ pub const OPERATORS: Dictionary = &[
 pub const FOREIGN_NAMES: Dictionary = &[
     ("t", "the time is called `time`"),
     ("now", "the time is called `time`"),
-    (
-        "g",
-        "gravity has no name in expressions: declare `const g = 9.81 m/s^2;`",
-    ),
+    ("g", NO_G),
     ("e", "its powers are `exp(a)`"),
+    ("gravity", NO_G),
+    ("g0", NO_G),
+    ("kinetic_energy", ENERGY),
+    ("potential_energy", ENERGY),
+    ("total_energy", ENERGY),
 ];
+
+const NO_G: &str = "gravity has no name in expressions: declare `const g = 9.81 m/s^2;`";
+const ENERGY: &str =
+    "the energies of the whole scene are `energy.kinetic`, `energy.potential` and `energy.total`";
 
 /// Words for what is at rest.
 pub const FOREIGN_WORLD: &[&str] = &[

@@ -366,10 +366,7 @@ pub fn push_clause<'a>(
 }
 
 fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), LexemeMessage> {
-    let missing = spec
-        .clauses
-        .iter()
-        .find(|clause| clause.needed && item.given(clause.sign).is_none());
+    let missing = spec.lacks(|sign| item.given(sign).is_some());
     match missing {
         Some(clause) => Err(say::missing_clause(item.name_at(), spec, clause.sign)),
         None => Ok(()),
@@ -389,7 +386,7 @@ fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
             let begins =
                 |sign: &Clause| matches!(next, Some(LexemeKind::Word(word)) if word == sign.sign);
             let unnamed = spec.is_some_and(|spec| inside && spec.clauses.iter().any(begins));
-            (named && matches!(next, Some(LexemeKind::Word(_))))
+            (named && is_name(next))
                 || unnamed
                 || (inside && matches!(next, Some(LexemeKind::Sign(':'))))
                 || (inside && begins_outside(cursor))
@@ -402,7 +399,12 @@ fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
 fn begins_outside(cursor: &Cursor<'_>) -> bool {
     let spec = cursor.peek_word().and_then(|word| words::find(word, false));
     let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
-    spec.is_some_and(|spec| spec.named) && matches!(next, Some(LexemeKind::Word(_)))
+    spec.is_some_and(|spec| spec.named) && is_name(next)
+}
+
+/// Whether a name stands here: what has the name `load` itself is followed by another word, `from load to hook`.
+fn is_name(lexeme: Option<&LexemeKind>) -> bool {
+    matches!(lexeme, Some(LexemeKind::Word(word)) if words::reserved(word).is_none())
 }
 
 /// Takes the separator after an item.

@@ -12,9 +12,13 @@ pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, LexemeMessage> {
     if alone(&cursor) {
         return Ok(units::si("", units::NONE));
     }
+    let bracket = matches!(
+        cursor.peek().map(|lexeme| &lexeme.kind),
+        Some(LexemeKind::Open(Bracket::Round, _))
+    );
     let first = match reciprocal(&mut cursor) {
         Some(one) => one,
-        None if cursor.peek_word().is_some() => factor(&mut cursor)?,
+        None if cursor.peek_word().is_some() || bracket => factor(&mut cursor, true)?,
         None => return Err(say::unit_expected(cursor.here())),
     };
     let unit = product(&mut cursor, first, true)?;
@@ -36,7 +40,7 @@ pub fn suffix_alone(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessa
 fn trailing(cursor: &mut Cursor<'_>, strict: bool) -> Result<Option<Unit>, LexemeMessage> {
     let first = match reciprocal(cursor) {
         Some(one) => one,
-        None if cursor.peek_word().is_some() => factor(cursor)?,
+        None if cursor.peek_word().is_some() => factor(cursor, true)?,
         None => return Ok(in_brackets(cursor)),
     };
     let unit = product(cursor, first, strict)?;
@@ -65,7 +69,7 @@ fn no_unit_behind(cursor: &Cursor<'_>, unit: &Unit) -> Result<(), LexemeMessage>
         .peek_word()
         .is_some_and(|word| units::find(word).is_some())
     {
-        let next = factor(&mut ahead)?;
+        let next = factor(&mut ahead, true)?;
         all.push(product(&mut ahead, next, false)?.text);
     }
     match all.as_slice() {
@@ -105,11 +109,15 @@ fn product(cursor: &mut Cursor<'_>, first: Unit, strict: bool) -> Result<Unit, L
             return Ok(unit);
         };
         let here = ahead.here();
-        let next = match factor(&mut ahead) {
+        let next = match factor(&mut ahead, strict) {
             Ok(next) => next,
             Err(report) if strict => return Err(report),
             Err(_) => return Ok(unit),
         };
+        if !divide && !strict && next.text.split('^').next() == Some("g") {
+            // `2 kg * g` is a weight, seldom grams: a name, which is told where nothing has it.
+            return Ok(unit);
+        }
         *cursor = ahead;
         let sign = if divide { '/' } else { '*' };
         let dimension = if divide {
@@ -129,8 +137,8 @@ fn product(cursor: &mut Cursor<'_>, first: Unit, strict: bool) -> Result<Unit, L
     }
 }
 
-/// One word or bracket, with its exponent.
-fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, LexemeMessage> {
+/// One word or bracket, with its exponent. `sure`: no name can stand there, so that other spellings are read, too, as our words.
+fn factor(cursor: &mut Cursor<'_>, sure: bool) -> Result<Unit, LexemeMessage> {
     let here = cursor.here();
     let base = if let Some(inner) = cursor.group(Bracket::Round) {
         let inner = whole(Cursor::new(inner))?;
@@ -139,9 +147,12 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, LexemeMessage> {
             ..inner
         }
     } else {
-        let word = cursor
+        let mut word = cursor
             .word()
             .ok_or_else(|| say::unit_expected(cursor.here()))?;
+        if let Some(ours) = units::spelled(&word.text).filter(|_| sure) {
+            word.text = ours.to_owned();
+        }
         let call = word.text == "min" && cursor.group(Bracket::Round).is_some();
         let path = matches!(cursor.peek().map(|l| &l.kind), Some(LexemeKind::Sign('.')));
         if call || (path && !super::expression::range(cursor)) {

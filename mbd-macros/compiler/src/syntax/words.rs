@@ -32,6 +32,15 @@ pub struct Clause {
     pub needed: bool,
 }
 
+impl ItemWord {
+    /// The first clause that must be there and is not, of those that are given by their signs. A frame that is only rotated is where its thing is.
+    pub fn lacks(&self, given: impl Fn(&str) -> bool) -> Option<&'static Clause> {
+        let rotated = self.word == FRAME.word && given("rotated");
+        let mut clauses = self.clauses.iter();
+        clauses.find(|clause| clause.needed && !rotated && !given(clause.sign))
+    }
+}
+
 const fn needs(sign: &'static str, key: &'static str) -> Clause {
     Clause {
         sign,
@@ -369,8 +378,13 @@ pub const EMITTED: &[&str] = &[
     "partial",
 ];
 
-/// Functions whose words are also names of things: they are functions only in front of a bracket.
+/// Functions whose words a table may have, too: its name stands in front of a bracket, where others are functions.
 const FREE_FUNCTIONS: &[&str] = &["floor", "sign", "clamp", "ln", "tan"];
+
+/// Whether a word cannot be the name of a table: it is a function.
+pub fn reserved_table(word: &str) -> bool {
+    FUNCTIONS.contains(&word) && !FREE_FUNCTIONS.contains(&word)
+}
 
 /// The field that says how something begins.
 pub const AT_START: &str = "at_start";
@@ -381,11 +395,11 @@ pub const LOCKED: &str = "locked";
 /// The word before the start of a joint coordinate that gives way where loops do not close with it.
 pub const ABOUT: &str = "about";
 
-/// Words of the language besides item keywords, functions and units.
+/// Words of the language that no name can be. Items and functions are none of them: what an item is begins it, and its name follows.
 pub const OTHER_RESERVED: &[&str] = &[
     ABOUT,
     "model",
-    "frame",
+    "world",
     "from",
     "to",
     "on",
@@ -446,9 +460,7 @@ pub enum Reserved {
 
 /// Whether and why a word cannot be the name of an item.
 pub fn reserved(word: &str) -> Option<Reserved> {
-    let language = ITEMS.iter().any(|item| item.word == word)
-        || FUNCTIONS.contains(&word) && !FREE_FUNCTIONS.contains(&word)
-        || OTHER_RESERVED.contains(&word);
+    let language = OTHER_RESERVED.contains(&word);
     if is_unfit(word) {
         Some(Reserved::Rust)
     } else if language {

@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::comments::Comments;
-use super::forms::{is_set, is_taken};
+use super::forms::{is_set, is_taken, only_law};
 use super::write_toml;
 use crate::lexeme::LineStarts;
 use crate::syntax::words::{self, ItemWord};
@@ -197,6 +197,14 @@ impl DeclarationWriter<'_> {
             DeValue::Table(table) => Some(table),
             _ => None,
         };
+        if let Some((law, fields)) = table.and_then(|table| only_law(spec, table)) {
+            let fields = entries(fields).into_iter();
+            let fields =
+                fields.map(|(key, value)| format!("{}: {}", key.get_ref(), self.value(value)));
+            let fields: Vec<String> = fields.collect();
+            let _ = write!(head, ": {} {{ {} }}", law.get_ref(), fields.join(", "));
+            return head;
+        }
         for clause in spec.clauses {
             let given = match table {
                 Some(table) => table.get(clause.key),

@@ -4,8 +4,9 @@ use std::borrow::Cow;
 
 use mbd_scene::metrics::Take;
 use toml::Spanned;
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 
+use super::declaration::entries;
 use super::read::{ItemDraft, TomlReader, ValueLexemes};
 use crate::lexeme::{Bracket, LexemeKind};
 use crate::number::{read_number, read_vector};
@@ -25,7 +26,48 @@ pub(super) fn is_set(spec: &ItemWord, key: &str) -> bool {
     spec.word == "event" && ["set", "map"].contains(&key)
 }
 
+/// The law of gravity that has a table of its own, `[gravity.point_mass]`, and that table.
+pub(super) fn only_law<'e, 't>(
+    spec: &ItemWord,
+    table: &'e DeTable<'t>,
+) -> Option<(&'e Spanned<Cow<'t, str>>, &'e DeTable<'t>)> {
+    let (name, value) = table.iter().next()?;
+    match value.get_ref() {
+        DeValue::Table(fields) if spec.word == "gravity" && table.len() == 1 => {
+            Some((name, fields))
+        }
+        _ => None,
+    }
+}
+
 impl TomlReader<'_> {
+    /// The lexemes of `name { key: value, other: value }` from a table of its fields.
+    pub(super) fn law(
+        &mut self,
+        start: usize,
+        name: &Spanned<Cow<'_, str>>,
+        fields: &DeTable<'_>,
+    ) -> Option<ValueLexemes> {
+        let place = self.lines.position(start);
+        let word = self.key(name);
+        self.lexer
+            .positioned(LexemeKind::Open(Bracket::Brace, 0), place);
+        let mut read = true;
+        for (key, value) in entries(fields) {
+            let place = self.lines.position(value.span().start);
+            self.key(key);
+            self.lexer.positioned(LexemeKind::Sign(':'), place);
+            read &= self.value(value).is_some();
+            self.lexer.positioned(LexemeKind::Sign(','), place);
+        }
+        self.lexer
+            .positioned(LexemeKind::Close(Bracket::Brace), place);
+        read.then_some(ValueLexemes {
+            range: word.range.start..self.lexer.lexemes.len(),
+            at: word.at,
+        })
+    }
+
     /// The lexemes of `[a, b]`, or of `[name = a, other = b]`, from values that stand apart.
     pub(super) fn list(
         &mut self,

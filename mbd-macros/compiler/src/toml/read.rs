@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::declaration::entries;
-use super::forms::{is_set, is_taken, unquoted};
+use super::forms::{is_set, is_taken, only_law, unquoted};
 use crate::lexeme::{
     Lexeme, LexemeIndex, LexemeKind, Lexer, LineStarts, Region, piece, without_mark,
 };
@@ -173,10 +173,16 @@ impl<'t> TomlReader<'t> {
                 self.messages.push(say_toml::table(at.into(), spec));
                 return None;
             }
-            DeValue::Table(_) => {
-                self.messages.push(say_toml::one_value(at.into(), spec));
-                return None;
-            }
+            DeValue::Table(table) => match only_law(spec, table) {
+                Some((name, fields)) => {
+                    let value = self.law(value.span().start, name, fields)?;
+                    item.clauses.push((":", value));
+                }
+                None => {
+                    self.messages.push(say_toml::one_value(at.into(), spec));
+                    return None;
+                }
+            },
             _ => item.clauses.push((":", self.value(value)?)),
         }
         Some(item)
@@ -310,11 +316,7 @@ impl<'t> TomlReader<'t> {
         unknown: &[(LexemeIndex, &str)],
     ) {
         let given = |sign: &str| item.clauses.iter().any(|(own, _)| *own == sign);
-        let mut missing = spec
-            .clauses
-            .iter()
-            .filter(|clause| clause.needed && !given(clause.sign));
-        let missing = missing.next().is_some();
+        let missing = spec.lacks(given).is_some();
         let known: Vec<&str> = say_toml::keys_of(spec).collect();
         for (at, word) in unknown {
             let meant = say_toml::meant(word, &known).is_some();
@@ -499,11 +501,11 @@ impl ItemDraft {
             let value = piece.value(lexemes);
             reports.extend(push_clause(&mut item, sign, piece.at.into(), value).err());
         }
-        let clauses = self.spec.map_or(&[][..], |spec| spec.clauses);
-        let mut missing = clauses
-            .iter()
-            .filter(|clause| clause.needed && item.given(clause.sign).is_none());
-        if let (Some(spec), Some(clause), false) = (self.spec, missing.next(), self.broken) {
+        let missing = self.spec.and_then(|spec| {
+            let clause = spec.lacks(|sign| item.given(sign).is_some())?;
+            Some((spec, clause))
+        });
+        if let (Some((spec, clause)), false) = (missing, self.broken) {
             // A key that was meant for it tells more.
             let mut fields = self.block.iter();
             let other = fields.find(|field| {

@@ -10,5 +10,5 @@ mod words;
 
 pub use names::PlanError;
 pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};
-pub use plan::RunPlan;
+pub use plan::{RunPlan, check_units};
 pub use settings::{Settings, line_of, misnamed_table, split};

@@ -26,6 +26,35 @@ pub(crate) fn number(setting: &str, value: &Value, unit: &str) -> Result<f64, Pl
     }
 }
 
+/// Refuses a number without a unit where one in SI is seldom meant: beside another unit in the declaration, and as an angle of more than a turn.
+pub(crate) fn not_bare(setting: &str, value: &Value, unit: &str) -> Result<(), PlanError> {
+    let number = match value {
+        Value::Integer(whole) => *whole as f64,
+        Value::Float(number) => *number,
+        Value::Array(parts) => {
+            return parts
+                .iter()
+                .try_for_each(|part| not_bare(setting, part, unit));
+        }
+        _ => return Ok(()),
+    };
+    let declared = read_number(&format!("1 {unit}")).ok();
+    let factor = declared.map_or(1.0, |(_, unit)| unit.factor);
+    if number != 0.0 && factor != 1.0 {
+        let text = format!(
+            "{number} has no unit, and what it is given for is declared in {unit}: write `\"{number} {unit}\"`"
+        );
+        return Err(wrong(setting, text));
+    }
+    if unit == "rad" && number.abs() > std::f64::consts::TAU {
+        let text = format!(
+            "{number} has no unit and would be more than a full turn in radians: write `\"{number} deg\"`, or `\"{number} rad\"` if that is meant"
+        );
+        return Err(wrong(setting, text));
+    }
+    Ok(())
+}
+
 fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {
     let (value, given) = read_number(text).map_err(|text| wrong(setting, text))?;
     measured(setting, text, (value, &given), unit)

@@ -13,7 +13,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use super::names::{PlanError, flat, no_column, unknown, wrong};
-use super::number::{not_negative, number, numbers as numbers_of, positive, zeros};
+use super::number::{not_bare, not_negative, number, numbers as numbers_of, positive, zeros};
 use super::scales::scales;
 use super::settings::Settings;
 use super::words;
@@ -83,9 +83,10 @@ impl RunPlan {
             .map(|value| positive("every", value, "s"))
             .transpose()?;
         let params = params(scene, &settings.params)?;
-        let placed = placed(scene, &settings.start);
-        let start = start((scene, layout), &params, &settings.start, &placed)?;
-        let placed = with_declared(scene, &settings.start, placed);
+        let given = in_numbers((scene, layout), &settings.start)?;
+        let placed = placed(scene, &given);
+        let start = start((scene, layout), &params, &given, &placed)?;
+        let placed = with_declared(scene, &given, placed);
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
             .iter()
@@ -114,6 +115,30 @@ impl RunPlan {
             inputs: inputs(scene, layout, &settings.inputs)?,
         })
     }
+}
+
+/// Refuses numbers without a unit in settings that somebody wrote, where SI is seldom meant. What a campaign gives its cases is in SI.
+///
+/// # Errors
+/// The first such number.
+pub fn check_units(scene: &Scene, settings: &Settings) -> Result<(), PlanError> {
+    let params = scene.params.iter().map(|it| ("params", &it.name, &it.unit));
+    let inputs = scene.inputs.iter().map(|it| ("inputs", &it.name, &it.unit));
+    for (table, name, unit) in params.chain(inputs) {
+        let given = match table {
+            "params" => &settings.params,
+            _ => &settings.inputs,
+        };
+        if let Some(value) = given.get(name) {
+            not_bare(&format!("{table}.{name}"), value, &unit.text)?;
+        }
+    }
+    for (name, value) in flat(&settings.start) {
+        if let Some(unit) = coordinate_unit(scene, &name) {
+            not_bare(&format!("start.{name}"), value, unit)?;
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a history that memory or disk have no room for.
@@ -372,6 +397,57 @@ fn start(
         joints: joints.collect(),
         assembly,
     })
+}
+
+/// Quantities of bodies and points by the names that the state has for their components, and their units.
+const VECTORS: [(&str, &str, &str); 4] = [
+    ("position", "", "m"),
+    ("velocity", "v", "m/s"),
+    ("omega_body", "omega_body_", "rad/s"),
+    ("omega_world", "omega_world_", "rad/s"),
+];
+
+/// A start in the numbers of the state: `bob.velocity = "[1, 0, 0] m/s"` is `bob.vx`, `bob.vy` and `bob.vz`, and `bob.velocity.x` is `bob.vx`. A zero across
+/// the plane of a scene is no number of its state.
+fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table, PlanError> {
+    let known = state_names(scene, layout);
+    let across = |name: &str, number: f64| {
+        let has = known.iter().any(|known| known.name == name);
+        layout.directions.plane.is_some() && number == 0.0 && !has
+    };
+    // A component goes before the vector that it is one of.
+    let (mut vectors, mut all) = (Table::new(), Table::new());
+    let mut add = |name: String, value: Value| match all.insert(name.clone(), value) {
+        None => Ok(()),
+        Some(_) => Err(wrong(format!("start.{name}"), "is given twice")),
+    };
+    for (name, value) in flat(given) {
+        let (owner, last) = name.rsplit_once('.').unwrap_or(("", &name));
+        let found = |word: &str| VECTORS.into_iter().find(|(quantity, ..)| *quantity == word);
+        if let (Some((_, prefix, unit)), false) = (found(last), owner.is_empty()) {
+            let given = numbers_of(&format!("start.{name}"), value, &[unit; 3])?;
+            for (axis, number) in ["x", "y", "z"].into_iter().zip(given) {
+                let name = format!("{owner}.{prefix}{axis}");
+                if !across(&name, number) {
+                    vectors.insert(name, Value::String(format!("{number:?} {unit}")));
+                }
+            }
+            continue;
+        }
+        let inner = owner.rsplit_once('.');
+        let component = inner.and_then(|(owner, word)| Some((owner, found(word)?)));
+        let name = match component {
+            Some((owner, (_, prefix, _))) if ["x", "y", "z"].contains(&last) => {
+                format!("{owner}.{prefix}{last}")
+            }
+            _ => name,
+        };
+        add(name, value.clone())?;
+    }
+    for (name, value) in vectors {
+        all.entry(name).or_insert(value);
+    }
+    Ok(all)
 }
 
 /// What is said of a joint coordinate or its rate: a number, or `"about 30 deg"` of a coordinate.

@@ -32,6 +32,7 @@ use networks::NetworkElimination;
 use rows::{Evaluator, ThroughRows};
 pub use space::StateSpace;
 pub(crate) use space::motors_follow;
+pub(crate) use space::output_names;
 pub use vibration::Vibration;
 
 use crate::error::StepError;

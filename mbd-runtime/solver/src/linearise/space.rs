@@ -220,7 +220,7 @@ pub(crate) fn motors_follow(scene: &Scene) -> bool {
 }
 
 /// Names and units of the output columns.
-fn output_names(scene: &mbd_scene::Scene) -> Vec<Name> {
+pub(crate) fn output_names(scene: &mbd_scene::Scene) -> Vec<Name> {
     let outputs = scene.outputs.iter();
     let each = outputs.flat_map(|output| {
         let axes: &[&str] = if output.components == 1 {

@@ -29,6 +29,7 @@ pub struct CheckArgs {
 pub fn check(args: &CheckArgs) -> Result<String, CommandFailure> {
     let read = SceneFile::find(&args.scene).and_then(|file| {
         let phases = Phases::of(file, &args.scene)?;
+        phases.check_settings()?;
         let remarks = phases.remarks();
         let first = phases.files.into_iter().next();
         let first = first.map(|mut file| {
@@ -39,8 +40,7 @@ pub fn check(args: &CheckArgs) -> Result<String, CommandFailure> {
             file.reading.notes.extend(notes);
             file
         });
-        let first = first.ok_or_else(|| CommandFailure::Usage("no scene was read".into()))?;
-        first.check_settings().map(|()| first)
+        first.ok_or_else(|| CommandFailure::Usage("no scene was read".into()))
     });
     match read {
         Ok(file) if args.json => pretty(&contents(&file)),

@@ -106,14 +106,32 @@ impl Phases {
         first: &Settings,
         given: &GivenSettings,
     ) -> Result<Vec<RunPlan>, CommandFailure> {
-        let files = self.files.iter();
-        let own: Vec<_> = files.map(|file| (&file.scene, &file.settings)).collect();
-        let settings = settings_of_all(first, given, &own);
+        let settings = self.settings(first, given);
         let planned = self.files.iter().zip(&settings).map(|(file, settings)| {
             let plan = RunPlan::new(&file.scene, settings);
             plan.map_err(|error: PlanError| file.misset(&error))
         });
         planned.collect()
+    }
+
+    /// The settings of each, where the first has these.
+    fn settings(&self, first: &Settings, given: &GivenSettings) -> Vec<Settings> {
+        let files = self.files.iter();
+        let own: Vec<_> = files.map(|file| (&file.scene, &file.settings)).collect();
+        settings_of_all(first, given, &own)
+    }
+
+    /// Tells what stands in the settings of any of the files and cannot be used.
+    ///
+    /// # Errors
+    /// The first such setting.
+    pub fn check_settings(&self) -> Result<(), CommandFailure> {
+        let Some(first) = self.files.first() else {
+            return Ok(());
+        };
+        let settings = self.settings(&first.settings, &GivenSettings::default());
+        let mut files = self.files.iter().zip(&settings).enumerate();
+        files.try_for_each(|(place, (file, settings))| file.check_settings(settings, place == 0))
     }
 
     /// One sentence a param that was given by `--set` and that the map of an event decides.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::run::{PlanError, RunPlan, Settings, line_of, misnamed_table, split, windows};
+use mbd_campaign::run::check_units;
 use mbd_compiler::{
     Emitted, Interpreted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf,
     write_toml,
@@ -151,15 +152,16 @@ impl SceneFile {
         })
     }
 
-    /// Tells what stands in the settings of its run and cannot be used; what is left out may be given with the command that runs it.
+    /// Tells what stands in the settings that it is run with and cannot be used; what is left out may be given with the command that runs it. A scene that
+    /// goes on from another (`begins` is false) begins where that one is.
     ///
     /// # Errors
     /// The first such setting.
-    pub fn check_settings(&self) -> Result<(), CommandFailure> {
-        let mut settings = self.settings.clone();
+    pub fn check_settings(&self, settings: &Settings, begins: bool) -> Result<(), CommandFailure> {
+        let mut settings = settings.clone();
         settings.until.get_or_insert(1.0.into());
         let told = match RunPlan::new(&self.scene, &settings) {
-            Ok(plan) => self.open_start(&plan),
+            Ok(plan) => self.open_start(&plan).filter(|_| begins),
             Err(error) => match self.line_of(&error) {
                 Some(line) => Some(format!("line {line}: {error}")),
                 // What the declaration says of its start stands in no setting.
@@ -269,6 +271,14 @@ impl SceneFile {
             Some((line, told)) => Err(format!("line {line}: {told}")),
             None => Settings::read(&run),
         };
+        let settings = settings.and_then(|settings| {
+            let scene = reading.scene.as_ref();
+            let checked = scene.map_or(Ok(()), |scene| check_units(scene, &settings));
+            checked.map(|()| settings).map_err(|error| {
+                let line = line_of(&run, &error.setting);
+                line.map_or_else(|| error.to_string(), |line| format!("line {line}: {error}"))
+            })
+        });
         let mut errors = reading.errors.clone();
         let scene = reading.scene.as_ref();
         errors.extend(scene.and_then(|scene| immovable(&reading, &Layout::new(scene))));

@@ -6,6 +6,8 @@ use mbd_runtime::scene::{
 };
 use mbd_runtime::{Method, Options};
 
+use mbd_campaign::run::check_units;
+
 use super::*;
 use mbd_campaign::progress::ProgressLine;
 
@@ -102,6 +104,60 @@ fn settings_become_si_numbers_in_the_places_of_the_state() {
     assert_eq!(plan.params, [8e3]);
     assert_eq!(plan.state, [0.0, 0.0, -1.9, 1.0, 0.0, 0.0]);
     assert_eq!(plan.nodes, Some(vec![0.0, 0.0, -0.8]));
+}
+
+#[test]
+fn a_start_may_be_given_by_the_quantities_that_an_expression_has() {
+    let start = |text: &str| {
+        let text = format!("[run]\nuntil = 1\n[run.start]\n{text}");
+        let plan = RunPlan::new(&swing(), &settings(&text));
+        plan.map(|plan| plan.state)
+            .map_err(|error| error.to_string())
+    };
+    let moving = Ok(vec![0.1, 0.0, -1.9, 1.0, 2.0, 3.0]);
+    let position = "\"bob.position\" = \"[0.1, 0, -1.9] m\"\n";
+    for velocity in [
+        "\"bob.velocity\" = \"[1, 2, 3] m/s\"",
+        "bob.velocity = [\"1 m/s\", \"2 m/s\", \"3 m/s\"]",
+        "bob.velocity.x = \"1 m/s\"\nbob.velocity.y = \"2 m/s\"\nbob.vz = \"3 m/s\"",
+    ] {
+        assert_eq!(
+            start(&format!("{position}{velocity}")),
+            moving,
+            "{velocity}"
+        );
+    }
+    let twice = start("bob.velocity.x = \"1 m/s\"\nbob.vx = \"1 m/s\"");
+    assert_eq!(twice, Err("`start.bob.vx`: is given twice".into()));
+    let speed = start("bob.velocity = \"3 m/s\"").unwrap_err();
+    assert!(speed.contains("expected 3 numbers"), "{speed}");
+}
+
+#[test]
+fn a_number_without_a_unit_is_refused_where_it_is_seldom_meant_in_si() {
+    let plan = |scene: &Scene, table: &str| {
+        let text = format!("[run]\nuntil = 1\n{table}");
+        let plan = check_units(scene, &settings(&text));
+        plan.map_err(|error| error.to_string())
+    };
+    let swing = swing();
+    assert_eq!(
+        plan(&swing, "[run.params]\nk = 8\n"),
+        Err("`params.k`: 8 has no unit, and what it is given for is declared in kN/m: write `\"8 kN/m\"`".into())
+    );
+    assert_eq!(plan(&swing, "[run.start]\nbob.z = -1.9\n"), Ok(()));
+    let read = mbd_compiler::read_text(
+        "model Pendulum { gravity: none; body rod { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+         joint pin: hinge from world to rod.com { axis: y } }",
+    );
+    let pendulum = read.scene.expect("a pendulum");
+    let angle = |number: &str| plan(&pendulum, &format!("[run.start]\npin.angle = {number}\n"));
+    assert_eq!(angle("0.5"), Ok(()));
+    assert_eq!(angle("\"30 rad\""), Ok(()));
+    assert_eq!(
+        angle("30"),
+        Err("`start.pin.angle`: 30 has no unit and would be more than a full turn in radians: write `\"30 deg\"`, or `\"30 rad\"` if that is meant".into())
+    );
 }
 
 #[test]

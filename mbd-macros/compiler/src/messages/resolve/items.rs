@@ -520,6 +520,16 @@ pub fn load_kind(at: Region) -> LexemeMessage {
     )
 }
 
+/// `in body` behind a load on a body of this name.
+pub fn load_axes(at: Region, body: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "a load is given in the axes of the world, and `in` takes its unit; along the axes of a body it is written with them: `fx * {body}.x + fy * {body}.y + fz * {body}.z`"
+        ),
+    )
+}
+
 pub fn load_on_world(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -8,7 +8,7 @@ use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
 use crate::syntax::{foreign, quantities};
-use crate::units::described;
+use crate::units::{self, described};
 
 pub fn joint_law(at: Region, word: &str) -> LexemeMessage {
     let known = JointLaw::KEYWORDS;
@@ -422,10 +422,19 @@ pub fn along_unit(
     found: Result<Dimension, &str>,
 ) -> LexemeMessage {
     let text = match found {
-        Ok(found) => format!(
-            "`{field}` of `{name}` must be in {unit}, this is {}",
-            described(found)
-        ),
+        Ok(found) => {
+            let rate = field == "motor" && [units::RATE, units::SPEED].contains(&found);
+            let course = match rate {
+                true => {
+                    "; a coordinate that goes at a constant rate is where that takes it: the rate times `time`"
+                }
+                false => "",
+            };
+            format!(
+                "`{field}` of `{name}` must be in {unit}, this is {}{course}",
+                described(found)
+            )
+        }
         Err(bare) => format!(
             "`{field}` of `{name}` needs a unit: write it as `{bare} {unit}`, or put `units: si;` at the top of the model"
         ),

@@ -75,7 +75,9 @@ pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> LexemeMessage {
 
 pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
     // `m/s2`: what stands behind the line was no unit and is taken for a name.
-    let unit = crate::units::run_together(word).map_or_else(String::new, |unit| {
+    let unit = units::foreign(word).map(str::to_owned);
+    let unit = unit.or_else(|| units::run_together(word));
+    let unit = unit.map_or_else(String::new, |unit| {
         format!(", or write `{unit}` for the unit")
     });
     if let Some(answer) = foreign::translated(foreign::FOREIGN_NAMES, word) {
@@ -220,8 +222,8 @@ pub fn unknown_body_quantity(
     frames: &[String],
     quantities: &[&str],
 ) -> LexemeMessage {
-    if let Some(report) = speed(at, owner, word, quantities) {
-        return report;
+    if let Some(answer) = by_another_name(owner, word, quantities) {
+        return LexemeMessage::new(at, answer);
     }
     let known = frames
         .iter()
@@ -272,8 +274,8 @@ pub fn without_quantity(at: Region, owner: &str, kind: &str, known: &[&str]) -> 
 }
 
 pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> LexemeMessage {
-    if let Some(report) = speed(at, owner, word, known) {
-        return report;
+    if let Some(answer) = by_another_name(owner, word, known) {
+        return LexemeMessage::new(at, answer);
     }
     LexemeMessage::new(
         at,
@@ -285,16 +287,37 @@ pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> 
     )
 }
 
-/// The report of `bob.speed`, where there is a velocity.
-fn speed(at: Region, owner: &str, word: &str, known: &[&str]) -> Option<LexemeMessage> {
-    (word == "speed" && known.contains(&"velocity")).then(|| {
-        LexemeMessage::new(
-            at,
-            format!(
-                "`{owner}` has a velocity, which is a vector: its speed is `norm({owner}.velocity)`"
-            ),
-        )
-    })
+/// What to write for `bob.speed`, `bob.x`, `bob.vx`, and of a joint with one coordinate for `pin.rate`.
+fn by_another_name(owner: &str, word: &str, known: &[&str]) -> Option<String> {
+    let axis = |word: &str| ["x", "y", "z"].contains(&word);
+    if word == "speed" && known.contains(&"velocity") {
+        return Some(format!(
+            "`{owner}` has a velocity, which is a vector: its speed is `norm({owner}.velocity)`"
+        ));
+    }
+    if known.contains(&"position") {
+        let (quantity, letter) = match word.strip_prefix('v').filter(|letter| axis(letter)) {
+            Some(letter) => ("velocity", letter),
+            None => ("position", word),
+        };
+        return axis(letter).then(|| {
+            format!("`{owner}` has no quantity `{word}`: that is `{owner}.{quantity}.{letter}`")
+        });
+    }
+    let mut rates = known.iter().filter_map(|known| known.strip_suffix("_rate"));
+    let (Some(coordinate), None) = (rates.next(), rates.next()) else {
+        return None;
+    };
+    match word {
+        _ if !known.contains(&coordinate) => None,
+        "rate" | "speed" | "velocity" | "omega" | "angular_velocity" => Some(format!(
+            "`{owner}` has no quantity `{word}`: that is `{owner}.{coordinate}_rate`"
+        )),
+        "position" | "value" | "coordinate" | "q" => Some(format!(
+            "`{owner}` has no quantity `{word}`: that is `{owner}.{coordinate}`"
+        )),
+        _ => None,
+    }
 }
 
 /// `frame`: one of its own, if it has any.

@@ -33,7 +33,7 @@ fn every_mistake_of_a_file_is_told_with_its_place() {
     let folder = Folder::new("mistakes");
     let drop = include_str!("../../../../scenes/drop.toml");
     let text = drop
-        .replace("\"16 kg\"", "\"16 kgs\"")
+        .replace("\"16 kg\"", "\"16 kgz\"")
         .replace("\"chute.riser_end\"", "\"chute.riser\"")
         .replace("until =", "untl =");
     let path = folder.file("scene.toml", &text);
@@ -42,7 +42,7 @@ fn every_mistake_of_a_file_is_told_with_its_place() {
         assert_eq!(error.code(), 2);
         let told = error.to_string();
         let place = |what: &str| text.lines().position(|line| line.contains(what)).unwrap() + 1;
-        for (what, word) in [("16 kgs", "`kgs`"), ("\"chute.riser\"", "`riser`")] {
+        for (what, word) in [("16 kgz", "`kgz`"), ("\"chute.riser\"", "`riser`")] {
             let line = told
                 .lines()
                 .find(|line| line.contains(word))
@@ -53,7 +53,7 @@ fn every_mistake_of_a_file_is_told_with_its_place() {
             );
         }
         // The line itself, and a caret under the word.
-        let shown = format!(" {} | mass = \"16 kgs\"", place("16 kgs"));
+        let shown = format!(" {} | mass = \"16 kgz\"", place("16 kgz"));
         let (_, after) = told.split_once(&shown).unwrap_or_else(|| panic!("{told}"));
         assert_eq!(
             after.lines().nth(1).map(str::trim_end),
@@ -131,7 +131,7 @@ fn a_setting_that_cannot_be_used_is_told_by_check_and_run_with_its_line() {
     let model = "model M {\n  gravity: none;\n  point a { mass: 1 kg }\n}\n\n[run]\n";
     let file = |line: &str| folder.file("m.mbd", &format!("{model}{line}\n"));
     for (line, what) in [
-        ("until = \"1 sec\"", "`until`"),
+        ("until = \"1 sek\"", "`until`"),
         ("until = 1\nevery = \"1 m\"", "`every`"),
         ("until = 1\nmethod = \"rk5\"", "`method`"),
         ("[run.start]\na.q = 1", "`start.a.q`"),
@@ -146,10 +146,10 @@ fn a_setting_that_cannot_be_used_is_told_by_check_and_run_with_its_line() {
         let told = run(&["check", &file, "--json"]).unwrap_err().to_string();
         assert!(told.contains(&place), "{told}");
     }
-    let flown = run(&["run", &file("until = \"1 sec\"")]).unwrap_err();
+    let flown = run(&["run", &file("until = \"1 sek\"")]).unwrap_err();
     assert!(flown.to_string().contains("m.mbd:7: `until`"), "{flown}");
     // What was typed stands on no line, and what is missing may be typed.
-    let typed = run(&["run", &file("until = 1"), "--until", "1 sec"]).unwrap_err();
+    let typed = run(&["run", &file("until = 1"), "--until", "1 sek"]).unwrap_err();
     assert!(!typed.to_string().contains("m.mbd:7"), "{typed}");
     run(&["check", &file("tolerance = 1e-6")]).unwrap();
 }

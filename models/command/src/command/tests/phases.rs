@@ -36,6 +36,24 @@ fn last(summary: &Value, phase: usize, column: &str) -> f64 {
 }
 
 #[test]
+fn a_setting_of_a_later_scene_that_nothing_can_be_run_with_is_told_by_check() {
+    let folder = Folder::new("phases_settings");
+    let chute = folder.file("chute.mbd", CHUTE);
+    for (table, said) in [
+        ("[run.params]\nmass = \"2 kg\"\n", "`params.mass`"),
+        ("[run]\nmethod = \"vern8\"\n", "there is no method `vern8`"),
+    ] {
+        folder.file("fall.mbd", &format!("{FALL}{table}"));
+        for more in [&[][..], &["--json"]] {
+            let error = run(&[&["check", &chute], more].concat()).unwrap_err();
+            let told = error.to_string();
+            assert_eq!(error.code(), 2);
+            assert!(told.contains(said) && told.contains("fall.mbd"), "{told}");
+        }
+    }
+}
+
+#[test]
 fn a_capsule_falls_by_the_closed_forms_of_both_phases() {
     let folder = Folder::new("phases_fall");
     let chute = folder.file("chute.mbd", CHUTE);

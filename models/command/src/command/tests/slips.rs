@@ -310,3 +310,24 @@ fn a_run_says_what_its_tolerance_is_relative_to() {
         assert!(error.to_string().contains(said), "{error}");
     }
 }
+
+#[test]
+fn a_number_without_a_unit_in_the_settings_is_told_with_its_line_where_it_is_seldom_meant() {
+    let folder = Folder::new("slips_bare");
+    let model = "model M { gravity: none; param k = 2 kN*m; body rod { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint pin: hinge from world to rod.com { axis: y, stiffness: k } }\n[run]\nuntil = \"1 s\"\n";
+    for (table, said) in [
+        (
+            "[run.start]\npin.angle = 30\n",
+            "line 6: `start.pin.angle`: 30 has no unit",
+        ),
+        ("[run.params]\nk = 3\n", "line 6: `params.k`: 3 has no unit"),
+    ] {
+        let file = folder.file("m.mbd", &format!("{model}{table}"));
+        for command in ["check", "run"] {
+            let error = run(&[command, &file]).unwrap_err();
+            assert_eq!(error.code(), 2);
+            assert!(error.to_string().contains(said), "{error}");
+        }
+    }
+}
