@@ -272,6 +272,21 @@ fn gravity_and_loads_account_for_all_momentum_of_what_the_ground_does_not_hold()
     assert!(lost < 1e-13, "{lost:e}");
 }
 
+/// Six masses on springs that breathe about the origin: no part of them has a moment about it, nor any momentum is left over.
+const BREATHING: &str = "model Breathing {
+    gravity: none;
+    const N = 6;
+    point mass[i in 0..N] { mass: 0.5 kg, start at 1.1 * polar(1 m, i * 360 deg / N, 0 m) }
+    spring rim[i in 0..N] from mass[i] to mass[(i + 1) % N] { free_length: 1 m, stiffness: 200 N/m } }";
+
+#[test]
+fn nothing_is_lost_where_all_moments_vanish_by_symmetry() {
+    for options in [Options::tsit5(1e-10), Options::rk4(1e-3)] {
+        let lost = momentum_lost(BREATHING, options);
+        assert!(lost < 1e-12, "{:?}: {lost:e}", options.method);
+    }
+}
+
 #[test]
 fn momentum_is_not_told_of_what_the_ground_holds_and_the_holder_has_a_name() {
     let held = |more: &str| {

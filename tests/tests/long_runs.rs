@@ -92,6 +92,8 @@ fn things_are_counted_without_the_compiler_as_they_are_declared() {
     let counts = declared_in_text(text);
     let found = ["const", "body", "point", "joint", "output", "line"].map(|kind| counts[kind]);
     assert_eq!(found, [Some(1), None, Some(3), Some(1), Some(1), Some(0)]);
+    let lists = "model A { output a = [1, (2, 3)] in m; output b = [1, 2, 3,]; output c = [1, 2, 3, 4]; output d = [1, 2] * x; output e[i in 0..3] = i; }";
+    assert_eq!(declared_in_text(lists)["output"], Some(2 + 1 + 4 + 1 + 3));
     let counts = declared_in_toml("[point.\"p[i in 0..=2]\"]\nmass = \"1 kg\"\n[body.b]\n");
     let counts = counts.expect("a document");
     assert_eq!((counts["point"], counts["body"]), (Some(3), Some(1)));

@@ -33,7 +33,7 @@ pub struct MomentumImbalance {
     pub angular: f64,
     /// The momentum that moved, the largest Σ |m v| [kg m/s].
     pub linear_moved: f64,
-    /// The same about the world origin, the largest Σ |r × m v| + |I ω| [kg m²/s].
+    /// The same about the world origin, the largest Σ |r| |m v| + |I ω| [kg m²/s].
     pub angular_moved: f64,
     /// What of both rounding and the tolerance of the run explain, by the impulses of gravity and loads and what moved.
     pub explained: [f64; 2],
@@ -63,7 +63,7 @@ pub(crate) struct Impulses {
     momentum: [f64; 6],
     /// F and τ.
     external: [f64; 6],
-    /// Σ |m v| and Σ |r × m v| + |I ω|.
+    /// Σ |m v| and Σ |r| |m v| + |I ω|.
     sizes: [f64; 2],
     /// Σ |F| and Σ |r| |F| + |τ|.
     forces: [f64; 2],

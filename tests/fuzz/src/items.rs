@@ -122,14 +122,44 @@ pub fn declared_in_text(text: &str) -> Counts {
             let end = rest.find(|c| !letters(c)).unwrap_or(rest.len());
             let named = rest[end..].trim_start();
             let repeated = named.starts_with('[');
-            add(
-                &mut counts,
-                kind,
-                if repeated { times(named) } else { Some(1) },
-            );
+            let number = match named.split_once('=') {
+                _ if repeated => times(named),
+                Some(("" | " ", value)) if word == "output" => Some(columns(value)),
+                _ => Some(1),
+            };
+            add(&mut counts, kind, number);
         }
     }
     counts
+}
+
+/// How many columns an output of this value has that are told apart by numbers: a list of two numbers or of more than three is no vector.
+fn columns(value: &str) -> usize {
+    let Some(inside) = value.trim_start().strip_prefix('[') else {
+        return 1;
+    };
+    let (mut depth, mut parts, mut last) = (0_i32, 1, 0);
+    for (at, c) in inside.char_indices() {
+        match c {
+            '[' | '(' | '{' => depth += 1,
+            ']' if depth == 0 => {
+                let behind = inside[at + 1..].trim_start();
+                // A comma may end a list.
+                let ended = inside[last..at].trim().is_empty();
+                let listed = parts - usize::from(ended && parts > 1);
+                let whole = !behind.starts_with(['*', '/', '+', '-', '.', '[', '^', '%', '<', '>']);
+                return if whole && ![0, 1, 3].contains(&listed) {
+                    listed
+                } else {
+                    1
+                };
+            }
+            ']' | ')' | '}' => depth -= 1,
+            ',' if depth == 0 => (parts, last) = (parts + 1, at + 1),
+            _ => {}
+        }
+    }
+    1
 }
 
 /// What a document declares, by its keys; `None` if it is no TOML.
@@ -139,8 +169,12 @@ pub fn declared_in_toml(text: &str) -> Option<Counts> {
     let mut counts = none();
     for kind in KINDS {
         let named = document.get(*kind).and_then(|value| value.as_table());
-        for name in named.into_iter().flatten().map(|(name, _)| name) {
-            add(&mut counts, kind, times(name));
+        for (name, value) in named.into_iter().flatten() {
+            let number = match value.as_str().filter(|_| *kind == "output") {
+                Some(value) if !name.contains('[') => Some(columns(&bare(value))),
+                _ => times(name),
+            };
+            add(&mut counts, kind, number);
         }
     }
     Some(counts)

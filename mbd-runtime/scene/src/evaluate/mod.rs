@@ -298,7 +298,7 @@ pub fn masses(
 }
 
 /// Writes momentum, force and torque of gravity and loads, and how much momentum moves: P [kg m/s], L [kg m²/s], F [N], τ [N m], Σ |m v|,
-/// Σ |r × m v| + |I ω|; L and τ about the world origin (14 numbers).
+/// Σ |r| |m v| + |I ω|, the sizes of forces and of their torques; L and τ about the world origin (16 numbers).
 pub fn impulses(
     scene: &Scene,
     layout: &Layout,

@@ -118,8 +118,9 @@ pub fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     write(out, 3, &angular);
 }
 
-/// P, L, then force and torque of gravity and loads, then Σ |m v| and Σ |r × m v| + |I ω|, then the sizes of these forces and, for
-/// their torques, of forces times levers; about the world origin.
+/// P, L, then force and torque of gravity and loads, then Σ |m v| and Σ |r| |m v| + |I ω|, then the sizes of these forces and, for
+/// their torques, of forces times levers; about the world origin. Levers, not moments: a ring that breathes about the origin has
+/// none, and its rounding would be large beside them.
 pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     momentum(evaluation, out);
     let (mut force, mut torque) = forces::loads(evaluation);
@@ -132,7 +133,7 @@ pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         push += norm(&weight);
         twist += norm(position) * norm(&weight);
         linear += norm(p);
-        angular += norm(&position.cross(p)) + norm(spin);
+        angular += norm(position) * norm(p) + norm(spin);
     });
     // A plane takes up what points out of it.
     let directions = evaluation.layout.directions;
