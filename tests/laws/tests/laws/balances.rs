@@ -110,7 +110,7 @@ fn energy_and_momentum_are_sums_over_what_moves_and_loads_give_force_times_veloc
                 l += part.position.cross(&linear) + spin;
                 centre += part.position * (mass / whole);
                 moved += linear.norm();
-                turned += part.position.cross(&linear).norm() + spin.norm();
+                turned += part.position.norm() * linear.norm() + spin.norm();
             }
             let arm = bodies[0].rotation() * loaded.seat.point;
             let (at_seat, forces) = (bodies[0].position + arm, FORCES.map(Vector3::from));
