@@ -385,3 +385,26 @@ fn slices_of_a_wrong_length_leave_the_result_untouched() {
     kite.evaluate(Quantity::Derivative, &at, &mut kite.work(), &mut out[1..]);
     assert_eq!(out, vec![7.0; 19]);
 }
+
+mbd_runtime::model! {
+    /// A stone with an output that nobody asked to be compiled.
+    model Mute {
+        gravity: none;
+        emit: [derivative];
+        point stone { mass: 1 kg, start at [0, 0, 2] m }
+        output height = stone.position.z;
+    }
+}
+
+#[test]
+fn an_output_that_is_not_emitted_is_an_error_and_no_number() {
+    let mute = Mute::new(MuteParams::default()).expect("no params");
+    let mut simulation = Simulation::new(&mute, Options::rk4(0.1)).expect("options");
+    for (name, said) in [
+        ("height", "it is not emitted"),
+        ("heigth", "did you mean `height`?"),
+    ] {
+        let error = simulation.output(name).expect_err("no number").to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}

@@ -150,10 +150,23 @@ fn a_radius_takes_the_radians_out_of_what_turns() {
         output tip_speed_ratio = pin.angle_rate * R / wind;
         output tip_speed = R * pin.angle_rate;
         output at_tip = twist * R + pin.angle;
-        output turned = pin.angle_rate * 2 s; }";
+        output rotation = pin.angle_rate * 2 s; }";
     let scene = read_text(text).scene.expect("a scene");
     let units = scene.outputs.iter().map(|output| output.unit.text.as_str());
     assert_eq!(units.collect::<Vec<_>>(), ["", "m/s", "rad", "rad"]);
+}
+
+#[test]
+fn the_unit_of_an_integral_decides_what_the_names_in_it_are() {
+    let text = "model Drop {
+        gravity: none;
+        const m = 2 kg;
+        point bob { mass: m, start at [0, 0, 0] m velocity [1, 0, 0] m/s }
+        metric work = integral 9.81 m/s^2 * m * norm(bob.velocity) in J; }";
+    let read = read_text(text);
+    assert!(read.errors.is_empty(), "{:?}", read.errors);
+    let outputs = read.scene.expect("a scene").outputs;
+    assert_eq!(outputs[0].unit.text, "J/s");
 }
 
 #[test]

@@ -61,7 +61,7 @@ doors! {
     fn together(model: &dyn Model<Self>, width: usize) -> Option<Box<dyn Together<Self>>> = crate::lanes::together;
     fn take_step(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::take_step;
     fn begin(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::begin;
-    fn look_at_output(run: &mut Simulation<Self>, name: &str) -> Option<Self> = Simulation::look_at_output;
+    fn look_at_output(run: &mut Simulation<Self>, name: &str) -> Result<Self, RunError> = Simulation::look_at_output;
     fn look(run: &mut Simulation<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = Simulation::look;
     fn give_state(run: &mut Simulation<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = Simulation::give_state;
     fn give_nodes(run: &mut Simulation<Self>, guess: &[Self]) -> Result<(), RunError> = Simulation::give_nodes;
@@ -289,8 +289,11 @@ impl<T: Scalar> Simulation<T> {
         T::look(self, what, out)
     }
 
-    /// An output at the last accepted step by the name of its column, `bend`, `tip.x`, `both[0]`, in the unit that it is declared in; `None` for a name that is no
-    /// output, and where it cannot be computed. What it was on the way is a column of what [`Simulation::record`] records.
+    /// An output at the last accepted step by the name of its column, `bend`, `tip.x`, `both[0]`, in the unit that it is declared in.
+    /// What it was on the way is a column of what [`Simulation::record`] records.
+    ///
+    /// # Errors
+    /// A name that is no output; an output that is not emitted, or has no finite value here; no equilibrium of a node.
     ///
     /// ```
     /// use mbd_runtime::{Options, Simulation, model};
@@ -309,12 +312,14 @@ impl<T: Scalar> Simulation<T> {
     /// let stone = Stone::new(StoneParams::default())?;
     /// let mut simulation = Simulation::new(&stone, Options::tsit5(1e-9))?;
     /// simulation.run(0.8)?;
-    /// let height = simulation.output("height").expect("it is declared");
+    /// let height = simulation.output("height")?;
     /// assert!((height - 1800.0).abs() < 1e-9);
+    /// let error = simulation.output("heigth").unwrap_err().to_string();
+    /// assert!(error.contains("did you mean `height`?"), "{error}");
     /// # Ok(())
     /// # }
     /// ```
-    pub fn output(&mut self, name: &str) -> Option<T> {
+    pub fn output(&mut self, name: &str) -> Result<T, RunError> {
         T::look_at_output(self, name)
     }
 

@@ -239,6 +239,15 @@ step_errors! {
     }
     "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
 
+    /// An output that was asked for by its name, and has no number.
+    NoOutput {
+        /// The name that was given.
+        name: String,
+        /// What is wrong with it.
+        why: String,
+    }
+    "output", format!("`{name}` {why}"), "name an output of the declaration; where it says `emit`, `outputs` stands among what is emitted";
+
     /// A motor or a wound line is told a motion that contradicts itself: its value does not change as its rate says, or its rate not as its
     /// acceleration says.
     Command {

@@ -6,6 +6,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+use mbd_scene::similar::did_you_mean;
 use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber};
 
 use crate::balance::EnergyBalance;
@@ -333,13 +334,28 @@ impl<T: Float> Simulation<T> {
     }
 
     /// What [`Simulation::output`] does.
-    pub(crate) fn look_at_output(&mut self, name: &str) -> Option<T> {
+    pub(crate) fn look_at_output(&mut self, name: &str) -> Result<T, RunError> {
         let model = Arc::clone(self.model());
         let names = output_names(model.scene());
-        let index = names.iter().position(|column| column.name == name)?;
+        let names = names.iter().map(|column| column.name.as_str());
+        let no_output = |why: String| StepError::NoOutput {
+            name: name.to_owned(),
+            why,
+        };
+        let Some(index) = names.clone().position(|known| known == name) else {
+            let near = did_you_mean(name, names.clone());
+            let known = names.collect::<Vec<_>>().join(", ");
+            let why = match known.as_str() {
+                "" => "is no output: this model declares none".into(),
+                known => format!("is no output{near}; there are: {known}"),
+            };
+            return Err(self.failed(no_output(why)));
+        };
         let mut columns = vec![T::zero(); model.layout().len(Quantity::Outputs)];
-        self.look(Quantity::Outputs, &mut columns).ok()?;
-        columns.get(index).copied()
+        self.look(Quantity::Outputs, &mut columns)?;
+        let found = columns.get(index).copied().filter(|it| it.is_finite());
+        let why = || "has no number here: it is not emitted, or something divides by zero, or takes the direction, the angle or the root of nothing";
+        found.ok_or_else(|| self.failed(no_output(why().into())))
     }
 
     /// What [`Simulation::evaluate`] does.

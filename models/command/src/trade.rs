@@ -5,6 +5,8 @@ use std::io;
 use std::path::Path;
 
 use mbd_compiler::Interpreted;
+use mbd_report::files::{make_folder, write_text};
+use mbd_report::{Cell, Figure, Report, ReportTable, Run, Series, Views};
 use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene};
 use mbd_runtime::{
     Content, FailedSetting, Generic, ParamError, Question, Race, Sampling, TradeError, Trajectory,
@@ -12,8 +14,6 @@ use mbd_runtime::{
 };
 
 use crate::run::{PlanError, RunPlan, Settings};
-use mbd_report::files::{make_folder, write_text};
-use mbd_report::{Cell, Figure, Report, ReportTable, Run, Series, Views};
 
 /// Something to race: a scene with its plan.
 struct SceneContender {

@@ -232,7 +232,7 @@ impl Resolver<'_> {
         };
         let asked = self.in_unit(item.clause("in"))?;
         let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
-        let typed = self.reading_as(typed, wanted);
+        let typed = self.reading_as(typed, wanted.as_slice());
         self.shown.insert(instance.slot, typed.clone());
         let (value, components, unit) = self.column(typed, asked)?;
         let entry = self.scene.outputs.get_mut(instance.slot)?;
@@ -262,8 +262,6 @@ impl Resolver<'_> {
         typed: Typed,
         asked: Option<(Unit, Region)>,
     ) -> Option<(Formula, usize, Unit)> {
-        let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
-        let typed = self.reading_as(typed, wanted);
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
         let mut value = typed.formula.clone();
         if let Some((wanted, at)) = asked {

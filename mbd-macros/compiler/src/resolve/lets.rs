@@ -154,7 +154,7 @@ impl Resolver<'_> {
         let typed = self.value(item.clause("=")?, instance.scope(MayDependOn::Result))?;
         let asked = self.in_unit(item.clause("in"))?;
         let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
-        let typed = self.reading_as(typed, wanted);
+        let typed = self.reading_as(typed, wanted.as_slice());
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
         if let Some((wanted, at)) = asked {
             if let Some(found) = typed.dimension

@@ -62,8 +62,14 @@ impl Resolver<'_> {
             if typed.vector {
                 return self.fail(say::scalar_wanted(typed.at, "a metric"));
             }
-            let (dimension, of) = (typed.dimension.unwrap_or(units::NONE), typed.clone());
             let mut asked = self.in_unit(item.clause("in"))?;
+            let mut wanted = Vec::from_iter(asked.as_ref().map(|(unit, _)| unit.dimension));
+            if take == Take::Integral {
+                let rate = wanted.first().and_then(|it| units::over(*it, units::TIME));
+                wanted.extend(rate);
+            }
+            let typed = self.reading_as(typed, &wanted);
+            let (dimension, of) = (typed.dimension.unwrap_or(units::NONE), typed.clone());
             if take == Take::Integral
                 && let Some((unit, _)) = &mut asked
                 && units::times(dimension, units::TIME) == Some(unit.dimension)

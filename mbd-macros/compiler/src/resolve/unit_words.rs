@@ -160,13 +160,13 @@ impl Resolver<'_> {
         other
     }
 
-    /// The same where a dimension may be wanted; where it is, words in units are units if the value has it.
-    pub fn reading_as(&mut self, typed: Typed, wanted: Option<Dimension>) -> Typed {
-        let Some(wanted) = wanted else {
+    /// The same where dimensions may be wanted; where they are, words in units are units if the value has one of them.
+    pub fn reading_as(&mut self, typed: Typed, wanted: &[Dimension]) -> Typed {
+        if wanted.is_empty() {
             return typed;
-        };
-        let typed = self.reading(typed, &[wanted]);
-        if typed.dimension.is_none_or(|found| found == wanted) {
+        }
+        let typed = self.reading(typed, wanted);
+        if typed.dimension.is_none_or(|found| wanted.contains(&found)) {
             self.unit_fits(typed.at);
         }
         typed

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::advice::advice;
-use crate::describe;
 use clap::Args;
 use mbd_compiler::SceneEquations;
 use mbd_report::ReportTable;
@@ -14,6 +12,8 @@ use super::failure::CommandFailure;
 use super::mistakes::listed;
 use super::phases::Phases;
 use super::scene_file::SceneFile;
+use crate::advice::advice;
+use crate::describe;
 
 /// What to check, and how to tell it.
 #[derive(Args, Debug)]

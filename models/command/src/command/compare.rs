@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use crate::describe::factor;
-use crate::run::{Quality, metrics, shown};
 use clap::{Args, Parser};
 use mbd_report::files;
 use mbd_report::{Cell, Compared, Report, ReportTable, significant};
 
 use super::failure::CommandFailure;
 use super::run::{FinishedRun, RunArgs, flown, unwritten};
+use crate::describe::factor;
+use crate::run::{Quality, metrics, shown};
 
 /// What to compare.
 #[derive(Args, Debug)]

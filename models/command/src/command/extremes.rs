@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::extremes::{cases, publish, run};
 use clap::Args;
 
 use super::failure::CommandFailure;
 use super::run::unwritten;
+use crate::extremes::{cases, publish, run};
 
 /// How much is run.
 #[derive(Args, Debug)]

@@ -3,7 +3,6 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::run::split;
 use clap::Args;
 use mbd_compiler::{Message, format_rust, format_text};
 use mbd_report::files::write_text;
@@ -11,6 +10,7 @@ use mbd_report::files::write_text;
 use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::read_file;
+use crate::run::split;
 
 /// What to format.
 #[derive(Args, Debug)]

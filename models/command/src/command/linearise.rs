@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::run::RunPlan;
 use clap::Args;
 use mbd_compiler::read_number;
 use mbd_report::{ReportTable, significant};
@@ -19,6 +18,7 @@ use super::check::pretty;
 use super::failure::CommandFailure;
 use super::run::{Flag, SET, assign, assigned};
 use super::scene_file::SceneFile;
+use crate::run::RunPlan;
 
 /// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
 const MOMENT: f64 = 1e-3;

@@ -1,6 +1,5 @@
 //! `mbd list`: the scenes that come along, and what a scene can be asked.
 
-use crate::{describe, quantities};
 use clap::{Args, Subcommand};
 use mbd_compiler::nearest;
 use mbd_report::ReportTable;
@@ -12,6 +11,7 @@ use super::SceneArgs;
 use super::check::pretty;
 use super::failure::CommandFailure;
 use super::scene_file::SceneFile;
+use crate::{describe, quantities};
 
 /// A ready scene that is a file: the two forms a scene file can have.
 #[derive(Clone, Copy, Debug)]

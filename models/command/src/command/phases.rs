@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::run::{PlanError, Settings};
 use mbd_campaign::run::{GivenSettings, Phase, RunPlan, settings_of_all};
 use mbd_compiler::{Location, Message, misfits};
 
@@ -10,6 +9,7 @@ use super::campaign::nominal;
 use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::SceneFile;
+use crate::run::{PlanError, Settings};
 
 /// More files than this are no run.
 pub const MOST: usize = 64;

@@ -2,10 +2,6 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::run::{
-    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, phases_json,
-    publish, publish_gltf, publish_phases, summary_json, warning, windows,
-};
 use clap::Args;
 use mbd_campaign::Campaign;
 use mbd_campaign::progress::ProgressLine;
@@ -18,6 +14,10 @@ use super::failure::CommandFailure;
 use super::list;
 use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
+use crate::run::{
+    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, phases_json,
+    publish, publish_gltf, publish_phases, summary_json, warning, windows,
+};
 
 /// What to run, and how; flags go before the `[run]` table of the file.
 #[derive(Args, Debug)]

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::run::{PlanError, RunPlan, Settings, line_of, misnamed_table, split, windows};
 use mbd_campaign::run::check_units;
 use mbd_compiler::{
     Emitted, Interpreted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf,
@@ -17,6 +16,7 @@ use models::scenes::{self, Make};
 use super::failure::CommandFailure;
 use super::list::{self, ReadyEntry};
 use super::mistakes::Mistakes;
+use crate::run::{PlanError, RunPlan, Settings, line_of, misnamed_table, split, windows};
 
 /// A scene that was read without errors.
 #[derive(Debug)]

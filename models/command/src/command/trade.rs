@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::run::{RunPlan, fly, shown};
-use crate::trade::{advice, publish, race, table, unit, usual};
 use clap::Args;
 use mbd_campaign::progress::ProgressLine;
 use mbd_compiler::{mixes_turns, read_number};
@@ -11,6 +9,8 @@ use mbd_compiler::{mixes_turns, read_number};
 use super::failure::CommandFailure;
 use super::run::{folder_name, unwritten};
 use super::scene_file::SceneFile;
+use crate::run::{RunPlan, fly, shown};
+use crate::trade::{advice, publish, race, table, unit, usual};
 
 /// What is asked of every run.
 #[derive(Args, Debug)]

@@ -1,12 +1,12 @@
 //! What is told of scenes.
 
 use mbd_compiler::SceneEquations;
+use mbd_report::ReportTable;
 use mbd_runtime::scene::{
     Formula, Line, LineKind, Parameter, Place, Point, PointKind, Scene, Unit,
 };
 
 use super::*;
-use mbd_report::ReportTable;
 
 /// A point of 2 kg between two lines.
 fn swing() -> Scene {

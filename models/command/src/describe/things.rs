@@ -1,10 +1,10 @@
 //! The things of a scene, one table a kind.
 
+use mbd_report::{Cell, ReportTable};
 use mbd_runtime::scene::laws::{Numbers, starts};
 use mbd_runtime::scene::{Clamp, Difference, Layout, NodeModel, Place, PointKind, Scene, Unit};
 
 use super::metrics::metrics;
-use mbd_report::{Cell, ReportTable};
 
 /// The things of the scene, one table a kind; kinds the scene has none of are left out. Numbers are those of the default params.
 #[must_use]

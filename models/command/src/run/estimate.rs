@@ -1,11 +1,11 @@
 //! The error of a run: by a second, finer one, and by the energy that it made or lost.
 
+use mbd_campaign::run::RunPlan;
 use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::{Formula, Function, Scene};
 use mbd_runtime::{Deviation, Model, Sampling, Simulation, Trajectory};
 
 use super::outcome::{CONTENT, RunOutcome};
-use mbd_campaign::run::RunPlan;
 
 /// At most so many rows are compared.
 const ROWS: usize = 400;

@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use mbd_campaign::progress::ProgressLine;
+use mbd_campaign::run::RunPlan;
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{
@@ -10,8 +12,6 @@ use mbd_runtime::{
 };
 
 use super::estimate::{Estimate, estimate};
-use mbd_campaign::progress::ProgressLine;
-use mbd_campaign::run::RunPlan;
 
 /// What a history holds.
 pub(super) const CONTENT: Content = Content::ALL;

@@ -1,11 +1,11 @@
 //! A run through several scenes: where an event lets another scene go on, that one flies from there.
 
 use mbd_campaign::phases::FlownPart;
+use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::{Phase, RunPlan, go_on};
 use mbd_runtime::{Ended, Handover, Options, Stop};
 
 use super::outcome::{RunOutcome, begun, fly_on};
-use mbd_campaign::progress::ProgressLine;
 
 /// A part of a run, flown in one phase.
 #[derive(Clone, Debug)]

@@ -3,6 +3,9 @@
 use std::io;
 use std::path::Path;
 
+use mbd_campaign::run::RunPlan;
+use mbd_report::files;
+use mbd_report::{Report, ReportTable, Run, Views, gltf, metrics_table};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
@@ -10,9 +13,6 @@ use super::metrics::{metrics, windows};
 use super::outcome::RunOutcome;
 use super::summary::{summary_json, table};
 use crate::describe;
-use mbd_campaign::run::RunPlan;
-use mbd_report::files;
-use mbd_report::{Report, ReportTable, Run, Views, gltf, metrics_table};
 
 /// Writes everything into a folder and gives the table of the run and that of its metrics, if it has any.
 ///

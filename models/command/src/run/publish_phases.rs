@@ -6,6 +6,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use mbd_campaign::phases::{FlownPart, table, with_histories, with_motion};
+use mbd_report::files;
+use mbd_report::{Report, ReportTable, metrics_table};
 use mbd_runtime::{Joined, MetricReader, MetricValue, MissingMetric, Sampling, Trajectory};
 use serde::Serialize;
 use serde_json::Value;
@@ -15,8 +17,6 @@ use super::outcome::CONTENT;
 use super::phases::Segment;
 use super::publish::{publish, shown};
 use super::summary::summary_json;
-use mbd_report::files;
-use mbd_report::{Report, ReportTable, metrics_table};
 
 /// A part of the run, for programs.
 #[derive(Serialize)]

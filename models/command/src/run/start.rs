@@ -1,11 +1,11 @@
 //! Whether a run started where it was asked to.
 
+use mbd_campaign::run::RunPlan;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::{Layout, Moved};
 
 use super::outcome::RunOutcome;
-use mbd_campaign::run::RunPlan;
 
 /// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
 const FAR: f64 = 1e-3;

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::io;
 
+use mbd_campaign::run::RunPlan;
+use mbd_report::{Cell, ReportTable};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
@@ -11,8 +13,6 @@ use super::metrics::metrics;
 use super::outcome::RunOutcome;
 use super::quality::Quality;
 use super::start::moved;
-use mbd_campaign::run::RunPlan;
-use mbd_report::{Cell, ReportTable};
 
 /// The numbers of a run, for programs.
 #[derive(Debug, Serialize)]

@@ -1,15 +1,14 @@
 //! A scene, its settings, the run and its files.
 
+use mbd_campaign::progress::ProgressLine;
+use mbd_campaign::run::check_units;
 use mbd_runtime::scene::{
     Dimension, Formula, Frame, Gravity, Input, Line, LineKind, Load, LoadKind, NodeModel, Output,
     Parameter, Place, Point, PointKind, Scene, State, Unit,
 };
 use mbd_runtime::{Method, Options};
 
-use mbd_campaign::run::check_units;
-
 use super::*;
-use mbd_campaign::progress::ProgressLine;
 
 fn unit(text: &str, factor: f64, mass: i8, length: i8, time: i8) -> Unit {
     let dimension = Dimension {

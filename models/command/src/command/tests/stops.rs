@@ -107,7 +107,7 @@ fn a_large_angle_hides_no_small_one_and_a_turn_more_of_an_atan2_is_no_error() {
             "model Wheel {{ gravity: [0, 0, -9.81] m/s^2;
           body wheel {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
           joint spin: hinge from world to wheel.com {{ axis: z, force: 1 N*m, damping: 0.001 N*m*s }}
-          output turned = spin.angle;
+          output rotation = spin.angle;
           output direction = atan2(sin(spin.angle), cos(spin.angle)); }}
         [run]\nuntil = \"20 s\"\ntolerance = {tolerance}\n"
         )
