@@ -6,7 +6,8 @@ use crate::columns::{Name, carried_names, joint_name, line_name, node_name, stat
 use crate::content::Content;
 use crate::error::StepError;
 use crate::linearise::output_names;
-use crate::system::{System, WORKS};
+use crate::simulation::beside::Attempt;
+use crate::system::{LINES, OUTPUTS, System, WORKS};
 
 /// Where a row is made.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +59,40 @@ impl RowMaker {
             *out = value.copied().unwrap_or(f64::NAN);
         }
         Ok(())
+    }
+
+    /// Whether its rows hold nothing but outputs and lines, which are known as lists.
+    pub(crate) fn is_of_lists(&self) -> bool {
+        let lists = Content {
+            lines: true,
+            outputs: true,
+            ..Content::TIME
+        };
+        self.content.and(lists) == lists
+    }
+
+    /// Writes what is measured of such a row at the end of a step that was made elsewhere.
+    pub(crate) fn pick_received<T: Float>(
+        &self,
+        layout: &Layout,
+        attempt: &dyn Attempt<T>,
+        out: &mut [f64],
+    ) {
+        let of_lines = match self.content.lines {
+            true => 2 * layout.lines.len(),
+            false => 0,
+        };
+        for (out, column) in out.iter_mut().zip(&self.picked) {
+            *out = match column.and_then(|column| column.checked_sub(1)) {
+                None => f64::NAN,
+                Some(line) if line < of_lines => {
+                    // Tension and stretch begin what is told of each.
+                    let index = 10 * (line / 2) + 2 * (line % 2);
+                    attempt.number(LINES, index).to_f64()
+                }
+                Some(other) => attempt.number(OUTPUTS, other - of_lines).to_f64(),
+            };
+        }
     }
 
     /// Makes the row at a state; whether something of it has no value because rows of joints lose rank.

@@ -154,6 +154,12 @@ pub struct Simulation<T: Float> {
     /// Whether the attempted step was one of those, and whether the last accepted one was, and nothing was changed since.
     beside: bool,
     stays: bool,
+    /// Whether the attempted step was one of those, of which nothing but the end was taken over.
+    lacks_stages: bool,
+    /// Whether state, first stage and memory are kept elsewhere, after steps whose state was not read.
+    is_elsewhere: bool,
+    /// Whether quantities are straight between the ends of steps, as the forces of a `stepwise` node.
+    straight: bool,
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,

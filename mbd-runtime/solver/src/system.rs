@@ -25,7 +25,7 @@ mod no_number;
 mod rates;
 
 use known::KnownAtEnd;
-pub(crate) use known::{EndLooks, LISTS};
+pub(crate) use known::{EndLooks, LINES, LISTS, OUTPUTS};
 pub(crate) use near_side::GuardSide;
 use near_side::NearSide;
 
@@ -406,6 +406,11 @@ impl<T: Float> System<T> {
             true => Ok(()),
             false => self.compare_commands(time, span, state),
         }
+    }
+
+    /// Whether no motor follows inputs.
+    pub(crate) fn takes_no_commands(&self) -> bool {
+        self.commands.is_none()
     }
 
     fn compare_commands(

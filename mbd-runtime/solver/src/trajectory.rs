@@ -8,9 +8,10 @@ use mbd_scene::{Float, Layout, Model, Scene};
 use crate::columns::Name;
 use crate::content::Content;
 use crate::error::{Statistics, StepError};
-use crate::measure::Measures;
+use crate::measure::{MeasuredStep, Measures};
 use crate::metric::{MetricReader, MissingMetric};
 use crate::row::{RowMaker, RowPlace, names};
+use crate::simulation::beside::Attempt;
 use crate::system::System;
 
 mod joined;
@@ -307,6 +308,12 @@ impl Trajectory {
         }
     }
 
+    /// Whether a row is due inside a step from a time on of a size [s], and not just at its end.
+    pub(crate) fn is_due_inside(&self, [time, step]: [f64; 2]) -> bool {
+        let end = time + step;
+        self.due().is_some_and(|due| end - due > resolution(end))
+    }
+
     /// Prepares for a run that starts at `time`; grid times before it are skipped. True when a row is due at the start.
     pub(crate) fn open(&mut self, time: f64) -> Result<bool, StepError> {
         let invalid = match &self.sampling {
@@ -381,6 +388,36 @@ impl Trajectory {
                 column.pop();
             }
         }
+    }
+
+    /// Whether a row is due in a step from a time on of a size [s] or at its end, or what is measured of it is more than its lists.
+    pub(crate) fn reads_end_of(&self, [time, step]: [f64; 2]) -> bool {
+        let end = time + step;
+        let row = self.due().is_none_or(|due| due <= end + resolution(end));
+        row || !(self.inside.is_of_lists() && self.measures.goes_on_from(time))
+    }
+
+    /// Measures a step by the lists that are known at its end.
+    pub(crate) fn measure_received<T: Float>(
+        &mut self,
+        step: MeasuredStep,
+        layout: &Layout,
+        attempt: &dyn Attempt<T>,
+    ) {
+        if self.measures.is_empty() {
+            return;
+        }
+        let inside = &self.inside;
+        // Reading lists does not fail.
+        let _ = self.measures.step(step, &mut |_, out| {
+            inside.pick_received(layout, attempt, out);
+            Ok(())
+        });
+    }
+
+    /// Whether anything is measured over every step.
+    pub(crate) fn measures_steps(&self) -> bool {
+        self.measures.is_over_time()
     }
 
     /// What is read at the end of every step, to be measured.

@@ -126,12 +126,24 @@ impl<T: Scalar> Flights<'_, T> {
                 return;
             }
             if let Some(together) = &mut together {
-                together.attempt(&mut flights);
+                together.make_steps(&mut flights);
             }
-            for slot in &mut flights {
+            // What a case has to do is done before the next one's memory is touched.
+            for (lane, slot) in flights.iter_mut().enumerate() {
                 let Some(flight) = slot else { continue };
+                if let (Some(together), Some(own)) = (&mut together, flight.lane())
+                    && !together.hand_over(lane, own)
+                {
+                    if let Some(own) = flight.lane() {
+                        together.take_up(lane, own);
+                    }
+                    continue;
+                }
                 let once = together.is_some();
                 let Advance::Ended(result) = self.advance(flight, once, &mut go_on) else {
+                    if let (Some(together), Some(own)) = (&mut together, flight.lane()) {
+                        together.take_up(lane, own);
+                    }
                     continue;
                 };
                 if let Some(flight) = slot.take() {
@@ -271,20 +283,24 @@ impl<T: Scalar> Flights<'_, T> {
 
 impl<T: Scalar> Runs<T> for Vec<Option<FlyingCase<T>>> {
     fn lane(&mut self, lane: usize) -> Option<Lane<'_, T>> {
-        // What goes on is of another model.
-        let flight = self.get_mut(lane)?.as_mut();
-        let flight = flight.filter(|flight| flight.earlier.is_empty())?;
-        let (run, course) = flight.run.as_mut()?;
-        Some(Lane {
-            run,
-            course,
-            history: &flight.history,
-            count: &mut flight.beside,
-        })
+        self.get_mut(lane)?.as_mut()?.lane()
     }
 }
 
 impl<T: Scalar> FlyingCase<T> {
+    /// Its run as one of several whose steps are made at once; `None` where it has none of the model of the batch.
+    fn lane(&mut self) -> Option<Lane<'_, T>> {
+        // What goes on is of another model.
+        let is_first = self.earlier.is_empty();
+        let (run, course) = self.run.as_mut().filter(|_| is_first)?;
+        Some(Lane {
+            run,
+            course,
+            history: &mut self.history,
+            count: &mut self.beside,
+        })
+    }
+
     /// The result of a flight that ended, `None` where it was given up, and its history in the model of the batch, to be used again.
     fn land<R>(
         self,

@@ -11,8 +11,8 @@ use super::lockstep::normalise;
 use super::networks::Networks;
 use super::{Lanes, Lanes4, Lanes8};
 use crate::integrate::Explicit;
-use crate::node::Nodes;
-use crate::simulation::beside::{Attempt, Spent};
+use crate::node::{NodeMemory, Nodes};
+use crate::simulation::beside::{Attempt, KeptStart, Spent};
 use crate::simulation::{Course, Simulation};
 use crate::system::{EndLooks, LISTS};
 use crate::trajectory::Trajectory;
@@ -27,20 +27,24 @@ pub struct Lane<'r, T: Float> {
     /// The run.
     pub run: &'r mut Simulation<T>,
     /// Where it goes.
-    pub course: &'r Course,
+    pub course: &'r mut Course,
     /// What is recorded of it.
-    pub history: &'r Trajectory,
+    pub history: &'r mut Trajectory,
     /// How many of its steps were tried beside those of others.
     pub count: &'r mut u64,
 }
 
-/// Tries the steps of several runs of one model at once.
+/// Tries the steps of several runs of one model at once: every run's next step is taken up, all are made, and every run takes over its own.
 pub trait Together<T: Float> {
-    /// Tries the next step of every run that has one of this kind, and leaves it where the run takes it from.
-    fn attempt(&mut self, runs: &mut dyn Runs<T>);
+    /// Takes the start of the next step of a run into a lane, if it is of the kind that is made here.
+    fn take_up(&mut self, lane: usize, of: Lane<'_, T>);
+    /// Makes the steps that were taken up, by the networks of one of their runs.
+    fn make_steps(&mut self, runs: &mut dyn Runs<T>);
+    /// Leaves the step of a lane, if one was made, where its run takes it from; `false` where the run took it already, because its state is not read.
+    fn hand_over(&mut self, lane: usize, to: Lane<'_, T>) -> bool;
 }
 
-/// The runs that are tried beside each other.
+/// The runs whose steps are made at once.
 pub trait Runs<T: Float> {
     /// That of a lane, if there is one.
     fn lane(&mut self, lane: usize) -> Option<Lane<'_, T>>;
@@ -74,9 +78,17 @@ struct LaneGroup<L> {
     state: Vec<L>,
     stages: Stages<L>,
     networks: Networks<L>,
-    /// The sizes of the last steps [s], and the runs that took over their ends.
+    /// The steps that were taken up, and the lanes in which they go on from the ends of the last ones.
+    upcoming: Upcoming,
+    goes_on: [bool; MOST],
+    /// Whether parameters of a lane are not yet those that the equations have.
+    changed: bool,
+    /// The steps that were made.
+    made: Option<MadeSteps<L>>,
+    /// The sizes of the last steps [s], the runs that took over their ends, and those that took them without reading their state, which is here.
     sizes: L,
     taken: [bool; MOST],
+    passed: [bool; MOST],
     /// Each of the [`LISTS`] at the end of the step.
     lists: [Vec<L>; LISTS.len()],
     quaternions: Vec<usize>,
@@ -156,8 +168,13 @@ impl<L: Lanes> LaneGroup<L> {
                 rates: list(layout.len(Quantity::Rates)),
             },
             networks: Networks::new(layout),
+            upcoming: Upcoming::NONE,
+            goes_on: [false; MOST],
+            changed: false,
+            made: None,
             sizes: L::zero(),
             taken: [false; MOST],
+            passed: [false; MOST],
             lists: LISTS.map(|what| list(layout.len(what))),
             quaternions: layout.quaternions().collect(),
         }
@@ -171,6 +188,7 @@ impl<L: Lanes> LaneGroup<L> {
         let goes_on = L::each(|lane| if lanes[lane] { 1.0 } else { 0.0 });
         let mask = L::zero().lt(goes_on);
         method.accept_where(mask, &mut self.state);
+        self.networks.count(mask, self.sizes);
         if nodes.are_single() {
             let (stages, size) = (&self.stages, self.sizes);
             self.networks.go_on(mask, nodes, stages, size);
@@ -234,7 +252,7 @@ pub(super) fn set<L: Lanes>(lane: usize, lanes: &mut [L], list: &[f64]) {
 }
 
 /// Reads a list out of a lane.
-fn get<L: Lanes>(lane: usize, lanes: &[L], list: &mut [f64]) {
+pub(super) fn get<L: Lanes>(lane: usize, lanes: &[L], list: &mut [f64]) {
     // By reference: a register is not copied for one of its numbers.
     for (x, numbers) in list.iter_mut().zip(lanes) {
         if let Some(number) = numbers.numbers().get(lane) {
@@ -244,46 +262,132 @@ fn get<L: Lanes>(lane: usize, lanes: &[L], list: &mut [f64]) {
 }
 
 impl<L: Lanes> Together<f64> for LaneGroup<L> {
-    fn attempt(&mut self, runs: &mut dyn Runs<f64>) {
-        let Some(tried) = self.gather(runs) else {
+    fn take_up(&mut self, lane: usize, of: Lane<'_, f64>) {
+        let Lane {
+            run,
+            course,
+            history,
+            ..
+        } = of;
+        let passed = std::mem::take(&mut self.passed[lane]);
+        let (Some(step), true) = (run.upcoming(course), lane < L::WIDTH) else {
             return;
         };
-        let Some(first) = runs.lane(tried.first) else {
+        self.upcoming.add(lane, step, run.looks_at(history));
+        if passed {
             return;
-        };
-        let Some(end) = self.make_step(&tried, &first.run.system.nodes) else {
-            return;
-        };
-        for lane in (0..L::WIDTH).filter(|lane| tried.has(*lane) && end.is_usable(*lane)) {
-            if let Some(own) = runs.lane(lane) {
-                own.run.receive(&Tries {
-                    lane,
-                    group: self,
-                    tried: &tried,
-                    end: &end,
-                });
-                self.taken[lane] = true;
-                *own.count += 1;
-            }
         }
+        let goes_on = self.taken[lane] && run.goes_on_beside() && self.has_model_of(lane, run);
+        self.goes_on[lane] = goes_on;
+        if !(goes_on && run.holds_on()) {
+            self.load_held(lane, run);
+        }
+        if !goes_on {
+            self.changed |= self.load(lane, run);
+        }
+    }
+
+    fn make_steps(&mut self, runs: &mut dyn Runs<f64>) {
+        let upcoming = std::mem::replace(&mut self.upcoming, Upcoming::NONE);
+        let goes_on = std::mem::take(&mut self.goes_on);
+        self.made = None;
+        let Some(first) = runs.lane(upcoming.first) else {
+            return;
+        };
+        let nodes = &first.run.system.nodes;
+        if goes_on.contains(&true) {
+            self.go_on(goes_on, nodes);
+        }
+        if std::mem::take(&mut self.changed) {
+            self.spread(upcoming.first);
+            self.form.take(&self.params);
+        }
+        if upcoming.count >= FEWEST {
+            self.made = self.make(upcoming, nodes);
+        } else {
+            self.taken = [false; MOST];
+        }
+        self.pass(runs);
+    }
+
+    fn hand_over(&mut self, lane: usize, to: Lane<'_, f64>) -> bool {
+        if self.passed[lane] {
+            return false;
+        }
+        to.run.fetch(&OwnStart { lane, group: self });
+        if let Some(made) = self.made.as_ref().filter(|made| made.has(lane)) {
+            let own = OwnStep {
+                lane,
+                group: self,
+                made,
+            };
+            to.run.receive(&own, to.history);
+            self.taken[lane] = true;
+            *to.count += 1;
+        }
+        true
     }
 }
 
-/// The steps that are tried.
-struct Tried {
-    /// Start and size of each lane's [s]; not a number where none is tried.
+impl<L: Lanes> LaneGroup<L> {
+    /// The runs that read nothing of the ends of their steps take them, and go on from there.
+    fn pass(&mut self, runs: &mut dyn Runs<f64>) {
+        let Some(made) = &self.made else {
+            return;
+        };
+        let mut passed = [false; MOST];
+        for lane in (0..L::WIDTH).filter(|lane| made.has(*lane)) {
+            let own = OwnStep {
+                lane,
+                group: self,
+                made,
+            };
+            if let Some(of) = runs.lane(lane)
+                && of.run.reads_no_state(of.course, own.step(), of.history)
+            {
+                of.run.pass(&own, of.course, of.history);
+                *of.count += 1;
+                passed[lane] = true;
+            }
+        }
+        if let Some(first) = passed.iter().position(|passed| *passed)
+            && let Some(first) = runs.lane(first)
+        {
+            self.go_on(passed, &first.run.system.nodes);
+        }
+        self.passed = passed;
+    }
+}
+
+/// The steps that were taken up.
+struct Upcoming {
+    /// Start and size of each lane's [s]; not a number where there is none.
     steps: [[f64; 2]; MOST],
-    /// The first lane with one.
+    /// How many there are, and the first lane with one.
+    count: usize,
     first: usize,
     /// What some run looks at at the end.
     looks: EndLooks,
 }
 
-impl Tried {
+impl Upcoming {
+    const NONE: Upcoming = Upcoming {
+        steps: [[f64::NAN; 2]; MOST],
+        count: 0,
+        first: MOST,
+        looks: EndLooks::NOTHING,
+    };
+
+    fn add(&mut self, lane: usize, step: [f64; 2], looks: EndLooks) {
+        self.steps[lane] = step;
+        self.count += 1;
+        self.first = self.first.min(lane);
+        self.looks = self.looks.and(looks);
+    }
+
     fn has(&self, lane: usize) -> bool {
-        self.steps
-            .get(lane)
-            .is_some_and(|[time, _]| time.is_finite())
+        let own = self.steps.get(lane);
+        own.is_some_and(|[time, _]| time.is_finite())
     }
 
     /// Times at the start, or sizes; idle lanes have those of the first that is not.
@@ -295,8 +399,9 @@ impl Tried {
     }
 }
 
-/// What is known at the end of steps that were tried.
-struct TriedEnd<L> {
+/// Steps that were made, and what is known at their ends.
+struct MadeSteps<L> {
+    steps: Upcoming,
     energy: [L; 6],
     drift: L,
     /// One in a lane whose nodes were found along with the rates.
@@ -305,64 +410,17 @@ struct TriedEnd<L> {
     faults: L,
 }
 
-impl<L: Lanes> TriedEnd<L> {
-    fn is_usable(&self, lane: usize) -> bool {
-        self.holds.lane(lane) == 1.0 && self.faults.lane(lane) == 0.0
+impl<L: Lanes> MadeSteps<L> {
+    /// Whether there is one in a lane that its run can go on from.
+    fn has(&self, lane: usize) -> bool {
+        self.steps.has(lane) && self.holds.lane(lane) == 1.0 && self.faults.lane(lane) == 0.0
     }
 }
 
 impl<L: Lanes> LaneGroup<L> {
-    /// Takes the starts of the next steps into the lanes; `None` where there are too few.
-    fn gather(&mut self, runs: &mut dyn Runs<f64>) -> Option<Tried> {
-        let mut tried = Tried {
-            steps: [[f64::NAN; 2]; MOST],
-            first: 0,
-            looks: EndLooks::default(),
-        };
-        let (mut count, mut changed) = (0, false);
-        let mut goes_on = [false; MOST];
-        for (lane, goes_on) in goes_on.iter_mut().enumerate().take(L::WIDTH) {
-            let Some(Lane {
-                run,
-                course,
-                history,
-                ..
-            }) = runs.lane(lane)
-            else {
-                continue;
-            };
-            let Some(step) = run.upcoming(course) else {
-                continue;
-            };
-            if count == 0 {
-                tried.first = lane;
-            }
-            tried.steps[lane] = step;
-            count += 1;
-            self.load_held(lane, run);
-            *goes_on = self.taken[lane] && run.goes_on_beside() && self.has_model_of(lane, run);
-            tried.looks = tried.looks.and(run.looks_at(history));
-        }
-        if goes_on.contains(&true)
-            && let Some(first) = runs.lane(tried.first)
-        {
-            self.go_on(goes_on, &first.run.system.nodes);
-        }
-        for lane in (0..L::WIDTH).filter(|lane| tried.has(*lane) && !goes_on[*lane]) {
-            if let Some(Lane { run, .. }) = runs.lane(lane) {
-                changed |= self.load(lane, run);
-            }
-        }
-        if changed {
-            self.spread(tried.first);
-            self.form.take(&self.params);
-        }
-        (count >= FEWEST).then_some(tried)
-    }
-
-    /// Makes the steps; what of the [`LISTS`] is looked at is in `lists`.
-    fn make_step(&mut self, tried: &Tried, nodes: &Nodes<f64>) -> Option<TriedEnd<L>> {
-        let (time, step): (L, L) = (tried.lanes(0), tried.lanes(1));
+    /// Makes steps; what of the [`LISTS`] is looked at is in `lists`.
+    fn make(&mut self, steps: Upcoming, nodes: &Nodes<f64>) -> Option<MadeSteps<L>> {
+        let (time, step): (L, L) = (steps.lanes(0), steps.lanes(1));
         let LaneGroup {
             form,
             method,
@@ -377,7 +435,8 @@ impl<L: Lanes> LaneGroup<L> {
         } = self;
         (*sizes, *taken) = (step, [false; MOST]);
         let method = method.as_mut()?;
-        let mut end = TriedEnd {
+        let mut made = MadeSteps {
+            steps,
             energy: [L::zero(); 6],
             drift: L::zero(),
             holds: L::one(),
@@ -390,17 +449,17 @@ impl<L: Lanes> LaneGroup<L> {
             state,
             |last, [time, span], trial, rates| {
                 if last {
-                    end.drift = normalise(quaternions, trial);
+                    made.drift = normalise(quaternions, trial);
                 }
                 if nodes.has_networks() && !nodes.are_single() {
-                    end.holds *= stages.find_rates(&mut **form, nodes, (time, trial), rates);
+                    made.holds *= stages.find_rates(&mut **form, nodes, (time, trial), rates);
                 } else {
-                    end.holds *= networks.solve(&mut **form, nodes, stages, (time, span, trial));
+                    made.holds *= networks.solve(&mut **form, nodes, stages, (time, span, trial));
                     form.evaluate(Quantity::Derivative, &stages.at(time, trial), rates);
                 }
                 // 0 x is zero for a finite number and NaN for others.
                 let faults = rates.iter().map(|x| L::zero() * *x);
-                end.faults = faults.fold(end.faults, |sum, fault| sum + fault);
+                made.faults = faults.fold(made.faults, |sum, fault| sum + fault);
                 Ok::<(), Infallible>(())
             },
         );
@@ -409,39 +468,62 @@ impl<L: Lanes> LaneGroup<L> {
         }
         let [_, next] = method.attempted();
         let at = stages.at(time + step, next);
-        for ((what, list), looked_at) in LISTS.iter().zip(lists).zip(tried.looks.lists) {
+        for ((what, list), looked_at) in LISTS.iter().zip(lists).zip(made.steps.looks.lists) {
             if looked_at {
                 form.evaluate(*what, &at, list);
             }
         }
-        if tried.looks.energy {
-            form.evaluate(Quantity::Energy, &at, &mut end.energy);
+        if made.steps.looks.energy {
+            form.evaluate(Quantity::Energy, &at, &mut made.energy);
         }
-        Some(end)
+        Some(made)
     }
 }
 
-/// The attempt of a lane.
-struct Tries<'a, L> {
+/// The start of the next step of a lane.
+struct OwnStart<'a, L> {
     lane: usize,
     group: &'a LaneGroup<L>,
-    tried: &'a Tried,
-    end: &'a TriedEnd<L>,
 }
 
-impl<L: Lanes> Attempt<f64> for Tries<'_, L> {
+impl<L: Lanes> KeptStart<f64> for OwnStart<'_, L> {
+    fn state(&self, [state, rates]: [&mut [f64]; 2]) {
+        get(self.lane, &self.group.state, state);
+        if let Some(method) = &self.group.method {
+            get(self.lane, method.first(), rates);
+        }
+    }
+
+    fn memory(&self, into: &mut NodeMemory<f64>) {
+        self.group.networks.unload(self.lane, into);
+    }
+}
+
+/// The step of a lane.
+struct OwnStep<'a, L> {
+    lane: usize,
+    group: &'a LaneGroup<L>,
+    made: &'a MadeSteps<L>,
+}
+
+impl<L: Lanes> Attempt<f64> for OwnStep<'_, L> {
     fn step(&self) -> [f64; 2] {
-        let step = self.tried.steps.get(self.lane).copied();
+        let step = self.made.steps.steps.get(self.lane).copied();
         step.unwrap_or([f64::NAN; 2])
     }
 
-    fn stages(&self, [stages, end]: [&mut [f64]; 2]) {
+    fn stages(&self, all: bool, [stages, end]: [&mut [f64]; 2]) {
         let Some(method) = &self.group.method else {
             return;
         };
-        let [all, next] = method.attempted();
-        let first = next.len();
-        if let (Some(from), Some(to)) = (all.get(first..), stages.get_mut(first..)) {
+        let [of_all, next] = method.attempted();
+        let length = next.len();
+        let from = match all {
+            true => length,
+            false => (method.count() - 1) * length,
+        };
+        let own = from..method.count() * length;
+        if let (Some(from), Some(to)) = (of_all.get(own.clone()), stages.get_mut(own)) {
             get(self.lane, from, to);
         }
         get(self.lane, next, end);
@@ -451,7 +533,7 @@ impl<L: Lanes> Attempt<f64> for Tries<'_, L> {
         get(self.lane, &self.group.stages.rates, into);
     }
 
-    fn nodes(&self, [ends, nodes, effective, stretch, against]: [&mut [f64]; 5]) -> Spent {
+    fn nodes(&self, [ends, nodes, effective, stretch, against]: [&mut [f64]; 5]) {
         let stages = &self.group.stages;
         get(self.lane, &stages.ends, ends);
         get(self.lane, &stages.nodes, nodes);
@@ -459,11 +541,14 @@ impl<L: Lanes> Attempt<f64> for Tries<'_, L> {
         let networks = &self.group.networks;
         get(self.lane, networks.stretches(), stretch);
         get(self.lane, networks.motion(), against);
+    }
+
+    fn spent(&self) -> Spent {
         self.group.networks.spent(self.lane)
     }
 
     fn list(&self, place: usize, into: &mut [f64]) -> bool {
-        let looked_at = self.tried.looks.lists.get(place) == Some(&true);
+        let looked_at = self.made.steps.looks.lists.get(place) == Some(&true);
         match self.group.lists.get(place).filter(|_| looked_at) {
             Some(list) => {
                 get(self.lane, list, into);
@@ -473,14 +558,18 @@ impl<L: Lanes> Attempt<f64> for Tries<'_, L> {
         }
     }
 
+    fn number(&self, place: usize, index: usize) -> f64 {
+        let list = self.group.lists.get(place);
+        let number = list.and_then(|list| list.get(index));
+        number.map_or(f64::NAN, |number| number.lane(self.lane))
+    }
+
     fn energy(&self) -> Option<[f64; 6]> {
-        self.tried
-            .looks
-            .energy
-            .then(|| self.end.energy.map(|x| x.lane(self.lane)))
+        let looked_at = self.made.steps.looks.energy;
+        looked_at.then(|| self.made.energy.map(|x| x.lane(self.lane)))
     }
 
     fn drift(&self) -> f64 {
-        self.end.drift.lane(self.lane)
+        self.made.drift.lane(self.lane)
     }
 }

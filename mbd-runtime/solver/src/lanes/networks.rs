@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 use super::Lanes;
 use super::form::LaneParameters;
-use super::group::{Stages, set};
-use crate::node::{BalanceEvaluation, NetworkPlan, Nodes, Tolerance, WARM_STEPS, warm};
+use super::group::{Stages, get as read, set};
+use crate::node::{BalanceEvaluation, NetworkPlan, NodeMemory, Nodes, Tolerance, WARM_STEPS, warm};
 use crate::simulation::Simulation;
 use crate::simulation::beside::Spent;
 
@@ -25,6 +25,9 @@ pub(super) struct Networks<L> {
     end: Vec<L>,
     /// The step before per network [s]; zero where a line changed between slack and taut in it.
     steps: Vec<L>,
+    /// The step before [s], and the effective numbers of the lines at its end.
+    size: L,
+    effective: Vec<L>,
     /// Room for the balance of each network.
     balances: Vec<BalanceEvaluation<L>>,
     /// Newton steps so far, the most of one solve, and solves that ended slack.
@@ -55,6 +58,8 @@ impl<L: Lanes> Networks<L> {
             previous: list(layout.lines.len()),
             end: list(layout.lines.len()),
             steps: list(layout.networks.len()),
+            size: L::zero(),
+            effective: list(2 * layout.effective_lines),
             balances: networks
                 .map(|network| BalanceEvaluation::new(network.nodes.len(), network.blocks.len()))
                 .collect(),
@@ -70,9 +75,26 @@ impl<L: Lanes> Networks<L> {
         set(lane, &mut self.anchors, last.anchors);
         set(lane, &mut self.stretch, last.stretch);
         set(lane, &mut self.previous, last.previous);
+        set(lane, &mut self.effective, last.effective);
+        put(lane, &mut self.size, last.step);
         for (step, smooth) in self.steps.iter_mut().zip(last.smooth) {
             put(lane, step, if *smooth { last.step } else { 0.0 });
         }
+    }
+
+    /// Gives a run back what it remembers.
+    pub(super) fn unload(&self, lane: usize, memory: &mut NodeMemory<f64>) {
+        read(lane, &self.nodes, &mut memory.nodes);
+        memory.make_room();
+        read(lane, &self.against, &mut memory.against);
+        read(lane, &self.anchors, &mut memory.anchors);
+        read(lane, &self.stretch, &mut memory.stretch);
+        read(lane, &self.previous, &mut memory.previous);
+        read(lane, &self.effective, &mut memory.effective);
+        for (smooth, step) in memory.smooth.iter_mut().zip(&self.steps) {
+            *smooth = step.lane(lane) > 0.0;
+        }
+        memory.step = self.size.lane(lane);
     }
 
     /// Finds the stretches of the lines with the nodes where the last stage has them.
@@ -96,9 +118,15 @@ impl<L: Lanes> Networks<L> {
         &self.end
     }
 
+    /// A step of a size is over in the lanes of a mask.
+    pub(super) fn count(&mut self, mask: L::Mask, size: L) {
+        self.size = L::select(mask, size, self.size);
+    }
+
     /// Goes on from the end of a step of a size, in the lanes of a mask: what [`Nodes::commit`] does for a run.
     pub(super) fn go_on(&mut self, mask: L::Mask, plans: &Nodes<f64>, stages: &Stages<L>, size: L) {
         let taut = |list: &[L], line: usize| flag::<L>(L::zero().lt(get(list, line)));
+        select(mask, &mut self.effective, 0, &stages.effective);
         for plan in plans.plans() {
             let unlike = plan.lines.iter().fold(L::zero(), |sum, line| {
                 let [now, before] = [&self.end, &self.stretch].map(|list| taut(list, line.line));

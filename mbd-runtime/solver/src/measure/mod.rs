@@ -121,6 +121,8 @@ pub(crate) struct MeasuredStep {
     pub time: f64,
     /// Its size [s].
     pub size: f64,
+    /// Its end [s], as the next one begins: the sum of both but for rounding.
+    pub end: f64,
     /// Up to which part of its size a quantity is resolved.
     pub tolerance: f64,
     /// Whether quantities have no value of their own between its ends, as the forces of a `stepwise` node, whose rule is one of whole steps: they are
@@ -134,7 +136,7 @@ impl MeasuredStep {
     /// When a part of it begins and ends [s].
     fn times(&self, part: [f64; 2]) -> [f64; 2] {
         part.map(|part| match part {
-            1.0 => self.time + self.size,
+            1.0 => self.end,
             part => self.time + part * self.size,
         })
     }
@@ -274,13 +276,18 @@ impl Measures {
         Ok(())
     }
 
+    /// Whether the values at an instant are known as those of the end of a step, where steps are looked at.
+    pub(crate) fn goes_on_from(&self, time: f64) -> bool {
+        self.held == time || !self.is_over_time()
+    }
+
     /// A step. `at` writes the columns at a part of it, 0 … 1.
     pub(crate) fn step(
         &mut self,
         step: MeasuredStep,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
-        let end = step.time + step.size;
+        let end = step.end;
         if self.is_over_time() {
             let known = step.continues && self.held == step.time;
             if known {

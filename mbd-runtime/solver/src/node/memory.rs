@@ -62,6 +62,8 @@ pub(crate) struct LastStep<'a, T> {
     pub stretch: &'a [T],
     /// The same a step before [m].
     pub previous: &'a [T],
+    /// K_e and L_e of each line with effective numbers.
+    pub effective: &'a [T],
     /// Per network whether no line changed between slack and taut in the last step.
     pub smooth: &'a [bool],
     /// Size of the last step [s].
@@ -97,6 +99,7 @@ impl<T: Float> NodeMemory<T> {
             anchors: &self.anchors,
             stretch: &self.stretch,
             previous: &self.previous,
+            effective: &self.effective,
             smooth: &self.smooth,
             step: self.step,
         }

@@ -3,12 +3,16 @@
 //! Only the stages of a step are evaluated elsewhere, with the operations of this run in their order. Everything else is done by the run itself, as of a
 //! step that it tried alone: error, events, watch, rows, memory. Where a stage cannot be had that way nothing is taken over, and the run tries
 //! the step alone.
+//!
+//! A step at whose end nothing is read but metrics leaves the state elsewhere, too: the run counts it, and fetches the state when it is read again.
 
 use mbd_scene::Float;
 
-use super::stability::Meter;
+use super::stability::{Meter, OFTEN};
 use super::{Course, Simulation};
-use crate::node::Stage;
+use crate::error::StepError;
+use crate::integrate::Explicit;
+use crate::node::{NodeMemory, Stage};
 use crate::system::EndLooks;
 use crate::trajectory::{Trajectory, resolution};
 
@@ -16,19 +20,30 @@ use crate::trajectory::{Trajectory, resolution};
 pub(crate) trait Attempt<T> {
     /// Start and size of the step [s].
     fn step(&self) -> [f64; 2];
-    /// Writes the rates of all stages but the first, which the run has, and the state at the end.
-    fn stages(&self, into: [&mut [T]; 2]);
+    /// Writes the rates of all stages but the first, which the run has, or of the last alone; and the state at the end.
+    fn stages(&self, all: bool, into: [&mut [T]; 2]);
     /// Writes [`Quantity::Rates`](mbd_scene::Quantity::Rates) at the end.
     fn rates(&self, into: &mut [T]);
-    /// Writes anchors and loads, nodes, effective line numbers, stretches, and how fast nodes move against their anchors at the end; what the solves of all
-    /// stages cost.
-    fn nodes(&self, into: [&mut [T]; 5]) -> Spent;
+    /// Writes anchors and loads, nodes, effective line numbers, stretches, and how fast nodes move against their anchors at the end.
+    fn nodes(&self, into: [&mut [T]; 5]);
+    /// What the solves of all stages cost.
+    fn spent(&self) -> Spent;
     /// Writes one of the [`LISTS`](crate::system::LISTS) at the end, by its place there; `false` where it is not known.
     fn list(&self, place: usize, into: &mut [T]) -> bool;
+    /// One number of such a list; not a number where it is not known.
+    fn number(&self, place: usize, index: usize) -> T;
     /// Energy and powers at the end, where they are known.
     fn energy(&self) -> Option<[T; 6]>;
     /// The largest | |q| − 1 | of a quaternion at the end, before it was normalised.
     fn drift(&self) -> f64;
+}
+
+/// The start of the next step of a run, which is kept elsewhere.
+pub(crate) trait KeptStart<T> {
+    /// Writes state and rates there.
+    fn state(&self, into: [&mut [T]; 2]);
+    /// Writes what nodes and lines remember of the step that ended there.
+    fn memory(&self, into: &mut NodeMemory<T>);
 }
 
 /// What solves of nodes cost.
@@ -48,12 +63,28 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
         let now = resolution(self.time);
         let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
-        let due = self.next_sample() <= self.time + now || course.until - self.time <= now;
-        if !begins || due || self.method.explicit().is_none() || !self.system.is_plain() {
+        let sample = self.next_sample();
+        if !begins || sample <= self.time + now || course.until - self.time <= now {
             return None;
         }
-        let (step, _) = self.propose(course.until.min(self.next_sample()));
-        (step >= now && self.system.hold_plain()).then_some([self.time, step])
+        let holds = self.holds_on() || {
+            let is_plain = self.method.explicit().is_some() && self.system.is_plain();
+            is_plain && self.system.hold_plain()
+        };
+        let (step, _) = self.propose(course.until.min(sample));
+        (step >= now && holds).then_some([self.time, step])
+    }
+
+    /// Whether inputs and the modes of elements are those of the last step, which was received.
+    pub(crate) fn holds_on(&self) -> bool {
+        self.stays && self.system.memory.turns.is_empty()
+    }
+
+    /// Whether somebody looks between the ends of the step from here on, or at its stages, at every step or where a row is due.
+    fn looks_inside(&self, step: [f64; 2], history: &Trajectory) -> bool {
+        let measured = history.measures_steps() && !self.straight;
+        let judged = self.is_adaptive() || self.watched || self.momentum.is_some();
+        judged || measured || !self.margins.is_empty() || history.is_due_inside(step)
     }
 
     /// What is looked at at the end of every step of a run with this history.
@@ -65,21 +96,84 @@ impl<T: Float> Simulation<T> {
         }
     }
 
+    /// Whether the end of the upcoming step, received from elsewhere, is read by nobody but what is measured of the lists that are known there: then
+    /// the run need not have its state. What is done every tenth step reads it, and so do rows, watch, events and whatever the step lands on.
+    pub(crate) fn reads_no_state(
+        &self,
+        course: &Course,
+        [time, step]: [f64; 2],
+        history: &Trajectory,
+    ) -> bool {
+        let next = self.system.counters.steps + 1;
+        let counted = next.is_multiple_of(OFTEN) || course.trials >= self.options.max_steps;
+        let (size, lands) = self.propose(course.until.min(self.next_sample()));
+        let is_this = !lands && [self.time, size] == [time, step];
+        let watched = self.is_adaptive() || self.watched || self.balance.is_some();
+        let followed = watched || self.momentum.is_some() || !self.margins.is_empty();
+        let system = &self.system;
+        let held = system.memory.turns.is_empty() && system.takes_no_commands();
+        let nodes = !system.nodes.has_networks() || system.nodes.are_single();
+        let recorded = history.reads_end_of([time, step]) || self.jumped;
+        is_this && !counted && !followed && held && nodes && !recorded
+    }
+
+    /// Counts the upcoming step, [whose state is not read](Self::reads_no_state), and measures it.
+    pub(crate) fn pass(
+        &mut self,
+        attempt: &dyn Attempt<T>,
+        course: &mut Course,
+        history: &mut Trajectory,
+    ) {
+        let [_, step] = attempt.step();
+        let stages = self.method.explicit().map_or(1, Explicit::count) - 1;
+        self.system.count_received(stages, attempt.spent());
+        let end = self.end_of(step);
+        let measured = self.measured_step([step, end]);
+        history.measure_received(measured, self.system.model.layout(), attempt);
+        course.trials += 1;
+        self.count += 1;
+        self.time = end;
+        let counters = &mut self.system.counters;
+        counters.steps = counters.steps.saturating_add(1);
+        self.shown.forget();
+        (self.stays, self.is_elsewhere) = (true, true);
+    }
+
+    /// Takes the state back that was kept elsewhere.
+    pub(crate) fn fetch(&mut self, kept: &dyn KeptStart<T>) {
+        if std::mem::take(&mut self.is_elsewhere) {
+            kept.state([&mut self.state, self.method.first_mut()]);
+            kept.memory(&mut self.system.memory);
+        }
+    }
+
     /// Whether the last step was received, and state, first stage and what nodes remember are those of its end and nothing else.
     pub(crate) fn goes_on_beside(&self) -> bool {
         self.stays
     }
 
     /// Takes over an attempt at the upcoming step.
-    pub(crate) fn receive(&mut self, attempt: &dyn Attempt<T>) {
+    pub(crate) fn receive(&mut self, attempt: &dyn Attempt<T>, history: &Trajectory) {
+        let all = self.looks_inside(attempt.step(), history);
         let Some(method) = self.method.explicit_mut() else {
             return;
         };
-        attempt.stages(method.attempted_mut());
+        attempt.stages(all, method.attempted_mut());
+        self.lacks_stages = !all;
         let (next, stages) = (method.next(), method.count() - 1);
         if self.system.receive(next, stages, attempt) {
             self.received = Some(attempt.step());
         }
+    }
+
+    /// Makes the attempted step of a size alone, of which the end was taken over and its stages are asked for after all: the same numbers, and counted
+    /// already.
+    #[cold]
+    pub(super) fn make_stages(&mut self, step: f64) -> Result<(), StepError> {
+        let counted = (self.system.counters, self.system.nodes.statistics);
+        let made = self.make_own_step(step);
+        (self.system.counters, self.system.nodes.statistics) = counted;
+        made
     }
 
     /// Whether the step from here on of a size was received; it is used once.
@@ -115,6 +209,21 @@ impl<T: Float> crate::system::System<T> {
         }
     }
 
+    /// Counts the stages of a step that was made elsewhere.
+    fn count_received(&mut self, stages: usize, spent: Spent) {
+        self.counters.rhs = self.counters.rhs.saturating_add(stages as u64);
+        let nodes = &mut self.nodes;
+        match nodes.are_single() {
+            true => {
+                nodes.count_solves(stages);
+                let statistics = &mut nodes.statistics;
+                statistics.add(spent.iterations, spent.most, spent.slack);
+            }
+            // The last was counted where it was received.
+            false => nodes.count_solves(stages - 1),
+        }
+    }
+
     /// Leaves everything as the stages of a step that ends with a state would have left it; `false` where the nodes of that state follow other rules.
     fn receive(&mut self, state: &[T], stages: usize, attempt: &dyn Attempt<T>) -> bool {
         let [time, step] = attempt.step();
@@ -135,21 +244,14 @@ impl<T: Float> crate::system::System<T> {
                     return false;
                 }
             }
-            (_, true) => {
-                let mut spent = Spent::default();
-                nodes.receive_warm(span, |into| spent = attempt.nodes(into));
-                nodes.count_solves(stages);
-                let statistics = &mut nodes.statistics;
-                statistics.add(spent.iterations, spent.most, spent.slack);
-            }
+            (_, true) => nodes.receive_warm(span, |into| attempt.nodes(into)),
             _ => {
                 if !nodes.receive_rates(stage, span, memory, |into| attempt.rates(into)) {
                     return false;
                 }
-                nodes.count_solves(stages - 1);
             }
         }
-        self.counters.rhs = self.counters.rhs.saturating_add(stages as u64);
+        self.count_received(stages, attempt.spent());
         self.drift = attempt.drift();
         self.known.learn(end, attempt.energy(), |place, into| {
             attempt.list(place, into)

@@ -35,7 +35,7 @@ pub struct Course {
     /// Whether what is due at its start is done.
     pub opened: bool,
     /// Steps that were tried.
-    trials: u64,
+    pub(super) trials: u64,
 }
 
 impl<T: Float> Simulation<T> {
@@ -234,23 +234,25 @@ impl<T: Float> Simulation<T> {
         let until = until.min(self.next_sample());
         let (step, lands) = self.propose(until);
         // Nothing but a row inside the step can make it be taken back.
-        let before = trajectory.is_some().then(|| self.judgement());
+        let inside = trajectory
+            .as_ref()
+            .is_some_and(|it| it.is_due_inside([self.time, step]));
+        let before = inside.then(|| self.judgement());
         if !self.attempt(step)? {
             return Ok(());
         }
         let Some(found) = self.find_event(step)? else {
             self.watch_step(step)?;
             let changes = self.sees_stiffness(step);
+            let end = match lands {
+                true => until,
+                false => self.end_of(step),
+            };
             if trajectory.is_some() {
                 self.record_inside(step, trajectory, go_on, before)?;
-                self.measure_step(step, trajectory)?;
+                self.measure_step([step, end], trajectory)?;
             }
             self.count += 1;
-            let end = match self.pace {
-                _ if lands => until,
-                Pace::Fixed(size) => self.origin + self.count as f64 * size,
-                Pace::Adaptive(..) => self.time + step,
-            };
             self.take(step, end)?;
             if changes {
                 self.stays = false;
@@ -266,8 +268,9 @@ impl<T: Float> Simulation<T> {
         if found.step > 0.0 {
             self.watch_step(found.step)?;
             self.record_inside(found.step, trajectory, go_on, before)?;
-            self.measure_step(found.step, trajectory)?;
-            self.take(found.step, self.time + found.step)?;
+            let end = self.time + found.step;
+            self.measure_step([found.step, end], trajectory)?;
+            self.take(found.step, end)?;
         }
         self.stays = false;
         self.regrid();
@@ -296,6 +299,14 @@ impl<T: Float> Simulation<T> {
             (left, true)
         } else {
             (step, false)
+        }
+    }
+
+    /// When the next step ends, of a size, that does not land on anything [s].
+    pub(super) fn end_of(&self, step: f64) -> f64 {
+        match self.pace {
+            Pace::Fixed(size) => self.origin + (self.count + 1) as f64 * size,
+            Pace::Adaptive(..) => self.time + step,
         }
     }
 
@@ -369,9 +380,9 @@ impl<T: Float> Simulation<T> {
         self.make_own_step(step)
     }
 
-    fn make_own_step(&mut self, step: f64) -> Result<(), StepError> {
+    pub(super) fn make_own_step(&mut self, step: f64) -> Result<(), StepError> {
         let (time, state) = (self.time, &self.state);
-        (self.attempted, self.beside) = (f64::NAN, false);
+        (self.attempted, self.beside, self.lacks_stages) = (f64::NAN, false, false);
         if let Err(cause) = self.method.attempt(&mut self.system, time, step, state) {
             self.attempt_again(step, cause)?;
         }
@@ -427,6 +438,7 @@ impl<T: Float> Simulation<T> {
         self.system.count_turns(end, &self.state);
         begun?;
         self.stays = self.beside && !projected;
+        self.lacks_stages = false;
         if projected {
             self.begin_noting()?;
         }
@@ -449,7 +461,7 @@ impl<T: Float> Simulation<T> {
         go_on: &mut dyn FnMut(f64) -> bool,
         before: Option<Judgement>,
     ) -> Result<(), StepError> {
-        let (Some(trajectory), Some(before)) = (trajectory, before) else {
+        let Some(trajectory) = trajectory else {
             return Ok(());
         };
         let end = self.time + step;
@@ -457,7 +469,10 @@ impl<T: Float> Simulation<T> {
             if due > end + resolution(end) {
                 break;
             }
-            let theta = ((due - self.time) / step).min(1.0);
+            let theta = match end - due > resolution(end) {
+                true => (due - self.time) / step,
+                false => 1.0,
+            };
             self.inside_state(theta, step)?;
             if theta < 1.0 {
                 self.system.stay(due, &mut self.inside)?;
@@ -474,7 +489,9 @@ impl<T: Float> Simulation<T> {
             )?;
             if theta < 1.0 && !go_on(due) {
                 trajectory.cut(self.time);
-                self.judge_anew(before);
+                if let Some(before) = before {
+                    self.judge_anew(before);
+                }
                 return Err(StepError::Cancelled);
             }
         }
@@ -525,6 +542,9 @@ impl<T: Float> Simulation<T> {
         if theta >= 1.0 {
             self.inside.copy_from_slice(self.method.next());
         } else {
+            if self.lacks_stages {
+                self.make_stages(step)?;
+            }
             let (time, state) = (self.time, &self.state);
             self.method.complete(&mut self.system, time, step, state)?;
             self.method

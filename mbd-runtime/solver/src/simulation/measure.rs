@@ -3,7 +3,6 @@
 use mbd_scene::Float;
 
 use super::Simulation;
-use super::start::stepwise;
 use crate::error::StepError;
 use crate::measure::MeasuredStep;
 use crate::row::RowPlace;
@@ -16,10 +15,10 @@ const OF_TOLERANCE: f64 = 0.01;
 const FINEST: f64 = 1e-12;
 
 impl<T: Float> Simulation<T> {
-    /// Measures the attempted step, which will be taken.
+    /// Measures the attempted step, of a size and with this end [s], which will be taken.
     pub(super) fn measure_step(
         &mut self,
-        size: f64,
+        [size, end]: [f64; 2],
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), StepError> {
         let Some((measures, [_, maker])) = trajectory.as_mut().and_then(|it| it.measuring()) else {
@@ -29,15 +28,8 @@ impl<T: Float> Simulation<T> {
         if self.watched && self.good.time() == start {
             measures.keep(start);
         }
-        let tolerance = self.options.method.tolerance();
-        let tolerance = tolerance.map_or(FIXED, |[tolerance, _]| OF_TOLERANCE * tolerance);
-        let step = MeasuredStep {
-            time: start,
-            size,
-            tolerance: tolerance.max(FINEST).max(16.0 * T::EPSILON.to_f64()),
-            straight: stepwise(&*self.system.model).is_some(),
-            continues: !std::mem::replace(&mut self.jumped, false),
-        };
+        let step = self.measured_step([size, end]);
+        self.jumped = false;
         let mut at = |theta: f64, out: &mut [f64]| {
             let span = theta * size;
             if theta >= 1.0 && !self.system.sees_before() {
@@ -63,6 +55,20 @@ impl<T: Float> Simulation<T> {
             maker.pick(&mut self.system, now, state, out)
         };
         measures.step(step, &mut at)
+    }
+
+    /// The step from here on, of a size and with this end [s], as what is measured sees it.
+    pub(super) fn measured_step(&self, [size, end]: [f64; 2]) -> MeasuredStep {
+        let tolerance = self.options.method.tolerance();
+        let tolerance = tolerance.map_or(FIXED, |[tolerance, _]| OF_TOLERANCE * tolerance);
+        MeasuredStep {
+            time: self.time,
+            size,
+            end,
+            tolerance: tolerance.max(FINEST).max(16.0 * T::EPSILON.to_f64()),
+            straight: self.straight,
+            continues: !self.jumped,
+        }
     }
 
     /// Measures the accepted state.

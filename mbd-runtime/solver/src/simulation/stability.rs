@@ -12,7 +12,7 @@ use crate::trajectory::Trajectory;
 use crate::watch::{Instability, NEGLIGIBLE, Watch};
 
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
-const OFTEN: u64 = 10;
+pub(super) const OFTEN: u64 = 10;
 const SELDOM: u64 = 50;
 
 /// How the energy of a run is read.

@@ -132,6 +132,7 @@ impl<T: Float> Simulation<T> {
             *slot = value;
         }
         system.remember_starts(&[], (0.0, &state));
+        let straight = stepwise(&*model).is_some();
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),
@@ -158,12 +159,15 @@ impl<T: Float> Simulation<T> {
             received: None,
             beside: false,
             stays: false,
+            lacks_stages: false,
+            is_elsewhere: false,
+            straight,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),
             watch: Watch::default(),
             watch_weights: Vec::new(),
-            watched: options.watch && fixed && stepwise(&*model).is_none(),
+            watched: options.watch && fixed && !straight,
             balance: None,
             momentum: None,
             judged: false,
@@ -629,7 +633,7 @@ fn unsupplied<T: Float>(model: &dyn Model<T>) -> StepError {
 }
 
 /// The first point with a `stepwise` node.
-pub(super) fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
+fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
     let nodes = &model.layout().nodes;
     nodes
         .iter()

@@ -5,6 +5,10 @@ use mbd_scene::{Float, Layout, Quantity};
 /// The lists of numbers that can be known: guards, declared outputs, tension and stretch of the lines.
 pub(crate) const LISTS: [Quantity; 3] = [Quantity::Guards, Quantity::Outputs, Quantity::Lines];
 
+/// Where outputs and lines are among them.
+pub(crate) const OUTPUTS: usize = 1;
+pub(crate) const LINES: usize = 2;
+
 /// What a run looks at at the end of every step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct EndLooks {
@@ -15,6 +19,12 @@ pub(crate) struct EndLooks {
 }
 
 impl EndLooks {
+    /// Nothing.
+    pub(crate) const NOTHING: EndLooks = EndLooks {
+        energy: false,
+        lists: [false; LISTS.len()],
+    };
+
     /// What either looks at.
     #[must_use]
     pub(crate) fn and(self, other: Self) -> Self {
