@@ -446,3 +446,48 @@ fn the_largest_of_a_scene_with_stepwise_points_is_its_value_at_the_end_of_a_step
         }
     }
 }
+
+model! {
+    /// A mass below a point without mass on three damped lines; between the rows of its history nobody reads where it is.
+    pub model Sling<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 20.0 kg in 5.0 kg ..= 50.0 kg;
+        param damping = 100 N*s/m in 0 N*s/m ..= 1000 N*s/m;
+        world { frame hook[i in 0..3] at polar(1.0 m, i * 120 deg, 3.0 m) }
+        point bob { mass: mass, start at [0.05, 0.0, 0.86] m }
+        point knot { equilibrium: stepwise { formula: bdf2, clamp: positive } }
+        line stay[i in 0..3] from world.hook[i] to knot {
+            free_length: 1.5 m,
+            stiffness: 20 kN/m,
+            damping: damping,
+        }
+        line cord from knot to bob { free_length: 1.0 m, stiffness: 10 kN/m, damping: damping }
+        output pull = cord.tension;
+        metric most = max cord.tension;
+        metric least = min stay[1].tension { from: 0.1 s, to: 1.3 s };
+        metric loud = time_above cord.tension { level: 200 N };
+        metric lowest = final bob.position.z;
+    }
+}
+
+#[test]
+fn steps_whose_ends_nobody_reads_leave_the_state_that_they_leave_alone() {
+    let sling = Sling::new(SlingParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..13_u32).map(|k| {
+            let k = f64::from(k);
+            let mut state = SlingState::at_origin();
+            state.set_bob(mbd_runtime::PointState {
+                position: [0.05, 0.0, 0.86],
+                velocity: [0.0, 0.03 * k, 0.01 * k],
+            });
+            Case::new()
+                .params([10.0 + 2.0 * k, 20.0 * k])
+                .state(0.0, state.to_vec())
+        })
+    };
+    // Neither rows nor the end of the run fall on steps.
+    assert_same_bits(&sling, &[Options::rk4(2.3e-3)], 0.9, cases);
+}
