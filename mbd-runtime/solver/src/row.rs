@@ -1,6 +1,6 @@
 //! A row of a history: the numbers of its columns at a state.
 
-use mbd_scene::{Float, Layout, Quantity, Scene};
+use mbd_scene::{Float, Layout, Model, Quantity, Scene};
 
 use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
 use crate::content::Content;
@@ -74,12 +74,12 @@ impl RowMaker {
     /// Writes what is measured of such a row at the end of a step that was made elsewhere.
     pub(crate) fn pick_received<T: Float>(
         &self,
-        layout: &Layout,
+        model: &dyn Model<T>,
         attempt: &dyn Attempt<T>,
         out: &mut [f64],
     ) {
         let of_lines = match self.content.lines {
-            true => 2 * layout.lines.len(),
+            true => 2 * model.layout().lines.len(),
             false => 0,
         };
         for (out, column) in out.iter_mut().zip(&self.picked) {

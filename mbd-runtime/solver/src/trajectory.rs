@@ -401,7 +401,7 @@ impl Trajectory {
     pub(crate) fn measure_received<T: Float>(
         &mut self,
         step: MeasuredStep,
-        layout: &Layout,
+        model: &dyn Model<T>,
         attempt: &dyn Attempt<T>,
     ) {
         if self.measures.is_empty() {
@@ -410,7 +410,7 @@ impl Trajectory {
         let inside = &self.inside;
         // Reading lists does not fail.
         let _ = self.measures.step(step, &mut |_, out| {
-            inside.pick_received(layout, attempt, out);
+            inside.pick_received(model, attempt, out);
             Ok(())
         });
     }

@@ -242,6 +242,24 @@ impl<L: Lanes> LaneGroup<L> {
     }
 }
 
+/// Zero in a lane in which all numbers of a list are finite, NaN in others; four sums, none of which waits for another.
+pub(super) fn faults<L: Lanes>(list: &[L]) -> L {
+    let zero = L::zero();
+    let (chunks, rest) = list.as_chunks::<4>();
+    let mut sums = [zero; 4];
+    for chunk in chunks {
+        for (sum, x) in sums.iter_mut().zip(chunk) {
+            // 0 x is zero for a finite number and NaN for others.
+            *sum += zero * *x;
+        }
+    }
+    for (sum, x) in sums.iter_mut().zip(rest) {
+        *sum += zero * *x;
+    }
+    let [a, b, c, d] = sums;
+    (a + b) + (c + d)
+}
+
 /// Writes a list into a lane.
 pub(super) fn set<L: Lanes>(lane: usize, lanes: &mut [L], list: &[f64]) {
     for (numbers, x) in lanes.iter_mut().zip(list) {
@@ -457,9 +475,7 @@ impl<L: Lanes> LaneGroup<L> {
                     made.holds *= networks.solve(&mut **form, nodes, stages, (time, span, trial));
                     form.evaluate(Quantity::Derivative, &stages.at(time, trial), rates);
                 }
-                // 0 x is zero for a finite number and NaN for others.
-                let faults = rates.iter().map(|x| L::zero() * *x);
-                made.faults = faults.fold(made.faults, |sum, fault| sum + fault);
+                made.faults += faults(rates);
                 Ok::<(), Infallible>(())
             },
         );

@@ -6,8 +6,10 @@ use nalgebra::Vector3;
 
 use super::Lanes;
 use super::form::LaneParameters;
-use super::group::{Stages, get as read, set};
-use crate::node::{BalanceEvaluation, NetworkPlan, NodeMemory, Nodes, Tolerance, WARM_STEPS, warm};
+use super::group::{Stages, faults, get as read, set};
+use crate::node::{
+    BalanceEvaluation, NetworkPlan, NodeMemory, Nodes, RateFormula, Tolerance, WARM_STEPS, warm,
+};
 use crate::simulation::Simulation;
 use crate::simulation::beside::Spent;
 
@@ -204,9 +206,8 @@ impl<L: Lanes> Networks<L> {
     ) -> L {
         let mut ends = std::mem::take(&mut stages.ends);
         form.evaluate(Quantity::AnchorStates, &stages.at(time, state), &mut ends);
-        let faults = ends.iter().fold(L::zero(), |sum, x| sum + L::zero() * *x);
+        let mut usable = flag::<L>(L::zero().le(faults(&ends)));
         stages.ends = ends;
-        let mut usable = flag::<L>(L::zero().le(faults));
         for plan in plans.plans() {
             self.lay_down(plan, stages, span);
             let [solved, is_slack] = self.descend(form, plan, stages, (time, state));
@@ -219,15 +220,15 @@ impl<L: Lanes> Networks<L> {
     /// The law of the lines, and where the search for the node begins.
     fn lay_down(&self, plan: &NetworkPlan<f64>, stages: &mut Stages<L>, span: L) {
         let step = get(&self.steps, plan.index);
+        let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
         for line in &plan.lines {
             let (Some(numbers), Some(at)) = (self.lines.get(line.line), line.effective) else {
                 continue;
             };
-            let law = match plan.stepwise() {
-                Some((formula, clamp)) => {
-                    let [last, before] =
-                        [&self.stretch, &self.previous].map(|list| get(list, line.line));
-                    crate::node::law(numbers, formula, clamp, span, (last, (before, step)))
+            let law = match &formula {
+                Some(formula) => {
+                    let known = [&self.stretch, &self.previous];
+                    formula.law(numbers, known.map(|list| get(list, line.line)))
                 }
                 None => [numbers.stiffness, numbers.free_length],
             };

@@ -35,5 +35,5 @@ pub(crate) use scene::{NetworkPlan, own_anchors};
 pub(crate) use solver::WARM_STEPS;
 pub use solver::{Outcome, Solver, Strategy, Tolerance};
 pub use stage::{NodeStatistics, Nodes, Stage};
-pub(crate) use stepwise::law;
+pub(crate) use stepwise::RateFormula;
 pub use stepwise::{History, effective};

@@ -9,7 +9,7 @@ use super::error::NodeError;
 use super::memory::NodeMemory;
 use super::scene::{NetworkPlan, PlanLine, SceneBalance, is_detached, of_scene};
 use super::solver::{Outcome, Strategy, Tolerance};
-use super::stepwise::law;
+use super::stepwise::RateFormula;
 use super::warm::{against, carried, predicted};
 use crate::unilateral::Mode;
 
@@ -601,12 +601,12 @@ impl<T: Float> Nodes<T> {
         memory: &NodeMemory<T>,
     ) {
         let step = memory.smooth_step(plan.index);
-        let stepwise = plan.stepwise();
-        plan.set_law(model, &self.modes, |line, numbers| match stepwise {
-            Some((formula, clamp)) => {
-                let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
-                let before = (of(&memory.previous), step);
-                law(numbers, formula, clamp, span, (of(&memory.stretch), before))
+        let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
+        plan.set_law(model, &self.modes, |line, numbers| match &formula {
+            Some(formula) => {
+                let known = [&memory.stretch, &memory.previous];
+                let of = |list: &Vec<T>| list.get(line.line).copied().unwrap_or_default();
+                formula.law(numbers, known.map(of))
             }
             None => [numbers.stiffness, numbers.free_length],
         });

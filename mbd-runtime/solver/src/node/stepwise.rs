@@ -30,43 +30,65 @@ pub fn effective<T: Float>(
     tau: T,
     history: History<T>,
 ) -> [T; 2] {
-    let before = history.before.unwrap_or((T::zero(), T::zero()));
-    law(numbers, formula, clamp, tau, (history.last, before))
+    let (before, step) = history.before.unwrap_or((T::zero(), T::zero()));
+    RateFormula::new((formula, clamp), tau, step).law(numbers, [history.last, before])
 }
 
-/// The same over any scalar: s_n, s_{n−1}, and h_prev [s], which is zero after a start or a change between slack and taut.
-pub(crate) fn law<T: Real>(
-    numbers: &LineNumbers<T>,
-    formula: Difference,
+/// The rate of a stretch at τ after the last accepted step, (w s − m)/τ with m = a s⁺_n − b s⁺_{n−1}: its weights are those of every line of a network.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RateFormula<T> {
     clamp: Clamp,
     tau: T,
-    (last, (before, step)): (T, (T, T)),
-) -> [T; 2] {
-    let (zero, one) = (T::zero(), T::one());
-    let stretch = |s: T| match clamp {
-        Clamp::Positive => s.max(zero),
-        Clamp::Literal => s,
-    };
-    let rate = numbers.damping / tau;
-    let (weight, memory) = match formula {
-        Difference::Bdf2 => {
-            let known = zero.lt(step);
-            let theta = tau / T::select(known, step, one);
-            let sum = one + theta;
-            let memory = sum * stretch(last) - theta * theta / sum * stretch(before);
-            let weight = (one + theta + theta) / sum;
-            (
-                T::select(known, weight, one),
-                T::select(known, memory, stretch(last)),
-            )
+    /// w, a and b.
+    now: T,
+    last: T,
+    before: T,
+}
+
+impl<T: Real> RateFormula<T> {
+    /// The weights where the step before had the size h_prev [s]; zero after a start or a change between slack and taut.
+    #[inline]
+    pub(crate) fn new((formula, clamp): (Difference, Clamp), tau: T, step: T) -> Self {
+        let (zero, one) = (T::zero(), T::one());
+        let [now, last, before] = match formula {
+            Difference::Bdf2 => {
+                let known = zero.lt(step);
+                let theta = tau / T::select(known, step, one);
+                let sum = one + theta;
+                let weights = [
+                    ((one + theta + theta) / sum, one),
+                    (sum, one),
+                    (theta * theta / sum, zero),
+                ];
+                weights.map(|(weight, without)| T::select(known, weight, without))
+            }
+            Difference::Euler => [one, one, zero],
+        };
+        RateFormula {
+            clamp,
+            tau,
+            now,
+            last,
+            before,
         }
-        Difference::Euler => (one, stretch(last)),
-    };
-    let stiffness = numbers.stiffness + weight * rate;
-    let shift = rate * memory / stiffness;
-    let free_length = match clamp {
-        Clamp::Positive => numbers.free_length + shift.max(zero),
-        Clamp::Literal => (numbers.free_length + shift).max(zero),
-    };
-    [stiffness, free_length]
+    }
+
+    /// K_e [N/m] and L_e [m] of a line with the stretches s_n and s_{n−1}, either sign [m].
+    #[inline]
+    pub(crate) fn law(&self, numbers: &LineNumbers<T>, [last, before]: [T; 2]) -> [T; 2] {
+        let zero = T::zero();
+        let stretch = |s: T| match self.clamp {
+            Clamp::Positive => s.max(zero),
+            Clamp::Literal => s,
+        };
+        let rate = numbers.damping / self.tau;
+        let memory = self.last * stretch(last) - self.before * stretch(before);
+        let stiffness = numbers.stiffness + self.now * rate;
+        let shift = rate * memory / stiffness;
+        let free_length = match self.clamp {
+            Clamp::Positive => numbers.free_length + shift.max(zero),
+            Clamp::Literal => (numbers.free_length + shift).max(zero),
+        };
+        [stiffness, free_length]
+    }
 }

@@ -129,7 +129,7 @@ impl<T: Float> Simulation<T> {
         self.system.count_received(stages, attempt.spent());
         let end = self.end_of(step);
         let measured = self.measured_step([step, end]);
-        history.measure_received(measured, self.system.model.layout(), attempt);
+        history.measure_received(measured, &*self.system.model, attempt);
         course.trials += 1;
         self.count += 1;
         self.time = end;
