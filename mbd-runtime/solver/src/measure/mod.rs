@@ -5,7 +5,8 @@
 //! polynomials. So a metric neither depends on which rows a history has nor on where steps happen to end.
 //!
 //! Evaluations are what this costs: where two polynomials follow each other they share a value, and a quantity is looked at no closer than its metrics hang
-//! on it: the largest value needs no digits of a step in which the quantity stays small.
+//! on it: the largest value needs no digits of a step in which the quantity stays small. One value inside such a step tells that, where it and those at the
+//! ends are further below the largest so far than they are apart from each other, several times.
 //!
 //! Rejected: reading metrics from the rows of a history, straight between them: their error is that of the grid and not that of the run.
 
@@ -24,6 +25,11 @@ type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a
 const DEEPEST: usize = 30;
 /// Halvings after which what does not get smaller is noise.
 const PATIENCE: usize = 3;
+/// The point of a step that is looked at first, one of those that are looked at next; not its middle, where what repeats itself in time with the steps may
+/// be what it is at the ends.
+const FIRST_LOOK: usize = 2;
+/// How many times as far from the values of the ends and of the first look as these are apart a quantity is taken to get.
+const APART: f64 = 4.0;
 /// How many values polynomials have, one after the other until one does.
 const COUNTS: [usize; 2] = [5, POINTS];
 
@@ -316,12 +322,11 @@ impl Measures {
                 }
                 self.see((Half::WHOLE, DEGREE), end, column);
             }
-            match further {
-                true => {
-                    self.look_inside(Half::WHOLE, step, at)?;
-                    self.resolve(Half::WHOLE, step, at)?;
-                }
-                false => self.add(Half::WHOLE, step),
+            if further && !self.look_once(step, at)? {
+                self.look_inside(Half::WHOLE, Some(FIRST_LOOK), step, at)?;
+                self.resolve(Half::WHOLE, step, at)?;
+            } else {
+                self.add(Half::WHOLE, step);
             }
             self.held = end;
         }
@@ -441,10 +446,44 @@ impl Measures {
         Some(all.find(needed).unwrap_or(first))
     }
 
-    /// Evaluates columns inside a half whose ends are known until each is resolved, or all its points are.
+    /// Evaluates columns once inside a step whose ends are known; whether that does for each.
+    fn look_once(
+        &mut self,
+        step: MeasuredStep,
+        at: &mut ColumnValues<'_>,
+    ) -> Result<bool, StepError> {
+        let part = Polynomial::places()[FIRST_LOOK];
+        at(part, self.row(Half::WHOLE, FIRST_LOOK))?;
+        let (time, times) = (step.time + part * step.size, step.times([0.0, 1.0]));
+        let mut all = true;
+        for column in 0..self.columns.len() {
+            if self.state(Half::WHOLE, column) != Resolving::Further {
+                continue;
+            }
+            self.see((Half::WHOLE, FIRST_LOOK), time, column);
+            let values = [0, FIRST_LOOK, DEGREE].map(|at| self.value_at(Half::WHOLE, at, column));
+            let [least, most] = values.into_iter().fold(
+                [f64::INFINITY, f64::NEG_INFINITY],
+                |[least, most], value| [least.min(value), most.max(value)],
+            );
+            let further = APART * (most - least);
+            let bounds = [least - further, most + further];
+            let is_open = |sum: &Sum, reader: &MetricReader| !sum.is_beyond(reader, times, bounds);
+            // What is not a number is no least or largest, but a gap.
+            if values.iter().all(|value| value.is_finite()) && !self.any_sum(column, is_open) {
+                self.set_state(Half::WHOLE, column, Resolving::Here(2));
+            } else {
+                all = false;
+            }
+        }
+        Ok(all)
+    }
+
+    /// Evaluates columns inside a half whose ends are known, and a point that was `seen`, until each is resolved, or all its points are.
     fn look_inside(
         &mut self,
         half: Half,
+        seen: Option<usize>,
         step: MeasuredStep,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
@@ -458,7 +497,9 @@ impl Measures {
             }
             let (stride, before) = (Polynomial::stride(count), Polynomial::stride(known));
             let places = Polynomial::places().into_iter().enumerate();
-            let new = places.filter(|(point, _)| point % stride == 0 && point % before != 0);
+            let new = places.filter(|(point, _)| {
+                point % stride == 0 && point % before != 0 && seen != Some(*point)
+            });
             for (point, place) in new {
                 let part = low + place * (high - low);
                 at(part, self.row(half, point))?;
@@ -507,7 +548,7 @@ impl Measures {
             let first = own.side * DEGREE / 2;
             self.copy((half, first), (own, 0));
             self.copy((half, first + DEGREE / 2), (own, DEGREE));
-            self.look_inside(own, step, at)?;
+            self.look_inside(own, None, step, at)?;
         }
         for column in all {
             if self.state(half, column) == Resolving::Further {

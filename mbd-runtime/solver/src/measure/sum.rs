@@ -99,6 +99,23 @@ impl Sum {
         !enough && self.looks_inside(of, times)
     }
 
+    /// Whether a quantity between these bounds over a part of the run cannot give it another value than the ends of that part do.
+    pub(super) fn is_beyond(
+        &self,
+        of: &MetricReader,
+        [begin, end]: [f64; 2],
+        [least, most]: [f64; 2],
+    ) -> bool {
+        let [from, to] = of.window;
+        let whole = from <= begin && end <= to;
+        let beyond = match of.take {
+            Take::Max => most <= self.extreme,
+            Take::Min => least >= self.extreme,
+            _ => false,
+        };
+        whole && beyond || !self.looks_inside(of, [begin, end])
+    }
+
     /// A part of the run over which the quantity is straight between two values; `false` where it takes more than these to tell what becomes of the metric.
     pub(super) fn add_straight(
         &mut self,
@@ -174,6 +191,8 @@ impl Sum {
                     && largest(polynomial, part, rough, |x| x) > level + allowed.max(nothing)
         };
         match of.take {
+            Take::Max if polynomial.bounds()[1] <= self.extreme => {}
+            Take::Min if polynomial.bounds()[0] >= self.extreme => {}
             Take::Max => {
                 let found = largest(polynomial, part, rough, |x| x);
                 self.extreme = self.extreme.max(signed(found, most, allowed));
