@@ -188,7 +188,7 @@ fn own_mut<T, const N: usize>(list: &mut [T], start: usize) -> Option<&mut [T; N
 }
 
 /// The sum of the lanes.
-fn total<T: Float>([a, b, c, d, e, f, g, h]: [T; WIDE]) -> T {
+fn total<T: Real>([a, b, c, d, e, f, g, h]: [T; WIDE]) -> T {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
@@ -200,7 +200,7 @@ pub(crate) fn weighted_squares<T: Float>(weights: &[T], a: &[T], b: &[T]) -> [T;
 
 /// Σ w (b − a)², Σ w a² and Σ w (c − b)² over four lists.
 #[inline]
-pub(crate) fn weighted_differences<T: Float>(weights: &[T], a: &[T], b: &[T], c: &[T]) -> [T; 3] {
+pub(crate) fn weighted_differences<T: Real>(weights: &[T], a: &[T], b: &[T], c: &[T]) -> [T; 3] {
     let lists = [weights, a, b, c];
     let common = lists
         .iter()

@@ -45,6 +45,17 @@ pub(crate) struct Explicit<T> {
     nothing: Vec<T>,
 }
 
+/// What [`Explicit::stiffness`] says of [`Explicit::squares`].
+#[inline]
+pub(crate) fn stiffness<T: Float>(squares: [T; 3], negligible: f64) -> f64 {
+    let [below, size, above] = squares.map(T::to_f64);
+    if below > 0.0 && above > negligible * negligible * size {
+        2.0 * (above / below).sqrt()
+    } else {
+        0.0
+    }
+}
+
 impl<T: Real> Explicit<T> {
     /// Storage for states of a given length.
     pub(crate) fn new<const S: usize, const N: usize, const D: usize>(
@@ -145,6 +156,17 @@ impl<T: Real> Explicit<T> {
     pub(crate) fn attempted_mut(&mut self) -> [&mut [T]; 2] {
         self.complete = false;
         [&mut self.stages, &mut self.next]
+    }
+
+    /// |k₂ − k₁|², |k₁|² and |k₃ − k₂|² of the first stages of the last attempt, |k|² = Σ weight k².
+    #[inline]
+    pub(crate) fn squares(&self, weights: &[T]) -> [T; 3] {
+        let n = self.length;
+        let stages = [0..n, n..2 * n, 2 * n..3 * n].map(|own| self.stages.get(own));
+        match stages {
+            [Some(k1), Some(k2), Some(k3)] => weighted_differences(weights, k1, k2, k3),
+            _ => [T::zero(); 3],
+        }
     }
 
     /// How many stages a step has.
@@ -311,18 +333,7 @@ impl<T: Float> Explicit<T> {
     /// `negligible` of k₁. |k|² = Σ weight k².
     #[inline]
     pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
-        let n = self.length;
-        let stages = [0..n, n..2 * n, 2 * n..3 * n].map(|own| self.stages.get(own));
-        let [Some(k1), Some(k2), Some(k3)] = stages else {
-            return 0.0;
-        };
-        let [below, size, above] = weighted_differences(weights, k1, k2, k3);
-        let (above, below, size) = (above.to_f64(), below.to_f64(), size.to_f64());
-        if below > 0.0 && above > negligible * negligible * size {
-            2.0 * (above / below).sqrt()
-        } else {
-            0.0
-        }
+        stiffness(self.squares(weights), negligible)
     }
 
     /// h |f(a) − f(b)| / |a − b| of the two stages of the last attempt that are at the same time; zero where these agree to rounding.

@@ -20,7 +20,7 @@ mod vern7;
 use crate::error::StepError;
 
 pub(crate) use control::{Control, Verdict};
-pub(crate) use explicit::Explicit;
+pub(crate) use explicit::{Explicit, stiffness};
 pub(crate) use free_motion::FreeMotion;
 pub(crate) use norm::ErrorNorm;
 pub use norm::Scales;

@@ -76,6 +76,9 @@ struct LaneGroup<L> {
     models: Vec<Option<Arc<dyn Model<f64>>>>,
     params: Vec<L>,
     state: Vec<L>,
+    /// The weights of the watch, and whether a run has one.
+    weights: Vec<L>,
+    watched: bool,
     stages: Stages<L>,
     networks: Networks<L>,
     /// The steps that were taken up, and the lanes in which they go on from the ends of the last ones.
@@ -159,6 +162,8 @@ impl<L: Lanes> LaneGroup<L> {
             models: vec![None; L::WIDTH],
             params: list(layout.np),
             state: list(layout.nx()),
+            weights: list(layout.nx()),
+            watched: false,
             stages: Stages {
                 nodes: list(3 * layout.nodes.len()),
                 effective: list(2 * layout.effective_lines),
@@ -209,6 +214,10 @@ impl<L: Lanes> LaneGroup<L> {
         let method = self.method.get_or_insert_with(|| own.over());
         set(lane, &mut self.state, &run.state);
         set(lane, method.first_mut(), own.first());
+        if let Some(weights) = run.weights_of_stages() {
+            set(lane, &mut self.weights, weights);
+            self.watched = true;
+        }
         self.networks.load(lane, run);
         if self.has_model_of(lane, run) {
             return false;
@@ -362,8 +371,8 @@ impl<L: Lanes> LaneGroup<L> {
             };
             if let Some(of) = runs.lane(lane)
                 && of.run.reads_no_state(of.course, own.step(), of.history)
+                && of.run.pass(&own, of.course, of.history)
             {
-                of.run.pass(&own, of.course, of.history);
                 *of.count += 1;
                 passed[lane] = true;
             }
@@ -426,6 +435,8 @@ struct MadeSteps<L> {
     holds: L,
     /// Zero in a lane in which every rate is finite.
     faults: L,
+    /// [`Explicit::squares`].
+    squares: [L; 3],
 }
 
 impl<L: Lanes> MadeSteps<L> {
@@ -443,6 +454,8 @@ impl<L: Lanes> LaneGroup<L> {
             form,
             method,
             state,
+            weights,
+            watched,
             stages,
             networks,
             sizes,
@@ -459,6 +472,7 @@ impl<L: Lanes> LaneGroup<L> {
             drift: L::zero(),
             holds: L::one(),
             faults: L::zero(),
+            squares: [L::zero(); 3],
         };
         networks.begin();
         let Ok(()) = method.stages(
@@ -479,6 +493,9 @@ impl<L: Lanes> LaneGroup<L> {
                 Ok::<(), Infallible>(())
             },
         );
+        if *watched {
+            made.squares = method.squares(weights);
+        }
         if nodes.are_single() {
             networks.find_stretches(nodes, stages);
         }
@@ -583,6 +600,10 @@ impl<L: Lanes> Attempt<f64> for OwnStep<'_, L> {
     fn energy(&self) -> Option<[f64; 6]> {
         let looked_at = self.made.steps.looks.energy;
         looked_at.then(|| self.made.energy.map(|x| x.lane(self.lane)))
+    }
+
+    fn squares(&self) -> [f64; 3] {
+        self.made.squares.map(|x| x.lane(self.lane))
     }
 
     fn drift(&self) -> f64 {

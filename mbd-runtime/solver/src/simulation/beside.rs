@@ -34,6 +34,8 @@ pub(crate) trait Attempt<T> {
     fn number(&self, place: usize, index: usize) -> T;
     /// Energy and powers at the end, where they are known.
     fn energy(&self) -> Option<[T; 6]>;
+    /// [`Explicit::squares`] by the weights of the watch.
+    fn squares(&self) -> [T; 3];
     /// The largest | |q| − 1 | of a quaternion at the end, before it was normalised.
     fn drift(&self) -> f64;
 }
@@ -96,8 +98,13 @@ impl<T: Float> Simulation<T> {
         }
     }
 
+    /// The weights of the watch, where it looks at stages.
+    pub(crate) fn weights_of_stages(&self) -> Option<&[T]> {
+        self.watched.then_some(&self.watch_weights)
+    }
+
     /// Whether the end of the upcoming step, received from elsewhere, is read by nobody but what is measured of the lists that are known there: then
-    /// the run need not have its state. What is done every tenth step reads it, and so do rows, watch, events and whatever the step lands on.
+    /// the run need not have its state. What is done every tenth step reads it, and so do rows, events and whatever the step lands on.
     pub(crate) fn reads_no_state(
         &self,
         course: &Course,
@@ -108,22 +115,27 @@ impl<T: Float> Simulation<T> {
         let counted = next.is_multiple_of(OFTEN) || course.trials >= self.options.max_steps;
         let (size, lands) = self.propose(course.until.min(self.next_sample()));
         let is_this = !lands && [self.time, size] == [time, step];
-        let watched = self.is_adaptive() || self.watched || self.balance.is_some();
-        let followed = watched || self.momentum.is_some() || !self.margins.is_empty();
+        let measured = history.measures_steps() && !self.straight;
+        let followed = self.is_adaptive() || self.momentum.is_some() || !self.margins.is_empty();
         let system = &self.system;
         let held = system.memory.turns.is_empty() && system.takes_no_commands();
         let nodes = !system.nodes.has_networks() || system.nodes.are_single();
         let recorded = history.reads_end_of([time, step]) || self.jumped;
-        is_this && !counted && !followed && held && nodes && !recorded
+        is_this && !counted && !followed && !measured && held && nodes && !recorded
     }
 
-    /// Counts the upcoming step, [whose state is not read](Self::reads_no_state), and measures it.
+    /// Takes the upcoming step, [whose state is not read](Self::reads_no_state), counts and measures it; `false`, and nothing happened, where the watch
+    /// looks closer.
     pub(crate) fn pass(
         &mut self,
         attempt: &dyn Attempt<T>,
         course: &mut Course,
         history: &mut Trajectory,
-    ) {
+    ) -> bool {
+        match self.watch_received(attempt) {
+            Some(after) => (self.watch, self.balance) = after,
+            None => return false,
+        }
         let [_, step] = attempt.step();
         let stages = self.method.explicit().map_or(1, Explicit::count) - 1;
         self.system.count_received(stages, attempt.spent());
@@ -137,6 +149,7 @@ impl<T: Float> Simulation<T> {
         counters.steps = counters.steps.saturating_add(1);
         self.shown.forget();
         (self.stays, self.is_elsewhere) = (true, true);
+        true
     }
 
     /// Takes the state back that was kept elsewhere.

@@ -2,10 +2,12 @@
 
 use mbd_scene::{Float, Gravity, Quantity};
 
+use super::beside::Attempt;
 use super::{Pace, Simulation, Snapshot};
 use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
 use crate::columns::part_name;
 use crate::error::{RunError, Source, StepError};
+use crate::integrate::stiffness;
 use crate::rounding::REFUSED;
 use crate::system::WORKS;
 use crate::trajectory::Trajectory;
@@ -140,6 +142,33 @@ impl<T: Float> Simulation<T> {
             // The step to be taken is not counted yet.
             Meter::Laws if !(self.system.counters.steps + 1).is_multiple_of(SELDOM) => Ok(()),
             _ => self.watch_energy(step),
+        }
+    }
+
+    /// What watch and balance are after a step that was made elsewhere; `None` where they have something to say of it, or look inside.
+    pub(super) fn watch_received(
+        &self,
+        attempt: &dyn Attempt<T>,
+    ) -> Option<(Watch, Option<EnergyBalance>)> {
+        let mut watch = self.watch;
+        if self.watched && watch.sees(stiffness(attempt.squares(), NEGLIGIBLE)) {
+            return None;
+        }
+        // The laws are asked at steps that are looked at anyway.
+        let (Meter::Model { exchanges }, Some(mut balance)) = (self.meter, self.balance) else {
+            return Some((watch, self.balance));
+        };
+        let now = self.meter.reading(attempt.energy()?.map(T::to_f64))?;
+        let [_, step] = attempt.step();
+        let work = match exchanges {
+            true if balance.is_fresh() => return None,
+            true => balance.work(step, None, now.power),
+            false => 0.0,
+        };
+        balance.take(step, work, now);
+        match watch.sees_energy(self.excess(&balance), 1) {
+            true => None,
+            false => Some((watch, Some(balance))),
         }
     }
 
@@ -369,8 +398,15 @@ impl<T: Float> crate::system::System<T> {
                 }
             }
         }
+        meter.reading(energy)
+    }
+}
+
+impl Meter {
+    /// Energy and power of these numbers; `None` where one of them is not a number.
+    fn reading(self, energy: [f64; 6]) -> Option<EnergyReading> {
         let [kinetic, gravitational, elastic, powers @ ..] = energy;
-        let power = match meter {
+        let power = match self {
             Meter::Model { exchanges: true } => powers.iter().sum(),
             _ => 0.0,
         };
