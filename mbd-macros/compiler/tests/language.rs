@@ -212,6 +212,70 @@ fn a_metric_and_the_guard_of_an_event_may_name_an_output() {
 }
 
 #[test]
+fn a_metric_of_an_output_is_told_in_its_unit() {
+    let unit = |items: &str| {
+        let reading = pendulum(&format!(
+            "joint pin: hinge from world to rod.top {{ axis: y }} {items}"
+        ));
+        let scene = reading.scene.unwrap_or_else(|| panic!("{items}"));
+        scene.runs.metrics[0].unit(&scene)
+    };
+    let bend = "output bend = pin.angle in deg;";
+    assert_eq!(unit(&format!("{bend} metric most = max bend;")), "deg");
+    assert_eq!(
+        unit(&format!("{bend} metric most = max bend in mrad;")),
+        "mrad"
+    );
+    let list = "output both = [pin.angle, 2 * pin.angle] in deg;";
+    assert_eq!(unit(&format!("{list} metric most = max both[1];")), "deg");
+    assert_eq!(unit(&format!("{bend} metric most = max abs(bend);")), "rad");
+    let power = "output power = 2 N*m * pin.angle_rate in kW;";
+    assert_eq!(
+        unit(&format!("{power} metric work = integral power;")),
+        "kW s"
+    );
+    assert_eq!(
+        unit(&format!("{power} metric work = integral power in kJ;")),
+        "kJ"
+    );
+}
+
+#[test]
+fn a_component_has_the_name_that_histories_give_it() {
+    let items = |word: &str| {
+        format!(
+            "joint pin: hinge from world to rod.top {{ axis: y }} point bob {{ mass: 1 kg, start at [0, 0, 0] m }}
+             output fast = {word};"
+        )
+    };
+    for (short, whole) in [
+        ("bob.vx", "bob.velocity.x"),
+        ("bob.z", "bob.position.z"),
+        ("rod.vz", "rod.velocity.z"),
+        ("rod.top.vy", "rod.top.velocity.y"),
+    ] {
+        let [short, whole] = [short, whole].map(|word| pendulum(&items(word)));
+        assert!(short.scene.is_some(), "{}", told(&short));
+        assert_eq!(short.scene, whole.scene);
+    }
+}
+
+#[test]
+fn a_body_without_frames_is_a_place_by_its_name() {
+    let items = |end: &str| {
+        format!(
+            "body ball {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+             joint pin: hinge from world to rod.top {{ axis: y }}
+             joint loose: free from world to {end};
+             line cord from rod.top to {end} {{ free_length: 1 m, stiffness: 1 kN/m }}"
+        )
+    };
+    let named = pendulum(&items("ball"));
+    assert!(named.scene.is_some(), "{}", told(&named));
+    assert_eq!(named.scene, pendulum(&items("ball.com")).scene);
+}
+
+#[test]
 fn the_remainder_lies_between_zero_and_the_divisor() {
     let path = format!("{}/tests/pass/remainder.mbd", env!("CARGO_MANIFEST_DIR"));
     let scene = read_text(&std::fs::read_to_string(path).unwrap())
