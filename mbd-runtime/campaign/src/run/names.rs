@@ -3,6 +3,7 @@
 use std::fmt;
 
 use mbd_compiler::nearest;
+use mbd_runtime::scene::Scene;
 use toml::{Table, Value};
 
 /// A setting that cannot be used: its name and what is wrong with it.
@@ -48,8 +49,22 @@ pub(crate) fn flat(table: &Table) -> Vec<(String, &Value)> {
     list
 }
 
+/// What is said of a joint coordinate that is no column.
+pub(crate) fn no_coordinate(column: &str) -> String {
+    format!(
+        "in absolute coordinates a history has joint coordinates where an output tells them: declare `output NAME = {column};`, and write its name here"
+    )
+}
+
 /// What is said of a column that a history has not.
-pub(crate) fn no_column<'a>(column: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn no_column<'a>(
+    scene: &Scene,
+    column: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> String {
+    if scene.joint_coordinate(column).is_some() {
+        return no_coordinate(column);
+    }
     match nearest(column, known) {
         Some(near) => format!("the history has no column `{column}`; did you mean `{near}`?"),
         None => {
