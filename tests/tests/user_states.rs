@@ -344,11 +344,36 @@ model! {
         joint carried: prismatic from world to a { axis: x, stiffness: 18, rest: seat }
         /// A damper that loses its grip.
         joint losing: prismatic from world to b { axis: x, damping: 3 / (1 + time), start_rate: 2 }
-        joint braked: prismatic from world to c[0] { axis: y, friction: 3, friction_rate: 0.2, start_rate: 1 }
-        joint braking: prismatic from world to c[1] { axis: y, friction: level, friction_rate: 0.2, start_rate: 1 }
-        joint sprung: prismatic from world to d[0] { axis: y, stiffness: 5, rest: 0.1, damping: 0.2, force: 0.5 }
-        joint springy: prismatic from world to d[1] { axis: y, stiffness: 5 * one, rest: 0.1, damping: 0.2 * one, force: 0.5 }
-        output places = [carried.slide, losing.slide_rate, braked.slide, braking.slide, sprung.slide, springy.slide];
+        joint braked: prismatic from world to c[0] {
+            axis: y,
+            friction: 3,
+            friction_rate: 0.2,
+            start_rate: 1,
+        }
+        joint braking: prismatic from world to c[1] {
+            axis: y,
+            friction: level,
+            friction_rate: 0.2,
+            start_rate: 1,
+        }
+        joint sprung: prismatic from world to d[0] {
+            axis: y,
+            stiffness: 5,
+            rest: 0.1,
+            damping: 0.2,
+            force: 0.5,
+        }
+        joint springy: prismatic from world to d[1] {
+            axis: y,
+            stiffness: 5 * one,
+            rest: 0.1,
+            damping: 0.2 * one,
+            force: 0.5,
+        }
+        output places = [
+            carried.slide, losing.slide_rate, braked.slide, braking.slide, sprung.slide,
+            springy.slide,
+        ];
     }
 }
 

@@ -276,6 +276,33 @@ fn a_body_without_frames_is_a_place_by_its_name() {
 }
 
 #[test]
+fn conditions_hold_together_or_one_of_them() {
+    // What is an operand's truth is written as a comparison of numbers.
+    let truth = |holds: bool| if holds { "1 < 2" } else { "2 <= 1" };
+    let value = |condition: &str| {
+        let text = format!(
+            "model M {{ gravity: none; state s = 0 {{ rate: 0 /s }}
+                const short = if({condition}, 1, 0); const long = if {condition} {{ 1 }} else {{ 0 }}; }}"
+        );
+        let scene = read_text(&text)
+            .scene
+            .unwrap_or_else(|| panic!("{condition}"));
+        let [short, long] = [0, 1].map(|k| scene.consts[k].value.scalar().expect("a number"));
+        assert_eq!(short, long, "{condition}");
+        short == 1.0
+    };
+    for bits in 0..8 {
+        let [p, q, r] = [1, 2, 4].map(|bit| bits & bit != 0);
+        let [a, b, c] = [p, q, r].map(truth);
+        assert_eq!(value(&format!("{a} && {b}")), p && q);
+        assert_eq!(value(&format!("{a} || {b}")), p || q);
+        assert_eq!(value(&format!("{a} || {b} && {c}")), p || q && r);
+        assert_eq!(value(&format!("({a} || {b}) && {c}")), (p || q) && r);
+        assert_eq!(value(&format!("(0 + 1) * 2 > 1 && ({a} || {b})")), p || q);
+    }
+}
+
+#[test]
 fn the_remainder_lies_between_zero_and_the_divisor() {
     let path = format!("{}/tests/pass/remainder.mbd", env!("CARGO_MANIFEST_DIR"));
     let scene = read_text(&std::fs::read_to_string(path).unwrap())

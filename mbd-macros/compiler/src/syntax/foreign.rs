@@ -325,6 +325,9 @@ pub const FOREIGN_FUNCTIONS: Dictionary = &[
     ("sgn", "sign"),
     ("signum", "sign"),
     ("saturate", "clamp"),
+    ("sat", "clamp"),
+    ("limit", "clamp"),
+    ("clip", "clamp"),
     ("where", "if"),
     ("select", "if"),
     ("fmin", "min"),
@@ -400,11 +403,11 @@ pub const OPERATORS: Dictionary = &[
     ),
     (
         "&&",
-        "there is no `&&`: one `if` stands inside another, `if(a < b, if(c < d, this, that), that)`",
+        "`&&` stands between comparisons, in `if(a < b && c < d, this, that)`",
     ),
     (
         "||",
-        "there is no `||`: one `if` stands inside another, `if(a < b, this, if(c < d, this, that))`",
+        "`||` stands between comparisons, in `if(a < b || c < d, this, that)`",
     ),
     ("!", "there is no `!`: swap the two values of the `if`"),
     ("<", COMPARISON),
