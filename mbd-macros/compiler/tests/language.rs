@@ -144,9 +144,28 @@ fn a_word_that_is_a_unit_and_a_name_is_what_gives_the_dimension_that_is_wanted()
         "{}",
         told(&read)
     );
-    // Where no dimension is wanted both might be meant.
+    // Where no dimension is wanted a quantity is meant: a torque, not a force times a mass.
+    for (written, meant) in [
+        (
+            "let x = 2 N*m * sin(pin.angle); output y = x;",
+            "let x = 2 (N*m) * sin(pin.angle); output y = x;",
+        ),
+        ("param k = 5 MN*m/rad;", "param k = 5 (MN*m/rad);"),
+    ] {
+        let read = pendulum(&(pin("0 N*m") + written));
+        assert!(read.scene.is_some(), "{}", told(&read));
+        assert!(
+            read.notes.iter().any(|note| note.starts_with("`m` in")),
+            "{written}"
+        );
+        let [read, meant] = [read, pendulum(&(pin("0 N*m") + meant))].map(|it| it.scene.unwrap());
+        assert_eq!(read.lets, meant.lets, "{written}");
+        let defaults = [read, meant].map(|it| it.params.last().map(|it| it.default));
+        assert_eq!(defaults[0], defaults[1]);
+    }
+    // Of two that have no name, or both have one, both might be meant.
     for output in [
-        "output x = 2 N*m * sin(pin.angle);",
+        "output x = 2 kg*m * sin(pin.angle);",
         "let x = 3 m/s^2 * m; output y = x;",
     ] {
         let read = pendulum(&(pin("0 N*m") + output));
@@ -299,6 +318,8 @@ fn conditions_hold_together_or_one_of_them() {
         assert_eq!(value(&format!("{a} || {b} && {c}")), p || q && r);
         assert_eq!(value(&format!("({a} || {b}) && {c}")), (p || q) && r);
         assert_eq!(value(&format!("(0 + 1) * 2 > 1 && ({a} || {b})")), p || q);
+        let half = format!("(if {a} && {b} {{ 2 }} else {{ 0 }} + 0) / 2 >= 1");
+        assert_eq!(value(&half), p && q);
     }
 }
 

@@ -462,12 +462,13 @@ impl Parser {
     }
 }
 
-/// Whether something is compared in brackets, not in brackets inside them.
+/// Whether something is compared in brackets, not in brackets inside them, nor in an `if` there, which is a value.
 fn compares(group: ValueSyntax<'_>) -> bool {
     let mut inner = Cursor::new(group);
     while let Some(lexeme) = inner.peek() {
         match &lexeme.kind {
             LexemeKind::Sign('<' | '>') => return true,
+            LexemeKind::Word(word) if word == "if" => return false,
             LexemeKind::Open(bracket, _) if inner.group(*bracket).is_some() => {}
             _ => {
                 inner.take();

@@ -12,7 +12,7 @@ use mbd_runtime::{
 };
 use toml::{Table, Value};
 
-use super::names::{PlanError, flat, no_column, unknown, wrong};
+use super::names::{PlanError, VECTORS, column_name, flat, no_column, state_name, unknown, wrong};
 use super::number::{not_bare, not_negative, number, numbers as numbers_of, positive, zeros};
 use super::scales::scales;
 use super::settings::Settings;
@@ -269,7 +269,8 @@ fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, P
         };
         let mut of_units: Vec<(&str, Vec<String>)> = Vec::new();
         for value in list {
-            let column = value.as_str().unwrap_or_default();
+            let column = column_name(value.as_str().unwrap_or_default());
+            let column = column.as_str();
             let Some(name) = names.iter().find(|name| name.name == column) else {
                 let known = names.iter().map(|name| name.name.as_str());
                 return Err(wrong(setting, no_column(scene, column, known)));
@@ -404,14 +405,6 @@ fn start(
     })
 }
 
-/// Quantities of bodies and points by the names that the state has for their components, and their units.
-const VECTORS: [(&str, &str, &str); 4] = [
-    ("position", "", "m"),
-    ("velocity", "v", "m/s"),
-    ("omega_body", "omega_body_", "rad/s"),
-    ("omega_world", "omega_world_", "rad/s"),
-];
-
 /// A start in the numbers of the state: `bob.velocity = "[1, 0, 0] m/s"` is `bob.vx`, `bob.vy` and `bob.vz`, and `bob.velocity.x` is `bob.vx`. A zero across
 /// the plane of a scene is no number of its state.
 fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table, PlanError> {
@@ -439,13 +432,9 @@ fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table
             }
             continue;
         }
-        let inner = owner.rsplit_once('.');
-        let component = inner.and_then(|(owner, word)| Some((owner, found(word)?)));
-        let name = match component {
-            Some((owner, (_, prefix, _))) if ["x", "y", "z"].contains(&last) => {
-                format!("{owner}.{prefix}{last}")
-            }
-            _ => whole_name(scene, name),
+        let name = match state_name(&name) {
+            Some(name) => name,
+            None => whole_name(scene, name),
         };
         add(name, value.clone())?;
     }
