@@ -269,16 +269,16 @@ fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, P
         };
         let mut of_units: Vec<(&str, Vec<String>)> = Vec::new();
         for value in list {
-            let column = column_name(value.as_str().unwrap_or_default());
-            let column = column.as_str();
+            let written = value.as_str().unwrap_or_default();
+            let column = column_name(written);
             let Some(name) = names.iter().find(|name| name.name == column) else {
                 let known = names.iter().map(|name| name.name.as_str());
-                return Err(wrong(setting, no_column(scene, column, known)));
+                return Err(wrong(setting, no_column(scene, written, known)));
             };
             let same = |(unit, _): &(&str, _)| *unit == name.unit;
             match of_units.iter().position(same) {
-                Some(place) => of_units[place].1.push(column.to_string()),
-                None => of_units.push((&name.unit, vec![column.to_string()])),
+                Some(place) => of_units[place].1.push(column),
+                None => of_units.push((&name.unit, vec![column])),
             }
         }
         let figures_of_units = of_units.into_iter().zip(1..);

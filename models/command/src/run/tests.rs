@@ -294,7 +294,7 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     assert_eq!(plan.unwrap().options.method, Method::Rk4 { step: 1e-3 });
     // A figure has one unit; columns of another are a figure of their own.
     let both = settings(&figures(
-        "[\"height\", \"fall.tension\", \"arm.position.z\"]",
+        "[\"height\", \"fall.tension\", \"bob.position.z\"]",
     ));
     let plan = RunPlan::new(&scene, &both).unwrap();
     let shown: Vec<(&str, Vec<&str>)> = plan
@@ -303,7 +303,7 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
         .map(|(title, columns)| (&**title, columns.iter().map(|it| &**it).collect()))
         .collect();
     let wanted = [
-        ("A", vec!["height", "arm.z"]),
+        ("A", vec!["height", "bob.z"]),
         ("A 2", vec!["fall.tension"]),
     ];
     assert_eq!(shown, wanted);
