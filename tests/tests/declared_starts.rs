@@ -544,3 +544,50 @@ fn what_hangs_on_a_body_that_is_put_somewhere_goes_along_in_both_families() {
         assert!(absolute.1.max(relative.1) < 1e-14, "{joint}");
     }
 }
+
+#[test]
+fn a_joint_that_forbids_nothing_in_its_plane_starts_where_it_is_said() {
+    for family in ["absolute", "relative"] {
+        for plane in ["xy", "space"] {
+            let (planar, inertia) = match plane {
+                "xy" => ("planar: xy;", "2 kg*m^2"),
+                _ => ("", "diag(2, 2, 2) kg*m^2"),
+            };
+            let scene = read(&format!(
+                "model Puck {{
+                    gravity: none;
+                    {planar}
+                    coordinates: {family};
+                    world {{ frame table at [1, 0, 0] m }}
+                    body puck {{ mass: 1 kg, inertia: {inertia} }}
+                    body arm {{ mass: 1 kg, inertia: {inertia}, frame root at [-0.5, 0, 0] m }}
+                    joint slides: planar from world.table to puck {{
+                        axis: z,
+                        y: {{ start: 4 mm, start_rate: 2 m/s }},
+                        angle: {{ start: 30 deg }},
+                    }}
+                    joint pin: hinge from puck to arm.root {{ axis: z, start: 15 deg }}
+                    output x = slides.x; output y = slides.y; output turn = slides.angle;
+                    output rate = slides.y_rate; output bend = pin.angle;
+                    output end_x = arm.position.x; output end_y = arm.position.y; output end_v = arm.vy;
+                }}"
+            ));
+            let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+            let run = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+            let (found, moved) = begun(run);
+            let (half, turned) = (0.5, 45f64.to_radians());
+            let want = [
+                0.0,
+                4e-3,
+                30f64.to_radians(),
+                2.0,
+                15f64.to_radians(),
+                1.0 + half * turned.cos(),
+                4e-3 + half * turned.sin(),
+                2.0,
+            ];
+            assert_close(&found, &want, 1e-12, 1e-15, &format!("{family} {plane}"));
+            assert!(moved < 1e-12, "{family} {plane}: {moved}");
+        }
+    }
+}

@@ -327,3 +327,118 @@ fn a_motor_in_amperes_volts_and_ohms_is_the_motor_in_plain_numbers() {
         );
     }
 }
+
+model! {
+    /// Numbers along joints that change in a run, and the same that do not.
+    model Changing {
+        units: si;
+        gravity: none;
+        input level: force = 3;
+        state seat = 0 m { rate: 0.4 }
+        state one = 1 { rate: 0 }
+        body a { mass: 2, inertia: diag(1, 1, 1) }
+        body b { mass: 1, inertia: diag(1, 1, 1) }
+        body c[i in 0..2] { mass: 1, inertia: diag(1, 1, 1) }
+        body d[i in 0..2] { mass: 1, inertia: diag(1, 1, 1) }
+        /// A spring whose other end is carried along.
+        joint carried: prismatic from world to a { axis: x, stiffness: 18, rest: seat }
+        /// A damper that loses its grip.
+        joint losing: prismatic from world to b { axis: x, damping: 3 / (1 + time), start_rate: 2 }
+        joint braked: prismatic from world to c[0] {
+            axis: y,
+            friction: 3,
+            friction_rate: 0.2,
+            start_rate: 1,
+        }
+        joint braking: prismatic from world to c[1] {
+            axis: y,
+            friction: level,
+            friction_rate: 0.2,
+            start_rate: 1,
+        }
+        joint sprung: prismatic from world to d[0] {
+            axis: y,
+            stiffness: 5,
+            rest: 0.1,
+            damping: 0.2,
+            force: 0.5,
+        }
+        joint springy: prismatic from world to d[1] {
+            axis: y,
+            stiffness: 5 * one,
+            rest: 0.1,
+            damping: 0.2 * one,
+            force: 0.5,
+        }
+        output places = [
+            carried.slide, losing.slide_rate, braked.slide, braking.slide, sprung.slide,
+            springy.slide,
+        ];
+    }
+}
+
+#[test]
+fn what_changes_along_a_joint_in_a_run_is_a_force_by_the_same_law() {
+    let model = Changing::new(ChangingParams::default()).expect("defaults");
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-12)
+    };
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    let mut history = Trajectory::new(&model, Sampling::Every(0.25), Content::RESULTS);
+    run.record(2.0, &mut history).expect("a smooth motion");
+    let column = |k: usize| history.column(&format!("places[{k}]")).expect("a column");
+    let omega = (18.0_f64 / 2.0).sqrt();
+    for (row, t) in history.times().iter().enumerate() {
+        // m ẍ = −k (x − u t) from rest; m v̇ = −3 v/(1 + t).
+        let carried = 0.4 * t - 0.4 / omega * (omega * t).sin();
+        let losing = 2.0 / (1.0 + t).powi(3);
+        assert!((column(0)[row] - carried).abs() < 1e-10, "{t} s");
+        assert!((column(1)[row] - losing).abs() < 1e-10, "{t} s");
+        assert!((column(2)[row] - column(3)[row]).abs() < 1e-10, "{t} s");
+        assert!((column(4)[row] - column(5)[row]).abs() < 1e-10, "{t} s");
+    }
+    assert!(column(3)[8] > 0.05 && column(5)[8].abs() > 0.05);
+    let imbalance = run.imbalance().expect("a balance of energy");
+    assert!(imbalance.relative() < 1e-9, "{imbalance:?}");
+}
+
+#[test]
+fn params_and_inputs_are_given_by_their_structs() {
+    let model = Motor::<f64>::new(MotorParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+    let other = MotorParams {
+        k: 0.25,
+        ..MotorParams::default()
+    };
+    run.set_params(&other).expect("params that can be run");
+    assert_eq!(run.model().params(), other.to_array());
+    let refused = run
+        .set_params(&TanksParams::default())
+        .expect_err("of tanks");
+    assert!(
+        refused.to_string().contains("these are params of `Tanks`"),
+        "{refused}"
+    );
+    let state = run.state().to_vec();
+    let inputs = MotorInputs { u: 3.0 };
+    let space = mbd_runtime::linearise(&model, 0.0, &state, &inputs).expect("a linear system");
+    let listed = mbd_runtime::linearise(&model, 0.0, &state, &[3.0]).expect("a linear system");
+    assert_eq!((space.a, space.b), (listed.a, listed.b));
+    let heats = mbd_runtime::Batch::new(&model, Options::tsit5(1e-9), 0.1)
+        .cases([
+            mbd_runtime::Case::new()
+                .params(other.clone())
+                .inputs(&inputs),
+            mbd_runtime::Case::new()
+                .params(other.to_array())
+                .inputs(&inputs),
+            mbd_runtime::Case::new().params(TanksParams::default()),
+        ])
+        .run(|_case, history| history.column("heat").and_then(|heat| heat.last().copied()));
+    let [typed, listed, wrong] = &heats[..] else {
+        panic!("three cases");
+    };
+    assert_eq!(typed.result, listed.result);
+    assert!(matches!(&wrong.result, Err(failed) if failed.why.status() == "params"));
+}

@@ -280,6 +280,19 @@ fn signs_of_units_touch_and_operators_stand_apart() {
 }
 
 #[test]
+fn signs_between_conditions_stand_between_blanks() {
+    let before = "model A { gravity: none; let a = if(time<1 s&&time>0 s||time > 3 s, 1, 2); let b = if (time<1 s)  &&  time>0 s {1} else {2}; }";
+    let after = "model A {
+    gravity: none;
+    let a = if(time < 1 s && time > 0 s || time > 3 s, 1, 2);
+    let b = if (time < 1 s) && time > 0 s { 1 } else { 2 };
+}
+";
+    assert_eq!(formatted(before), after);
+    assert_eq!(formatted(after), after);
+}
+
+#[test]
 fn what_is_too_long_is_broken_where_it_binds_least() {
     let before = "model A { gravity: none; let drag = -0.5 * density * area_of_the_canopy * drag_coefficient * norm(velocity_of_air) * velocity_of_air + buoyancy_of_the_canopy * up;
         output far = if distance_to_the_target < 100 m { distance_to_the_target } else { 100 m + distance_to_the_target / 2 };

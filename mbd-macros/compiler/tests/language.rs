@@ -144,9 +144,28 @@ fn a_word_that_is_a_unit_and_a_name_is_what_gives_the_dimension_that_is_wanted()
         "{}",
         told(&read)
     );
-    // Where no dimension is wanted both might be meant.
+    // Where no dimension is wanted a quantity is meant: a torque, not a force times a mass.
+    for (written, meant) in [
+        (
+            "let x = 2 N*m * sin(pin.angle); output y = x;",
+            "let x = 2 (N*m) * sin(pin.angle); output y = x;",
+        ),
+        ("param k = 5 MN*m/rad;", "param k = 5 (MN*m/rad);"),
+    ] {
+        let read = pendulum(&(pin("0 N*m") + written));
+        assert!(read.scene.is_some(), "{}", told(&read));
+        assert!(
+            read.notes.iter().any(|note| note.starts_with("`m` in")),
+            "{written}"
+        );
+        let [read, meant] = [read, pendulum(&(pin("0 N*m") + meant))].map(|it| it.scene.unwrap());
+        assert_eq!(read.lets, meant.lets, "{written}");
+        let defaults = [read, meant].map(|it| it.params.last().map(|it| it.default));
+        assert_eq!(defaults[0], defaults[1]);
+    }
+    // Of two that have no name, or both have one, both might be meant.
     for output in [
-        "output x = 2 N*m * sin(pin.angle);",
+        "output x = 2 kg*m * sin(pin.angle);",
         "let x = 3 m/s^2 * m; output y = x;",
     ] {
         let read = pendulum(&(pin("0 N*m") + output));
@@ -209,6 +228,99 @@ fn a_metric_and_the_guard_of_an_event_may_name_an_output() {
     // What an event sets cannot depend on accelerations, by whatever name.
     let set = items("pull").replace("falls 2 N", "falls 2 N { set: m = pull / (10 m/s^2) }");
     assert!(told(&pendulum(&set)).contains("`pull` is the name of an output"));
+}
+
+#[test]
+fn a_metric_of_an_output_is_told_in_its_unit() {
+    let unit = |items: &str| {
+        let reading = pendulum(&format!(
+            "joint pin: hinge from world to rod.top {{ axis: y }} {items}"
+        ));
+        let scene = reading.scene.unwrap_or_else(|| panic!("{items}"));
+        scene.runs.metrics[0].unit(&scene)
+    };
+    let bend = "output bend = pin.angle in deg;";
+    assert_eq!(unit(&format!("{bend} metric most = max bend;")), "deg");
+    assert_eq!(
+        unit(&format!("{bend} metric most = max bend in mrad;")),
+        "mrad"
+    );
+    let list = "output both = [pin.angle, 2 * pin.angle] in deg;";
+    assert_eq!(unit(&format!("{list} metric most = max both[1];")), "deg");
+    assert_eq!(unit(&format!("{bend} metric most = max abs(bend);")), "rad");
+    let power = "output power = 2 N*m * pin.angle_rate in kW;";
+    assert_eq!(
+        unit(&format!("{power} metric work = integral power;")),
+        "kW s"
+    );
+    assert_eq!(
+        unit(&format!("{power} metric work = integral power in kJ;")),
+        "kJ"
+    );
+}
+
+#[test]
+fn a_component_has_the_name_that_histories_give_it() {
+    let items = |word: &str| {
+        format!(
+            "joint pin: hinge from world to rod.top {{ axis: y }} point bob {{ mass: 1 kg, start at [0, 0, 0] m }}
+             output fast = {word};"
+        )
+    };
+    for (short, whole) in [
+        ("bob.vx", "bob.velocity.x"),
+        ("bob.z", "bob.position.z"),
+        ("rod.vz", "rod.velocity.z"),
+        ("rod.top.vy", "rod.top.velocity.y"),
+    ] {
+        let [short, whole] = [short, whole].map(|word| pendulum(&items(word)));
+        assert!(short.scene.is_some(), "{}", told(&short));
+        assert_eq!(short.scene, whole.scene);
+    }
+}
+
+#[test]
+fn a_body_without_frames_is_a_place_by_its_name() {
+    let items = |end: &str| {
+        format!(
+            "body ball {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+             joint pin: hinge from world to rod.top {{ axis: y }}
+             joint loose: free from world to {end};
+             line cord from rod.top to {end} {{ free_length: 1 m, stiffness: 1 kN/m }}"
+        )
+    };
+    let named = pendulum(&items("ball"));
+    assert!(named.scene.is_some(), "{}", told(&named));
+    assert_eq!(named.scene, pendulum(&items("ball.com")).scene);
+}
+
+#[test]
+fn conditions_hold_together_or_one_of_them() {
+    // What is an operand's truth is written as a comparison of numbers.
+    let truth = |holds: bool| if holds { "1 < 2" } else { "2 <= 1" };
+    let value = |condition: &str| {
+        let text = format!(
+            "model M {{ gravity: none; state s = 0 {{ rate: 0 /s }}
+                const short = if({condition}, 1, 0); const long = if {condition} {{ 1 }} else {{ 0 }}; }}"
+        );
+        let scene = read_text(&text)
+            .scene
+            .unwrap_or_else(|| panic!("{condition}"));
+        let [short, long] = [0, 1].map(|k| scene.consts[k].value.scalar().expect("a number"));
+        assert_eq!(short, long, "{condition}");
+        short == 1.0
+    };
+    for bits in 0..8 {
+        let [p, q, r] = [1, 2, 4].map(|bit| bits & bit != 0);
+        let [a, b, c] = [p, q, r].map(truth);
+        assert_eq!(value(&format!("{a} && {b}")), p && q);
+        assert_eq!(value(&format!("{a} || {b}")), p || q);
+        assert_eq!(value(&format!("{a} || {b} && {c}")), p || q && r);
+        assert_eq!(value(&format!("({a} || {b}) && {c}")), (p || q) && r);
+        assert_eq!(value(&format!("(0 + 1) * 2 > 1 && ({a} || {b})")), p || q);
+        let half = format!("(if {a} && {b} {{ 2 }} else {{ 0 }} + 0) / 2 >= 1");
+        assert_eq!(value(&half), p && q);
+    }
 }
 
 #[test]

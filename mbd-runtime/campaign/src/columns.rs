@@ -4,7 +4,7 @@ use mbd_runtime::scene::similar::did_you_mean;
 use mbd_runtime::{Content, Joined, Model, Name, Sampling, Trajectory};
 
 use crate::run::PlanError;
-use crate::run::names::wrong;
+use crate::run::names::{column_name, no_coordinate, wrong};
 
 /// The models that a run comes to.
 pub type Models<'m> = [&'m dyn Model<f64>];
@@ -34,10 +34,16 @@ pub fn include(
     column: &str,
     (setting, models): (&str, &Models<'_>),
 ) -> Result<(), PlanError> {
-    let holds = |group: &Content| names(models, *group).iter().any(|it| it.name == column);
+    let name = column_name(column);
+    let holds = |group: &Content| names(models, *group).iter().any(|it| it.name == name);
     let Some(group) = Content::ALL.groups().find(holds) else {
+        let coordinate = |model: &&dyn Model<f64>| model.scene().joint_coordinate(column);
+        if models.iter().any(|model| coordinate(model).is_some()) {
+            return Err(wrong(setting, no_coordinate(column)));
+        }
         let all = names(models, Content::ALL);
         let near = did_you_mean(column, all.iter().map(|it| it.name.as_str()));
+        let near = if near.is_empty() { "." } else { &near };
         let text = format!(
             "histories have no column `{column}`{near} The header of the history.csv of `mbd run` names them all"
         );

@@ -13,7 +13,7 @@ use toml::Value;
 
 use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
-use crate::run::names::{PlanError, wrong};
+use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
 
 /// A number that is read from the history of every case.
@@ -258,7 +258,8 @@ impl<'r> MetricTextReader<'r> {
                 self.wrong("`value` needs the event `at` which it is read, and nothing else does")
             );
         }
-        let found = self.names.iter().position(|known| known.name == *of);
+        let column = column_name(of);
+        let found = self.names.iter().position(|known| known.name == column);
         let own = found.and_then(|at| self.names.get(at));
         let own = own.map_or("", |name| &name.unit);
         let level = self.in_unit("level", written.level.as_ref(), own)?;

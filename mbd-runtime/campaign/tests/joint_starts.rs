@@ -90,6 +90,33 @@ fn a_start_of_a_run_beyond_half_a_turn_keeps_its_turn() {
     }
 }
 
+#[test]
+fn a_joint_with_one_coordinate_starts_by_its_name_alone() {
+    let scene = read_text(PENDULUM).scene.expect("a scene");
+    let plan = |start: &str| {
+        let text = format!("until = \"1 s\"\n[start]\n{start}");
+        let settings: Settings = toml::from_str(&text).expect("settings");
+        RunPlan::new(&scene, &settings)
+    };
+    let [short, whole] = ["pin", "pin.angle"].map(|name| plan(&format!("{name} = \"0.3 rad\"")));
+    assert_eq!(
+        angles(Coordinates::Absolute, &short.expect("a plan")),
+        angles(Coordinates::Absolute, &whole.expect("a plan"))
+    );
+    let twice = plan("pin = \"0.3 rad\"\n\"pin.angle\" = \"0.2 rad\"").expect_err("twice");
+    assert!(twice.to_string().contains("is given twice"), "{twice}");
+    // What a campaign disperses lies about what the scene file gives under either name.
+    let folder = Folder::new("starts_alone");
+    let file = "cases = 4\n[start]\npin.angle = { dist = \"normal\", sigma = \"10 %\" }\n[metrics]\nmost = { max = \"swing\" }\n";
+    let file = folder.file("dispersions.toml", file);
+    let own: Settings =
+        toml::from_str("until = \"1 s\"\n[start]\npin = \"0.3 rad\"").expect("settings");
+    let model = Generic::<f64>::with_defaults(scene).expect("valid");
+    let campaign = Campaign::read(&file, Arc::new(model), own).expect("valid");
+    let nominal = campaign.plan(0).expect("a case");
+    assert!((angles(Coordinates::Absolute, &nominal)[0] - 0.3).abs() < 1e-12);
+}
+
 /// Bars of 1, 2 and 2 m between pivots 2 m apart; the crank to the digit, the rocker about an angle.
 const LOOP: &str = "model Loop { gravity: none;
     world { frame far at [2, 0, 0] m }

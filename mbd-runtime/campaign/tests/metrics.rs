@@ -114,6 +114,30 @@ fn a_fall_has_its_closed_form_in_generated_interpreted_and_generic_models_from_t
 }
 
 #[test]
+fn a_column_is_known_by_the_name_that_expressions_give_it() {
+    let stone = Stone::new(StoneParams::default())
+        .expect("defaults")
+        .share();
+    let folder = Folder::new("metrics_names");
+    let columns = "[metrics]\nhigh = { max = \"stone.position.z\" }\nslow = { min = \"stone.velocity.z\" }\n[envelopes]\ncolumns = [\"stone.position.z\"]\n";
+    let campaign = campaign_of(&folder, stone.clone(), &format!("{RUN}{columns}")).expect("valid");
+    let metrics = campaign.manifest().metrics;
+    let units: Vec<&str> = metrics.iter().rev().take(2).map(|it| &*it.unit).collect();
+    assert_eq!(units, ["m/s", "m"]);
+    let (row, _) = campaign.replay(0).expect("the nominal");
+    let [.., high, slow] = row.metrics[..] else {
+        panic!("two metrics");
+    };
+    assert!((high - 20.0).abs() < 1e-9 && (slow + 20.0).abs() < 1e-9);
+    let lost = format!("{RUN}[metrics]\nhigh = {{ max = \"ball.position.z\" }}\n");
+    let error = campaign_of(&folder, stone, &lost).err().expect("no ball");
+    assert!(
+        error.to_string().contains("no column `ball.position.z`"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_campaign_file_adds_metrics_and_says_what_declared_ones_have_to_be() {
     let stone = || {
         Stone::new(StoneParams::default())

@@ -16,6 +16,13 @@ pub enum ParamError {
         /// Given.
         found: usize,
     },
+    /// They are those of another model.
+    OtherModel {
+        /// The model.
+        model: String,
+        /// Whose they are.
+        given: String,
+    },
     /// A value is infinite or NaN.
     NotFinite {
         /// The param.
@@ -50,6 +57,12 @@ impl fmt::Display for ParamError {
         match self {
             ParamError::Count { expected, found } => {
                 write!(f, "this model has {expected} params, found {found} values")
+            }
+            ParamError::OtherModel { model, given } => {
+                write!(
+                    f,
+                    "these are params of `{given}`: `{model}` takes its own, `{model}Params`"
+                )
             }
             ParamError::NotFinite { param, value } => {
                 write!(f, "param `{param}` is {value}: give it a finite value")

@@ -17,7 +17,7 @@ use crate::lanes::Together;
 use crate::linearise::{Linearisation, LinearisationError, StateSpace};
 use crate::options::Options;
 use crate::simulation::{Course, Given, Handover, Simulation, Snapshot, Stop};
-use crate::supply::{self, Inputs, Law, Sample};
+use crate::supply::{self, InputNumbers, Inputs, Law, Params, Sample};
 use crate::system::External;
 use crate::trajectory::Trajectory;
 use crate::trim::{TrimError, TrimProblem, Trimmed};
@@ -266,13 +266,15 @@ impl<T: Scalar> Simulation<T> {
         T::add_control(self, I::MODEL, Some(period), supply::law(law))
     }
 
-    /// Changes the parameters of a run (declaration order, SI). Nothing is built anew: time and state stay, and [`Simulation::start`] makes them
-    /// consistent with the new values before the next step: bodies back on their joints, nodes in balance, lines slack or taut.
+    /// Changes the parameters of a run: `simulation.set_params(&CartParams { mass: 2.0, ..Default::default() })`, or a list of them (declaration order, SI).
+    /// Nothing is built anew: time and state stay, and [`Simulation::start`] makes them consistent with the new values before the next step: bodies back
+    /// on their joints, nodes in balance, lines slack or taut.
     ///
     /// # Errors
-    /// The first parameter that cannot be run; the run keeps the old ones.
-    pub fn set_params(&mut self, params: &[T]) -> Result<(), ParamError> {
-        T::give_params(self, params)
+    /// The params of another model; the first parameter that cannot be run; the run keeps the old ones.
+    pub fn set_params<P: Params<T> + ?Sized>(&mut self, params: &P) -> Result<(), ParamError> {
+        P::check_model(self.model().scene())?;
+        T::give_params(self, params.values().as_ref())
     }
 
     /// The name of an event: that of the declaration, or the line and what it became.
@@ -603,7 +605,7 @@ impl<T: Scalar> Linearisation<T> {
     }
 }
 
-/// A, B, C, D of a scene at a time [s], a state x = [q | v | z] and inputs (SI, in the order of [`Layout::inputs`]), in minimal coordinates: an
+/// A, B, C, D of a scene at a time [s], a state x = [q | v | z] and inputs (`ArmInputs`, or SI numbers in the order of [`Layout::inputs`]), in minimal coordinates: an
 /// independent set of joint coordinates, positions and turns that is chosen and named in [`StateSpace::states`]. Nodes are put in balance; the state
 /// should obey the joints and need not be at rest.
 ///
@@ -629,7 +631,7 @@ impl<T: Scalar> Linearisation<T> {
 /// let arm = Arm::new(ArmParams::default())?;
 /// // Hanging: x y z, a quaternion, six speeds.
 /// let state = [0.0, 0.0, -0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-/// let linear = linearise(&arm, 0.0, &state, &[0.0])?;
+/// let linear = linearise(&arm, 0.0, &state, &ArmInputs { motor: 0.0 })?;
 ///
 /// // (I + m l²) θ̈ = −m g l θ − c θ̇ + u.
 /// let inertia = 0.1 + 2.0 * 0.5 * 0.5;
@@ -649,7 +651,7 @@ pub fn linearise<T: Scalar>(
     model: &dyn Model<T>,
     time: f64,
     state: &[T],
-    inputs: &[T],
+    inputs: &(impl InputNumbers<T> + ?Sized),
 ) -> Result<StateSpace, LinearisationError> {
     linearise_along(model, time, state, inputs, &[])
 }
@@ -663,10 +665,10 @@ pub fn linearise_along<T: Scalar>(
     model: &dyn Model<T>,
     time: f64,
     state: &[T],
-    inputs: &[T],
+    inputs: &(impl InputNumbers<T> + ?Sized),
     coordinates: &[&str],
 ) -> Result<StateSpace, LinearisationError> {
-    let (state, inputs) = (wide(state), wide(inputs));
+    let (state, inputs) = (wide(state), wide(inputs.list().as_ref()));
     T::make_space(model, (time, &state, &inputs), None, coordinates)
 }
 
@@ -679,10 +681,10 @@ pub fn inverse_dynamics<T: Scalar>(
     model: &dyn Model<T>,
     time: f64,
     state: &[T],
-    inputs: &[T],
+    inputs: &(impl InputNumbers<T> + ?Sized),
     accelerations: &[(&str, f64)],
 ) -> Result<Efforts, LinearisationError> {
-    let (state, inputs) = (wide(state), wide(inputs));
+    let (state, inputs) = (wide(state), wide(inputs.list().as_ref()));
     T::find_efforts(model, (time, &state, &inputs), accelerations)
 }
 

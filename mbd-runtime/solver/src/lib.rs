@@ -116,7 +116,7 @@ pub use integrate::Scales;
 pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
 pub use simulation::{Acted, Handover, Moved, Simulation, Snapshot, Stop};
-pub use supply::{Inputs, Sample};
+pub use supply::{InputNumbers, Inputs, Params, Sample};
 pub use system::{External, NoLoads};
 
 // Many runs.
@@ -130,7 +130,7 @@ pub use columns::{Name, state_names};
 pub use content::Content;
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff, UnevenLines};
 pub use event::{Happening, Occurrence};
-pub use metric::{MetricReader, MetricValue, MissingMetric};
+pub use metric::{MetricReader, MetricValue, MissingMetric, NoMetric};
 pub use node::NodeMemory;
 pub use trajectory::{Joined, Sampling, Trajectory};
 pub use unilateral::Mode;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use mbd_scene::Scene;
 use mbd_scene::metrics::{Metric, Take};
+use mbd_scene::similar::did_you_mean;
 
 use crate::columns::Name;
 use crate::trajectory::Trajectory;
@@ -117,7 +118,71 @@ impl Trajectory {
         });
         told.collect()
     }
+
+    /// A metric that the declaration has, by its name, of the run that was recorded; its unit is that of the declaration, or of the output it is made of.
+    ///
+    /// ```
+    /// use mbd_runtime::{Content, Options, Sampling, Simulation, Trajectory, model};
+    ///
+    /// model! {
+    ///     model Throw {
+    ///         gravity: [0.0, 0.0, -10.0] m/s^2;
+    ///         point stone { mass: 1.0 kg, start at [0.0, 0.0, 0.0] m velocity [3.0, 0.0, 10.0] m/s }
+    ///         output height = stone.position.z in mm;
+    ///         metric highest = max height;
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let throw = Throw::new(ThrowParams::default())?;
+    /// let mut history = Trajectory::new(&throw, Sampling::Every(0.1), Content::RESULTS);
+    /// Simulation::new(&throw, Options::rk4(0.1))?.record(2.0, &mut history)?;
+    /// assert!((history.metric("highest")? - 5000.0).abs() < 1e-9);
+    /// let error = history.metric("higest").unwrap_err().to_string();
+    /// assert!(error.contains("did you mean `highest`?"), "{error}");
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A name that is no metric; one that has no value, as [`MissingMetric`] says.
+    pub fn metric(&self, name: &str) -> Result<f64, NoMetric> {
+        let no_metric = |why: String| NoMetric {
+            name: name.to_owned(),
+            why,
+        };
+        let names = || self.declared.iter().map(|(known, _)| known.as_str());
+        let Some((_, reader)) = self.declared.iter().find(|(known, _)| known == name) else {
+            let near = did_you_mean(name, names());
+            let known = names().collect::<Vec<_>>().join(", ");
+            return Err(no_metric(match known.as_str() {
+                "" => "is no metric: this model declares none".to_owned(),
+                known => format!("is no metric{near}; there are: {known}"),
+            }));
+        };
+        let read = reader.as_ref().map_err(|why| *why);
+        let read = read.and_then(|reader| self.measured(reader));
+        let value = read.map(|[value, _]| value);
+        value.map_err(|why| no_metric(format!("has no value: {why}")))
+    }
 }
+
+/// A metric that cannot be told: [`Trajectory::metric`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NoMetric {
+    /// The name that was asked for.
+    pub name: String,
+    /// Why there is no number.
+    pub why: String,
+}
+
+impl fmt::Display for NoMetric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` {}", self.name, self.why)
+    }
+}
+
+impl std::error::Error for NoMetric {}
 
 impl MetricValue {
     /// A metric of a scene, as [`Trajectory::measured`] read it.

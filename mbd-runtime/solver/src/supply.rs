@@ -7,7 +7,7 @@
 use std::cell::RefCell;
 use std::marker::PhantomData;
 
-use mbd_scene::{At, Float, Layout, Model, Quantity, Scene, Work};
+use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Scene, Work};
 
 use crate::columns::input_name;
 use crate::error::{Source, StepError};
@@ -95,6 +95,79 @@ impl<T: Copy, const N: usize> Inputs<T> for [T; N] {
 
     fn outputs(columns: &[T]) -> Vec<T> {
         columns.to_vec()
+    }
+}
+
+/// Numbers for the inputs of a model: typed [`Inputs`], or a list of them in the order of [`Layout::inputs`].
+pub trait InputNumbers<T> {
+    /// The numbers.
+    fn list(&self) -> impl AsRef<[T]>;
+}
+
+impl<T, I: Inputs<T>> InputNumbers<T> for I {
+    fn list(&self) -> impl AsRef<[T]> {
+        self.numbers()
+    }
+}
+
+impl<T> InputNumbers<T> for [T] {
+    fn list(&self) -> impl AsRef<[T]> {
+        self
+    }
+}
+
+/// Values for the params of a model: the struct that comes with it, `CartParams`, or a list of them in the order of the declaration [SI].
+pub trait Params<T> {
+    /// The model that they belong to; `None` where that is not known.
+    const MODEL: Option<&'static str>;
+
+    /// Their values in the order of the declaration.
+    fn values(&self) -> impl AsRef<[T]>;
+
+    /// An error where they are known to be those of another model.
+    ///
+    /// # Errors
+    /// [`ParamError::OtherModel`].
+    fn check_model(scene: &Scene) -> Result<(), ParamError> {
+        match Self::MODEL {
+            Some(given) if given != scene.name => Err(ParamError::OtherModel {
+                model: scene.name.clone(),
+                given: given.to_owned(),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl<T> Params<T> for [T] {
+    const MODEL: Option<&'static str> = None;
+
+    fn values(&self) -> impl AsRef<[T]> {
+        self
+    }
+}
+
+impl<T> Params<T> for Vec<T> {
+    const MODEL: Option<&'static str> = None;
+
+    fn values(&self) -> impl AsRef<[T]> {
+        self.as_slice()
+    }
+}
+
+impl<T, const N: usize> Params<T> for [T; N] {
+    const MODEL: Option<&'static str> = None;
+
+    fn values(&self) -> impl AsRef<[T]> {
+        self.as_slice()
+    }
+}
+
+impl<T, P: Params<T> + ?Sized> Params<T> for &P {
+    const MODEL: Option<&'static str> = P::MODEL;
+
+    fn values(&self) -> impl AsRef<[T]> {
+        (**self).values()
     }
 }
 

@@ -79,6 +79,8 @@ pub struct Trajectory {
     beside: bool,
     /// When the run ended [s]; NaN: it did not.
     end: f64,
+    /// The metrics that the scene declares, by name, and how each is read.
+    pub(crate) declared: Vec<(String, Result<MetricReader, MissingMetric>)>,
     measures: Measures,
     /// Rows of what is measured at instants, and over steps.
     measured: RowMaker,
@@ -129,6 +131,7 @@ impl Trajectory {
             next: 0,
             beside: false,
             end: f64::NAN,
+            declared: Vec::new(),
             measures: Measures::default(),
             measured: RowMaker::new(Content::TIME, 0),
             inside: RowMaker::new(Content::TIME, 0),
@@ -136,8 +139,13 @@ impl Trajectory {
             events: Vec::new(),
             statistics: Statistics::default(),
         };
-        let declared = scene.runs.metrics.iter();
-        let readers = declared.filter_map(|it| MetricReader::new(it, scene, &history.names).ok());
+        let declared = scene.runs.metrics.iter().map(|metric| {
+            let reader = MetricReader::new(metric, scene, &history.names);
+            (metric.name.clone(), reader)
+        });
+        history.declared = declared.collect();
+        let readers = history.declared.iter();
+        let readers = readers.filter_map(|(_, reader)| reader.clone().ok());
         history.measure_columns((scene, layout), readers.collect());
         history
     }

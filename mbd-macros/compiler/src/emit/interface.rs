@@ -97,6 +97,13 @@ fn params(context: &EmitContext) -> TokenStream {
                 #name { #(#fields,)* #no_scalar }
             }
         }
+
+        impl #real ::mbd_runtime::Params<#t> for #name #used {
+            const MODEL: ::core::option::Option<&'static str> = ::core::option::Option::Some(#model);
+            fn values(&self) -> impl ::core::convert::AsRef<[#t]> {
+                self.to_array()
+            }
+        }
     }
 }
 

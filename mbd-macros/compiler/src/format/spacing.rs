@@ -61,7 +61,7 @@ enum Role {
     Other,
     /// Between two operands: a blank on both sides.
     Between,
-    /// A later sign of the one before: `=` of `<=`.
+    /// A later sign of the one before: `=` of `<=`, the second of `&&`.
     Continued,
     /// Joins both sides: `.`, `..`, `^`, `::`.
     Joint,
@@ -82,13 +82,15 @@ fn roles(lexemes: &[Lexeme], marks: &[Mark]) -> Vec<Role> {
         let of_range = at > 1 && sign(at - 1, '.') && sign(at - 2, '.');
         let continued = match found {
             '=' => of_range || "<>=!".chars().any(after),
-            '.' | ':' => after(found),
+            '.' | ':' | '&' | '|' => after(found),
             _ => false,
         };
         roles.push(match found {
             '>' if marks[at] == Mark::Scalar => Role::Other,
             _ if [Mark::Scalar, Mark::InUnit, Mark::Range].contains(&marks[at]) => Role::Joint,
             _ if continued && found == '=' => Role::Continued,
+            '&' | '|' if continued => Role::Continued,
+            '&' | '|' if sign(at + 1, found) => Role::Between,
             // `..=` stands apart, `..` joins.
             '.' if sign(at + 1, '.') && sign(at + 2, '=') => Role::Between,
             '.' if continued && sign(at + 1, '=') => Role::Continued,
@@ -164,13 +166,16 @@ impl Spacing<'_> {
         }
     }
 
-    /// Whether the bracket behind an `if` holds its condition: a brace follows.
+    /// Whether the bracket behind an `if` holds its condition, or one of several: a brace follows, or what joins them.
     fn is_condition(&self, at: usize) -> bool {
         let LexemeKind::Open(_, skip) = self.lexemes[at].kind else {
             return false;
         };
         let next = self.lexemes.get(at + skip + 1);
-        next.is_some_and(|next| opens(&next.kind, Bracket::Brace))
+        next.is_some_and(|next| {
+            let joins = matches!(next.kind, LexemeKind::Sign('&' | '|'));
+            joins || opens(&next.kind, Bracket::Brace)
+        })
     }
 
     /// Whether both would be read as something else without a blank.

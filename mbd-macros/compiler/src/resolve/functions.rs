@@ -168,23 +168,9 @@ impl Resolver<'_> {
         let [condition, then, otherwise] = arguments else {
             return self.fail(say::argument_count(at, &name.text, 3, arguments.len()));
         };
-        let Expression::Compare { sign, sides } = condition else {
-            return self.fail(say::condition_wanted(condition.at()));
-        };
-        let [left, right] = [&sides[0], &sides[1]].map(|side| self.typed(side, scope));
+        let condition = self.condition(condition, name, scope);
         let [then, otherwise] = [then, otherwise].map(|value| self.typed(value, scope));
-        let [a, b] = self.scalars(vec![left, right], name, condition.at())?;
-        let sides = [a.formula.clone(), b.formula.clone()];
-        // For what may be compared; its value is not used.
-        self.alike(Function::Min, a, b, condition.at())?;
-        let [a, b] = sides;
-        let (function, a, b) = match *sign {
-            "<" => (Function::IfLess, a, b),
-            ">" => (Function::IfLess, b, a),
-            "<=" => (Function::IfAtMost, a, b),
-            _ => (Function::IfAtMost, b, a),
-        };
-        let (then, otherwise) = (then?, otherwise?);
+        let ((function, a, b), then, otherwise) = (condition?, then?, otherwise?);
         let values = [then.formula.clone(), otherwise.formula.clone()];
         let like = self.alike(Function::Add, then, otherwise, at)?;
         let [then, otherwise] = values;
@@ -192,6 +178,47 @@ impl Resolver<'_> {
             formula: self.apply(function, vec![a, b, then, otherwise], at)?,
             bare: None,
             ..like
+        })
+    }
+
+    /// The function that asks for a condition, and what it compares.
+    fn condition(
+        &mut self,
+        condition: &Expression,
+        name: &Word,
+        scope: Scope<'_>,
+    ) -> Option<(Function, Formula, Formula)> {
+        let at = condition.at();
+        let Expression::Compare { sign, sides } = condition else {
+            return self.fail(say::condition_wanted(at));
+        };
+        let [left, right] = [&sides[0], &sides[1]];
+        if ["&&", "||"].contains(sign) {
+            // Each is 1 or 0: both hold where the smaller is 1, one of them where the larger is.
+            let truth = [left, right].map(|side| {
+                let (function, a, b) = self.condition(side, name, scope)?;
+                let numbers = [1.0, 0.0].map(Formula::Number);
+                self.apply(function, [a, b].into_iter().chain(numbers).collect(), at)
+            });
+            let [left, right] = truth;
+            let join = match *sign {
+                "&&" => Function::Min,
+                _ => Function::Max,
+            };
+            let all = self.apply(join, vec![left?, right?], at)?;
+            return Some((Function::IfLess, Formula::Number(0.5), all));
+        }
+        let typed = [left, right].map(|side| self.typed(side, scope));
+        let [a, b] = self.scalars(typed.into(), name, at)?;
+        let sides = [a.formula.clone(), b.formula.clone()];
+        // For what may be compared; its value is not used.
+        self.alike(Function::Min, a, b, at)?;
+        let [a, b] = sides;
+        Some(match *sign {
+            "<" => (Function::IfLess, a, b),
+            ">" => (Function::IfLess, b, a),
+            "<=" => (Function::IfAtMost, a, b),
+            _ => (Function::IfAtMost, b, a),
         })
     }
 

@@ -18,6 +18,9 @@ use crate::syntax::words::{ABOUT, AT_START};
 use crate::syntax::{Cursor, Item, ValueSyntax, foreign, unit};
 use crate::units;
 
+/// The numbers that may follow time, inputs and states: a spring on a servo, a brake.
+const MAY_CHANGE: [&str; 4] = ["stiffness", "rest", "damping", "friction"];
+
 /// The keywords of the fields of a coordinate.
 fn field_words() -> impl Iterator<Item = &'static str> {
     let names = |fields: &[&JointForceField]| -> Vec<&'static str> {
@@ -109,7 +112,9 @@ impl Resolver<'_> {
                 coordinate,
                 scope: instance.scope(MayDependOn::Fixed),
             };
-            let forces = self.forces(index, fields, &owner);
+            let forces = self.forces(index, fields, &owner).map(|forces| {
+                forces.with_changing_terms_as_force(instance.slot, |number| self.changes(number))
+            });
             if let (Some(entries), Some(forces)) = (entries.as_mut(), forces.as_ref()) {
                 entries.extend((!forces.is_empty()).then(|| forces.clone()));
             }
@@ -423,6 +428,13 @@ impl Resolver<'_> {
         (Formula::Vector(vec![now, rate, curve]), filter)
     }
 
+    /// Whether a formula that no motion stands in changes in a run.
+    pub fn changes(&self, formula: &Formula) -> bool {
+        let changing =
+            |part: &Formula| matches!(part, Formula::Time | Formula::Input(_) | Formula::State(_));
+        self.scene.contains(formula, changing)
+    }
+
     fn along_number(
         &mut self,
         field: &JointForceField,
@@ -430,7 +442,17 @@ impl Resolver<'_> {
         owner: &FieldsOwner<'_>,
     ) -> Option<Formula> {
         self.instead = Some(foreign::NOT_PROPORTIONAL);
-        let typed = self.value(value, owner.scope);
+        let stage = match MAY_CHANGE.contains(&field.name) {
+            true => MayDependOn::Driven,
+            false => owner.scope.stage,
+        };
+        let typed = self.value(
+            value,
+            Scope {
+                stage,
+                ..owner.scope
+            },
+        );
         self.instead = None;
         self.obeying(typed?, field, owner)
     }

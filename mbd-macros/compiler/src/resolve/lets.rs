@@ -100,7 +100,7 @@ impl Resolver<'_> {
             MayDependOn::Constant => say::not_constant(at, &what),
             MayDependOn::Fixed => say::not_fixed(at, &what, self.instead),
             MayDependOn::Course => say::not_prescribed(at, &what),
-            MayDependOn::Driven => say::not_driven(at, &what),
+            MayDependOn::Driven => say::not_driven(at, &what, self.instead),
             MayDependOn::Live | MayDependOn::Result => say::let_as_cause(at, name, on),
         })
     }

@@ -8,8 +8,10 @@ use super::fields::{Accept, ItemFields};
 use super::{Instance, MayDependOn, Named, Resolver, Scope};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
-use crate::syntax::{Cursor, Item, ValueSyntax, words};
+use crate::syntax::{Cursor, Item, ValueSyntax, foreign, words};
 use crate::units;
+
+const FIELD: &str = "free_length";
 
 impl Resolver<'_> {
     /// Fills the points; a massless one without a declared model is `static` until its lines are known.
@@ -210,11 +212,36 @@ impl Resolver<'_> {
         (name, scope): (&str, Scope<'_>),
         ends: [&Option<Place>; 2],
     ) -> Option<Formula> {
-        const FIELD: &str = "free_length";
         let driven = Scope {
             stage: MayDependOn::Driven,
             ..scope
         };
+        self.instead = Some(foreign::WOUND_BY_MOTION);
+        let length = self.length_in_a_run(value, name, driven);
+        self.instead = None;
+        let Some(formula) = length? else {
+            let accept = Accept::NotNegative;
+            return self.quantity(name, FIELD, value, units::LENGTH, accept, scope);
+        };
+        for end in ends.into_iter().flatten() {
+            if let Place::Point(point) = end
+                && let Some(point) = self.scene.points.get(*point)
+                && matches!(point.kind, PointKind::Node(_))
+            {
+                let report = say::wound_line_at_node(value.at, name, &point.name);
+                return self.fail(report);
+            }
+        }
+        Some(formula)
+    }
+
+    /// A free length that changes in a run, or that with its rate; nothing where it does not change.
+    fn length_in_a_run(
+        &mut self,
+        value: ValueSyntax<'_>,
+        name: &str,
+        driven: Scope<'_>,
+    ) -> Option<Option<Formula>> {
         let mut cursor = Cursor::new(value);
         let formula = if let Some(group) = cursor.group(Bracket::Square)
             && cursor.at_end()
@@ -230,25 +257,12 @@ impl Resolver<'_> {
             Formula::Vector(vec![length, rate])
         } else {
             let typed = self.value(value, driven)?;
-            let changes = |part: &Formula| {
-                matches!(part, Formula::Time | Formula::Input(_) | Formula::State(_))
-            };
-            if !self.scene.contains(&typed.formula, changes) {
-                let accept = Accept::NotNegative;
-                return self.quantity(name, FIELD, value, units::LENGTH, accept, scope);
+            if !self.changes(&typed.formula) {
+                return Some(None);
             }
             self.fits(typed, FIELD, false, units::LENGTH)?
         };
-        for end in ends.into_iter().flatten() {
-            if let Place::Point(point) = end
-                && let Some(point) = self.scene.points.get(*point)
-                && matches!(point.kind, PointKind::Node(_))
-            {
-                let report = say::wound_line_at_node(value.at, name, &point.name);
-                return self.fail(report);
-            }
-        }
-        Some(formula)
+        Some(Some(formula))
     }
 
     /// A number that every line or spring of its law has.

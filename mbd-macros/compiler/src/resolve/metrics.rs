@@ -1,12 +1,12 @@
 //! Metrics: numbers of a run. The quantity of one is an output with its name, behind those that are declared.
 
 use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
-use mbd_scene::{Formula, Output};
+use mbd_scene::{Formula, Output, Unit};
 
 use super::{Instance, MayDependOn, Named, Resolver, Typed, fold};
 use crate::lexeme::{LexemeKind, Region};
 use crate::messages::resolve as say;
-use crate::syntax::{ValueSyntax, words};
+use crate::syntax::{ValueSyntax, expression, words};
 use crate::units;
 
 impl Resolver<'_> {
@@ -63,6 +63,9 @@ impl Resolver<'_> {
                 return self.fail(say::scalar_wanted(typed.at, "a metric"));
             }
             let mut asked = self.in_unit(item.clause("in"))?;
+            if asked.is_none() {
+                asked = self.told_in(of, instance);
+            }
             let mut wanted = Vec::from_iter(asked.as_ref().map(|(unit, _)| unit.dimension));
             if take == Take::Integral {
                 let rate = wanted.first().and_then(|it| units::over(*it, units::TIME));
@@ -100,6 +103,19 @@ impl Resolver<'_> {
         (entry.take, entry.output, entry.level) = (take, output, level);
         (entry.event, entry.from, entry.to) = (event, from, to);
         (!fields.doubtful).then_some(())
+    }
+
+    /// The unit of an output where a metric is of one that it names alone: that of the column, as a campaign takes it.
+    fn told_in(&mut self, of: ValueSyntax<'_>, instance: &Instance<'_>) -> Option<(Unit, Region)> {
+        let path = expression::path(of).ok()?;
+        let first = path.first()?;
+        let entry = self.names.get(&first.word.text)?.clone();
+        let scope = instance.scope(MayDependOn::Constant);
+        let Named::Output(output) = self.member(&entry, first, scope)? else {
+            return None;
+        };
+        let unit = self.scene.outputs.get(output)?.unit.clone();
+        (!unit.text.is_empty()).then_some((unit, of.at))
     }
 
     /// The word in front, and what it is about.

@@ -257,7 +257,7 @@ impl Resolver<'_> {
             MayDependOn::Live | MayDependOn::Result => Some(()),
             MayDependOn::Fixed => self.fail(say::not_fixed(at, what, self.instead)),
             MayDependOn::Course => self.fail(say::not_prescribed(at, what)),
-            MayDependOn::Driven => self.fail(say::not_driven(at, what)),
+            MayDependOn::Driven => self.fail(say::not_driven(at, what, self.instead)),
             MayDependOn::Constant => self.fail(say::not_constant(at, what)),
         }
     }
@@ -487,10 +487,12 @@ impl Resolver<'_> {
             let mass = self.scene.bodies.get(body)?.mass.clone();
             return self.tail(Typed::of(mass, false, units::MASS, at), after);
         }
-        if quantities::BODY_QUANTITIES.contains(&word) {
+        let has_frame = self.frame_words(body).iter().any(|frame| frame == word);
+        let along = !has_frame && quantities::component_of(word).is_some();
+        if along || quantities::BODY_QUANTITIES.contains(&word) {
             return self.frame_quantity(Place::Body(body, 0), owner, rest, at, scope);
         }
-        if !self.frame_words(body).iter().any(|frame| frame == word) {
+        if !has_frame {
             let frames = self.frame_words(body);
             let (all, of_planes) = (quantities::BODY_QUANTITIES, quantities::PLANAR_BODY.len());
             let known = match self.scene.planar {
@@ -520,6 +522,9 @@ impl Resolver<'_> {
         let Some((step, after)) = rest.split_first() else {
             return self.fail(say::frame_without_quantity(at, owner));
         };
+        if let Some((quantity, axis)) = quantities::component_of(&step.word.text) {
+            return self.place_component((place, quantity, axis), at, after);
+        }
         let (formula, dimension) = match step.word.text.as_str() {
             "position" => (Formula::Position(place), units::LENGTH),
             "velocity" => (Formula::Velocity(place), units::SPEED),
@@ -539,6 +544,21 @@ impl Resolver<'_> {
         self.tail(Typed::of(formula, true, dimension, at), after)
     }
 
+    /// `bob.vx` as the state and its histories call it, `bob.velocity.x`.
+    fn place_component(
+        &mut self,
+        (place, quantity, axis): (Place, &str, usize),
+        at: Region,
+        after: &[PathStep],
+    ) -> Option<Typed> {
+        let (of, dimension) = match quantity {
+            "velocity" => (Formula::Velocity(place), units::SPEED),
+            _ => (Formula::Position(place), units::LENGTH),
+        };
+        let formula = fold::component(of, axis, &self.scene);
+        self.tail(Typed::of(formula, false, dimension, at), after)
+    }
+
     fn point_quantity(
         &mut self,
         point: usize,
@@ -552,6 +572,12 @@ impl Resolver<'_> {
         let Some((step, after)) = rest.split_first() else {
             return self.fail(say::without_quantity(at, owner, "point", known));
         };
+        let word = step.word.text.as_str();
+        let along = quantities::component_of(word)
+            .or_else(|| quantities::axis_of(word).map(|axis| ("position", axis)));
+        if let Some((quantity, axis)) = along {
+            return self.place_component((place, quantity, axis), at, after);
+        }
         let (formula, dimension) = match step.word.text.as_str() {
             "position" => (Formula::Position(place), units::LENGTH),
             "velocity" => (Formula::Velocity(place), units::SPEED),
@@ -618,19 +644,18 @@ impl Resolver<'_> {
         } else {
             match self.place_owner(first, scope)? {
                 Named::Body(body) => {
-                    let Some((step, after)) = rest.split_first() else {
-                        let frames = self.frame_words(body);
-                        let own = frames.first().filter(|frame| *frame != "com");
-                        return self.fail(say::frame_wanted(
-                            value.at,
-                            word,
-                            own.map(String::as_str),
-                        ));
+                    let frame = match rest.first() {
+                        Some(step) => self.body_frame(body, step, scope)?,
+                        // A body without frames of its own has no other place that could be meant.
+                        None => match self.frame_words(body).first() {
+                            Some(own) if own != "com" => {
+                                return self.fail(say::frame_wanted(value.at, word, own));
+                            }
+                            _ => 0,
+                        },
                     };
-                    (
-                        Place::Body(body, self.body_frame(body, step, scope)?),
-                        after,
-                    )
+                    let after = rest.get(1..).unwrap_or_default();
+                    (Place::Body(body, frame), after)
                 }
                 Named::Point(point) => (Place::Point(point), rest),
                 other => return self.fail(say::no_place(value.at, word, other.kind())),

@@ -34,6 +34,8 @@ pub struct UnitWords {
 struct OpenWord {
     word: String,
     of_unit: Dimension,
+    /// The dimension of the whole unit.
+    whole: Dimension,
     /// Where the number with the unit is.
     at: Region,
     /// The value it stands in, if that is told by its dimension.
@@ -55,7 +57,8 @@ impl Resolver<'_> {
     /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`.
     ///
     /// It is the unit, and a note says so, if what has the name has a dimension, and another one, and the word stands below the line or is a
-    /// power, `1.2 kg/m^3` beside a mass `m`, or the value has the dimension that is wanted there: `damping: 2 N*m*s`, `force: -2 N*m * pin.angle`.
+    /// power, `1.2 kg/m^3` beside a mass `m`, or the value has the dimension that is wanted there: `damping: 2 N*m*s`, `force: -2 N*m * pin.angle`; where
+    /// none is wanted, if the number with the unit is a quantity that has a name, and with the value is none: `20 N*m` is a torque beside a mass `m`.
     pub fn unit_alone(&mut self, number: &str, unit: Option<&Unit>, at: Region) -> Option<()> {
         let text = unit.map_or("", |unit| unit.text.as_str());
         for (place, word) in open_words(text).into_iter().skip(1) {
@@ -70,19 +73,21 @@ impl Resolver<'_> {
             let report = say::unit_or_name(at, (number, text), place, word, declared);
             let below = text[..place].ends_with('/');
             let raised = text[place + word.len()..].starts_with('^');
-            if below || raised || self.unit_words.value.is_some() {
-                self.unit_words.open.push(OpenWord {
-                    word: word.to_owned(),
-                    of_unit,
-                    at,
-                    value: self.unit_words.value,
-                    has_to_fit: !below && !raised,
-                    note: format!("`{word}` in `{text}` is the unit, not the {kind} `{word}`"),
-                    report,
-                });
+            let open = OpenWord {
+                word: word.to_owned(),
+                of_unit,
+                whole: unit.map_or(units::NONE, |unit| unit.dimension),
+                at,
+                value: self.unit_words.value,
+                has_to_fit: !below && !raised,
+                note: format!("`{word}` in `{text}` is the unit, not the {kind} `{word}`"),
+                report,
+            };
+            if below || raised || self.unit_words.value.is_some() || self.is_a_quantity(&open) {
+                self.unit_words.open.push(open);
             } else {
-                if self.unit_words.told.insert(word.to_owned()) {
-                    self.messages.push(report);
+                if self.unit_words.told.insert(open.word) {
+                    self.messages.push(open.report);
                 }
                 return None;
             }
@@ -350,7 +355,8 @@ impl Resolver<'_> {
     pub fn open_unit_words(&mut self) {
         let mut noted = BTreeSet::new();
         for open in std::mem::take(&mut self.unit_words.open) {
-            if !open.has_to_fit && self.differs(&open.word, open.of_unit) {
+            let is_unit = !open.has_to_fit || self.is_a_quantity(&open);
+            if is_unit && self.differs(&open.word, open.of_unit) {
                 if noted.insert(open.word) {
                     self.notes.push(open.note);
                 }
@@ -363,17 +369,27 @@ impl Resolver<'_> {
     /// Whether what has this name has a dimension, and another one than a unit. What has a mistake of its own does.
     fn differs(&self, word: &str, of_unit: Dimension) -> bool {
         let named = self.names.get(word).and_then(|entry| entry.first());
-        let scene = &self.scene;
-        let unit = match named {
-            Some(named) if self.bad.contains(&named) => return true,
-            Some(Named::Const(index)) => scene.consts.get(index).map(|it| &it.unit),
-            Some(Named::Param(index)) => scene.params.get(index).map(|it| &it.unit),
-            Some(Named::Input(index)) => scene.inputs.get(index).map(|it| &it.unit),
-            Some(Named::State(index)) => scene.states.get(index).map(|it| &it.unit),
-            Some(Named::Let(index)) => scene.lets.get(index).map(|it| &it.unit),
-            _ => None,
-        };
-        unit.is_some_and(|unit| ![units::NONE, of_unit].contains(&unit.dimension))
+        match named {
+            Some(named) if self.bad.contains(&named) => true,
+            Some(named) => {
+                let unit = self.unit_of(named);
+                unit.is_some_and(|unit| ![units::NONE, of_unit].contains(&unit.dimension))
+            }
+            None => false,
+        }
+    }
+
+    /// Whether a number is a quantity that has a name where this word is the unit, and none where it is the value.
+    fn is_a_quantity(&self, open: &OpenWord) -> bool {
+        let named = self.names.get(&open.word).and_then(|entry| entry.first());
+        let by_name = named.and_then(|named| {
+            let rest = units::over(open.whole, open.of_unit)?;
+            units::times(rest, self.unit_of(named)?.dimension)
+        });
+        let has_name = |dimension: Dimension| units::name(dimension).is_some();
+        self.differs(&open.word, open.of_unit)
+            && has_name(open.whole)
+            && by_name.is_some_and(|it| !has_name(it))
     }
 
     /// `1/s`, `-2 / s^2`, `1/(m*s)`: the number with its unit, where no word below the line is a name.

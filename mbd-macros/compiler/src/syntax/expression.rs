@@ -51,9 +51,9 @@ pub enum Expression {
         /// `x`, `y` or `z`.
         axis: Word,
     },
-    /// `a < b`, the condition of an `if`
+    /// `a < b`, the condition of an `if`, or two of them with `&&` or `||`
     Compare {
-        /// `< <= > >=`
+        /// `< <= > >= && ||`
         sign: &'static str,
         /// The operands.
         sides: Box<[Expression; 2]>,
@@ -105,7 +105,7 @@ impl Expression {
 pub fn whole(value: ValueSyntax<'_>) -> Result<Expression, LexemeMessage> {
     let mut cursor = Cursor::new(value);
     // A comparison is read here, so that it is refused by what it is.
-    let parsed = Parser { depth: 0 }.comparison(&mut cursor)?.0;
+    let parsed = Parser { depth: 0 }.either(&mut cursor)?.0;
     cursor.finish_expression("an operator or the end")?;
     Ok(parsed)
 }
@@ -144,8 +144,40 @@ impl Parser {
         self.chain(cursor, first, ['+', '-'], Self::product)
     }
 
-    /// A sum, or two with a comparison between them.
+    /// A sum, or conditions with `||` between them.
+    fn either(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        self.together(cursor, "||", |this, cursor| {
+            this.together(cursor, "&&", Self::comparison)
+        })
+    }
+
+    /// Conditions with one sign between them.
+    fn together(
+        &mut self,
+        cursor: &mut Cursor<'_>,
+        sign: &'static str,
+        part: impl Fn(&mut Self, &mut Cursor<'_>) -> Deep,
+    ) -> Deep {
+        let (mut all, mut depth) = part(self, cursor)?;
+        while cursor.signs(sign).is_some() {
+            let (next, other) = part(self, cursor)?;
+            depth = depth.max(other) + 1;
+            if depth > DEEPEST {
+                return Err(say::deep_expression(next.at()));
+            }
+            let sides = Box::new([all, next]);
+            all = Expression::Compare { sign, sides };
+        }
+        Ok((all, depth))
+    }
+
+    /// A sum, or two with a comparison between them, or conditions in brackets.
     fn comparison(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let mut ahead = *cursor;
+        if let Some(group) = ahead.group(Bracket::Round).filter(|it| compares(*it)) {
+            *cursor = ahead;
+            return self.conditions(group);
+        }
         let (left, depth) = self.sum(cursor)?;
         let mut signs = ["<=", ">=", "<", ">"].into_iter();
         let here = cursor.here();
@@ -358,7 +390,7 @@ impl Parser {
         ))
     }
 
-    /// A comparison before a brace, in brackets or without.
+    /// Conditions before a brace, in brackets or without.
     fn condition(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let mut ahead = *cursor;
         let group = ahead.group(Bracket::Round).filter(|_| {
@@ -366,13 +398,20 @@ impl Parser {
             matches!(next, Some(LexemeKind::Open(Bracket::Brace, _)))
         });
         let Some(group) = group else {
-            return self.comparison(cursor);
+            return self.either(cursor);
         };
         *cursor = ahead;
+        self.conditions(group)
+    }
+
+    /// Conditions in brackets.
+    fn conditions(&mut self, group: ValueSyntax<'_>) -> Deep {
+        self.enter(group.at)?;
         let mut inner = Cursor::new(group);
-        let condition = self.comparison(&mut inner)?;
+        let conditions = self.either(&mut inner)?;
         inner.finish_expression("an operator or `)`")?;
-        Ok(condition)
+        self.depth -= 1;
+        Ok(conditions)
     }
 
     /// `{ value }`
@@ -391,7 +430,7 @@ impl Parser {
         let mut deepest = 0;
         for part in Cursor::new(group).comma_separated() {
             let mut inner = Cursor::new(part);
-            let (parsed, depth) = self.comparison(&mut inner)?;
+            let (parsed, depth) = self.either(&mut inner)?;
             inner.finish_expression("an operator or `,`")?;
             parts.push(parsed);
             deepest = deepest.max(depth);
@@ -421,6 +460,22 @@ impl Parser {
             }
         }
     }
+}
+
+/// Whether something is compared in brackets, not in brackets inside them, nor in an `if` there, which is a value.
+fn compares(group: ValueSyntax<'_>) -> bool {
+    let mut inner = Cursor::new(group);
+    while let Some(lexeme) = inner.peek() {
+        match &lexeme.kind {
+            LexemeKind::Sign('<' | '>') => return true,
+            LexemeKind::Word(word) if word == "if" => return false,
+            LexemeKind::Open(bracket, _) if inner.group(*bracket).is_some() => {}
+            _ => {
+                inner.take();
+            }
+        }
+    }
+    false
 }
 
 /// Whether the two dots of a range come next.

@@ -306,6 +306,9 @@ pub const NOT_CHANGING: Dictionary = &[
 /// What to write instead of a spring or damper of a joint whose number changes in a run.
 pub const NOT_PROPORTIONAL: &str = "what follows the motion in another way is the field `force`, such as `force: -2 N*m * hip.angle^3`";
 
+/// What to write instead of a free length that follows the motion of what winds it.
+pub const WOUND_BY_MOTION: &str = "what answers to the motion is a `state` with a `rate`: what a drum pays out is `state paid_out = 5 m { rate: -0.2 m * drum.angle_rate }`, and the joint of the drum feels the rope by `force: 0.2 m * rope.tension`";
+
 /// Functions of other tools.
 pub const FOREIGN_FUNCTIONS: Dictionary = &[
     ("mag", "norm"),
@@ -322,6 +325,9 @@ pub const FOREIGN_FUNCTIONS: Dictionary = &[
     ("sgn", "sign"),
     ("signum", "sign"),
     ("saturate", "clamp"),
+    ("sat", "clamp"),
+    ("limit", "clamp"),
+    ("clip", "clamp"),
     ("where", "if"),
     ("select", "if"),
     ("fmin", "min"),
@@ -397,11 +403,11 @@ pub const OPERATORS: Dictionary = &[
     ),
     (
         "&&",
-        "there is no `&&`: one `if` stands inside another, `if(a < b, if(c < d, this, that), that)`",
+        "`&&` stands between comparisons, in `if(a < b && c < d, this, that)`",
     ),
     (
         "||",
-        "there is no `||`: one `if` stands inside another, `if(a < b, this, if(c < d, this, that))`",
+        "`||` stands between comparisons, in `if(a < b || c < d, this, that)`",
     ),
     ("!", "there is no `!`: swap the two values of the `if`"),
     ("<", COMPARISON),

@@ -178,3 +178,14 @@ pub const POINT_QUANTITIES: &[&str] = &words::<3>(&[&PLACE]);
 pub const LINE_QUANTITIES: &[&str] = &words::<4>(&[&LINE]);
 /// What may be asked of every joint besides its coordinates.
 pub const JOINT_QUANTITIES: &[&str] = &words::<2>(&[&JOINT]);
+
+/// The axis that a letter means.
+pub fn axis_of(word: &str) -> Option<usize> {
+    ["x", "y", "z"].iter().position(|axis| *axis == word)
+}
+
+/// The quantity and the axis of a component that states and histories have under a name of its own: `vx` is `velocity.x`.
+pub fn component_of(word: &str) -> Option<(&'static str, usize)> {
+    let axis = axis_of(word.strip_prefix('v')?)?;
+    Some(("velocity", axis))
+}

@@ -34,6 +34,14 @@ impl<T: ::mbd_runtime::Real> KnotParams<T> {
         }
     }
 }
+impl<T: ::mbd_runtime::Real> ::mbd_runtime::Params<T> for KnotParams<T> {
+    const MODEL: ::core::option::Option<&'static str> = ::core::option::Option::Some(
+        "Knot",
+    );
+    fn values(&self) -> impl ::core::convert::AsRef<[T]> {
+        self.to_array()
+    }
+}
 /// The state of `Knot`: items in declaration order, bodies before points.
 ///
 /// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names.

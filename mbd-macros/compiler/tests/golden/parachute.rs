@@ -41,6 +41,14 @@ impl<T: ::mbd_runtime::Real> ParachuteParams<T> {
         }
     }
 }
+impl<T: ::mbd_runtime::Real> ::mbd_runtime::Params<T> for ParachuteParams<T> {
+    const MODEL: ::core::option::Option<&'static str> = ::core::option::Option::Some(
+        "Parachute",
+    );
+    fn values(&self) -> impl ::core::convert::AsRef<[T]> {
+        self.to_array()
+    }
+}
 /// The state of `Parachute`: items in declaration order, bodies before points.
 ///
 /// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names.

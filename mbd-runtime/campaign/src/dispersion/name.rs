@@ -6,8 +6,8 @@ use mbd_runtime::scene::{Arguments, InputSource, Parameter, Quantity, Scene, Uni
 use mbd_runtime::{Generic, Layout, Model, state_names};
 use toml::Value;
 
-use crate::run::names::{PlanError, unknown, wrong};
-use crate::run::plan::{about, coordinate_unit};
+use crate::run::names::{PlanError, flat, unknown, wrong};
+use crate::run::plan::{about, coordinate_unit, whole_name};
 use crate::run::{RunPlan, Settings};
 
 /// Where a dispersed number goes.
@@ -67,7 +67,8 @@ pub fn known(
     let at_start = coordinates_at_start(scene, layout, plan);
     for (name, measured) in scene.joint_coordinates().into_iter().zip(at_start) {
         if let Some(unit) = coordinate_unit(scene, &name) {
-            let said = written(settings, &name).or_else(|| declared(scene, &plan.params, &name));
+            let said =
+                written(scene, settings, &name).or_else(|| declared(scene, &plan.params, &name));
             all.push(start(name, unit, said.unwrap_or(measured)));
         }
     }
@@ -141,8 +142,8 @@ fn declared(scene: &Scene, params: &[f64], name: &str) -> Option<f64> {
 }
 
 /// What the settings give a joint coordinate; `None` where they say nothing. Numbers were checked when the run was planned.
-fn written(settings: &Settings, name: &str) -> Option<f64> {
-    match setting(settings, name)? {
+fn written(scene: &Scene, settings: &Settings, name: &str) -> Option<f64> {
+    match setting(scene, settings, name)? {
         Value::Float(number) => Some(*number),
         Value::Integer(number) => Some(*number as f64),
         Value::String(text) => {
@@ -153,21 +154,11 @@ fn written(settings: &Settings, name: &str) -> Option<f64> {
     }
 }
 
-/// What the settings write under the dotted name of a coordinate.
-fn setting<'a>(settings: &'a Settings, name: &str) -> Option<&'a Value> {
-    let mut table = &settings.start;
-    if let Some(value) = table.get(name) {
-        return Some(value);
-    }
-    let mut words = name.split('.').peekable();
-    while let Some(word) = words.next() {
-        match (table.get(word)?, words.peek()) {
-            (Value::Table(inner), Some(_)) => table = inner,
-            (value, None) => return Some(value),
-            _ => return None,
-        }
-    }
-    None
+/// What the settings write of a coordinate.
+fn setting<'a>(scene: &Scene, settings: &'a Settings, name: &str) -> Option<&'a Value> {
+    let mut given = flat(&settings.start).into_iter();
+    let found = given.find(|(given, _)| whole_name(scene, given.clone()) == name);
+    found.map(|(_, value)| value)
 }
 
 /// How a dispersed start is written: a coordinate that is about a value stays about the value of the case.
@@ -178,7 +169,7 @@ pub fn dispersed(scene: &Scene, settings: &Settings, name: &str, value: f64) -> 
         let own = starts.find(|start| (start.joint, start.coordinate) == (joint, number));
         !is_rate && own.is_some_and(|start| start.about)
     };
-    let gives_way = match setting(settings, name) {
+    let gives_way = match setting(scene, settings, name) {
         Some(given) => given.as_str().and_then(about).is_some(),
         None => found.is_some_and(declared),
     };

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::columns;
 use crate::dispersion::WrittenEnvelopes;
-use crate::run::names::wrong;
+use crate::run::names::{column_name, wrong};
 use crate::run::number::positive;
 use crate::run::{PlanError, RunPlan};
 
@@ -49,8 +49,10 @@ impl Envelopes {
             let text = "names no column: columns = [\"riser.tension\"]";
             return Err(wrong("envelopes.columns", text));
         }
+        let named = written.columns.iter().map(|column| column_name(column));
+        let named: Vec<String> = named.collect();
         for (at, column) in written.columns.iter().enumerate() {
-            if written.columns[..at].contains(column) {
+            if named[..at].contains(&named[at]) {
                 return Err(wrong(
                     "envelopes.columns",
                     format!("`{column}` stands here twice"),
@@ -78,8 +80,8 @@ impl Envelopes {
             found.map_or(String::new(), |Name { unit, .. }| unit.clone())
         };
         Ok(Envelopes {
-            units: written.columns.iter().map(unit).collect(),
-            columns: written.columns.clone(),
+            units: named.iter().map(unit).collect(),
+            columns: named,
             every,
             count: last as usize + 1,
         })

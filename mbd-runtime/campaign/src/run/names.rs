@@ -3,6 +3,7 @@
 use std::fmt;
 
 use mbd_compiler::nearest;
+use mbd_runtime::scene::Scene;
 use toml::{Table, Value};
 
 /// A setting that cannot be used: its name and what is wrong with it.
@@ -48,8 +49,44 @@ pub(crate) fn flat(table: &Table) -> Vec<(String, &Value)> {
     list
 }
 
+/// Quantities of bodies and points by the names that the state has for their components, and their units.
+pub(crate) const VECTORS: [(&str, &str, &str); 4] = [
+    ("position", "", "m"),
+    ("velocity", "v", "m/s"),
+    ("omega_body", "omega_body_", "rad/s"),
+    ("omega_world", "omega_world_", "rad/s"),
+];
+
+/// The name that the state has for a component: `bob.z` of `bob.position.z`, `bob.vx` of `bob.velocity.x`.
+pub(crate) fn state_name(name: &str) -> Option<String> {
+    let (quantity, axis) = name.rsplit_once('.')?;
+    let (owner, word) = quantity.rsplit_once('.')?;
+    let (_, prefix, _) = VECTORS.into_iter().find(|(found, ..)| *found == word)?;
+    let is_axis = ["x", "y", "z"].contains(&axis);
+    is_axis.then(|| format!("{owner}.{prefix}{axis}"))
+}
+
+/// A column of histories by the name that they give it, whichever of both is written.
+pub(crate) fn column_name(name: &str) -> String {
+    state_name(name).unwrap_or_else(|| name.to_owned())
+}
+
+/// What is said of a joint coordinate that is no column.
+pub(crate) fn no_coordinate(column: &str) -> String {
+    format!(
+        "in absolute coordinates a history has joint coordinates where an output tells them: declare `output NAME = {column};`, and write its name here"
+    )
+}
+
 /// What is said of a column that a history has not.
-pub(crate) fn no_column<'a>(column: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn no_column<'a>(
+    scene: &Scene,
+    column: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> String {
+    if scene.joint_coordinate(column).is_some() {
+        return no_coordinate(column);
+    }
     match nearest(column, known) {
         Some(near) => format!("the history has no column `{column}`; did you mean `{near}`?"),
         None => {

@@ -12,7 +12,7 @@ use mbd_runtime::{
 };
 use toml::{Table, Value};
 
-use super::names::{PlanError, flat, no_column, unknown, wrong};
+use super::names::{PlanError, VECTORS, column_name, flat, no_column, state_name, unknown, wrong};
 use super::number::{not_bare, not_negative, number, numbers as numbers_of, positive, zeros};
 use super::scales::scales;
 use super::settings::Settings;
@@ -203,7 +203,13 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     }
     let fixed = || step.map_or(Ok(STEP), |step| positive("step", step, "s"));
     let adaptive = || tolerance.map_or(Ok(TOLERANCE), |given| positive("tolerance", given, ""));
-    let mut options = match settings.method.as_deref() {
+    // Books write RK4 and Tsit5.
+    let word = settings.method.as_deref().map(|word| {
+        let mut known = Method::FIXED.into_iter().chain(Method::ADAPTIVE);
+        let ours = known.find(|known| known.eq_ignore_ascii_case(word));
+        ours.unwrap_or(word)
+    });
+    let mut options = match word {
         None if step.is_some() || (stepwise && tolerance.is_none()) => Options::rk4(fixed()?),
         None => Options::tsit5(adaptive()?),
         Some(word) if Method::FIXED.contains(&word) && tolerance.is_some() => {
@@ -249,7 +255,7 @@ fn method(word: &str, step: f64, tolerance: f64) -> Result<Method, PlanError> {
     })
 }
 
-/// Figures by title; their columns exist and share a unit.
+/// Figures by title; their columns exist. A figure has one unit: columns of several are one figure a unit, the second with a 2 behind its title.
 fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, PlanError> {
     let mut figures = Vec::new();
     let model = Generic::<f64>::with_defaults(scene.clone());
@@ -261,25 +267,25 @@ fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, P
             let text = "give the columns it shows: [\"riser.tension\", \"leg[0].tension\"]";
             return Err(wrong(setting, text));
         };
-        let mut columns = Vec::new();
-        let mut unit: Option<&str> = None;
+        let mut of_units: Vec<(&str, Vec<String>)> = Vec::new();
         for value in list {
-            let column = value.as_str().unwrap_or_default();
+            let written = value.as_str().unwrap_or_default();
+            let column = column_name(written);
             let Some(name) = names.iter().find(|name| name.name == column) else {
                 let known = names.iter().map(|name| name.name.as_str());
-                return Err(wrong(setting, no_column(column, known)));
+                return Err(wrong(setting, no_column(scene, written, known)));
             };
-            let known = unit.get_or_insert(&name.unit);
-            if *known != name.unit {
-                let text = format!(
-                    "`{column}` is in `{}`, the first column in `{known}`: a figure has one unit",
-                    name.unit
-                );
-                return Err(wrong(setting, text));
+            let same = |(unit, _): &(&str, _)| *unit == name.unit;
+            match of_units.iter().position(same) {
+                Some(place) => of_units[place].1.push(column),
+                None => of_units.push((&name.unit, vec![column])),
             }
-            columns.push(column.to_string());
         }
-        figures.push((title.clone(), columns));
+        let figures_of_units = of_units.into_iter().zip(1..);
+        figures.extend(figures_of_units.map(|((_, columns), number)| match number {
+            1 => (title.clone(), columns),
+            _ => (format!("{title} {number}"), columns),
+        }));
     }
     Ok(figures)
 }
@@ -399,14 +405,6 @@ fn start(
     })
 }
 
-/// Quantities of bodies and points by the names that the state has for their components, and their units.
-const VECTORS: [(&str, &str, &str); 4] = [
-    ("position", "", "m"),
-    ("velocity", "v", "m/s"),
-    ("omega_body", "omega_body_", "rad/s"),
-    ("omega_world", "omega_world_", "rad/s"),
-];
-
 /// A start in the numbers of the state: `bob.velocity = "[1, 0, 0] m/s"` is `bob.vx`, `bob.vy` and `bob.vz`, and `bob.velocity.x` is `bob.vx`. A zero across
 /// the plane of a scene is no number of its state.
 fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table, PlanError> {
@@ -434,13 +432,9 @@ fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table
             }
             continue;
         }
-        let inner = owner.rsplit_once('.');
-        let component = inner.and_then(|(owner, word)| Some((owner, found(word)?)));
-        let name = match component {
-            Some((owner, (_, prefix, _))) if ["x", "y", "z"].contains(&last) => {
-                format!("{owner}.{prefix}{last}")
-            }
-            _ => name,
+        let name = match state_name(&name) {
+            Some(name) => name,
+            None => whole_name(scene, name),
         };
         add(name, value.clone())?;
     }
@@ -448,6 +442,14 @@ fn in_numbers((scene, layout): (&Scene, &Layout), given: &Table) -> Result<Table
         all.entry(name).or_insert(value);
     }
     Ok(all)
+}
+
+/// A joint coordinate by its whole name, `pin.angle` for `pin`; any other name as it is.
+pub(crate) fn whole_name(scene: &Scene, name: String) -> String {
+    match scene.joint_coordinate(&name) {
+        Some((joint, number, false)) => scene.coordinate_name(joint, number),
+        _ => name,
+    }
 }
 
 /// What is said of a joint coordinate or its rate: a number, or `"about 30 deg"` of a coordinate.

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Coordinate, Field, Rule};
-use crate::{Dimension, Formula};
+use crate::{Dimension, Formula, Function};
 
 /// What acts along one coordinate of a joint. What is absent, or zero by declaration, costs nothing.
 ///
@@ -246,6 +246,57 @@ impl JointForces {
             &mut self.stop_stiffness,
             &mut self.stop_damping,
         ]
+    }
+
+    /// The same law with those of its terms as a `force` whose spring, damper or friction `changes` in a run: −K (x − x0), −C u or −F u/√(u² + w²) of
+    /// coordinate `joint`, by (1) of [`crate::laws::joint_forces`].
+    ///
+    /// Numbers are taken once, before a run; what changes has no elastic energy of its own, and its power is that of a drive.
+    #[must_use]
+    pub fn with_changing_terms_as_force(
+        mut self,
+        joint: usize,
+        changes: impl Fn(&Formula) -> bool,
+    ) -> Self {
+        let apply = |function, arguments: &[&Formula]| {
+            Formula::Apply(function, arguments.iter().copied().cloned().collect())
+        };
+        let any = |numbers: &[&Option<Formula>]| numbers.iter().copied().flatten().any(&changes);
+        let value = Formula::Coordinate(joint, self.coordinate);
+        let rate = Formula::CoordinateRate(joint, self.coordinate);
+        let mut terms = Vec::new();
+        if any(&[&self.stiffness, &self.rest])
+            && let Some(stiffness) = self.stiffness.take()
+        {
+            let deflection = match self.rest.take() {
+                Some(rest) => apply(Function::Sub, &[&value, &rest]),
+                None => value,
+            };
+            terms.push(apply(Function::Mul, &[&stiffness, &deflection]));
+        }
+        if any(&[&self.damping])
+            && let Some(damping) = self.damping.take()
+        {
+            terms.push(apply(Function::Mul, &[&damping, &rate]));
+        }
+        if any(&[&self.friction])
+            && let (Some(level), Some(width)) = (self.friction.take(), self.friction_rate.take())
+        {
+            let [square, of_width] = [&rate, &width].map(|u| apply(Function::Mul, &[u, u]));
+            let size = apply(
+                Function::Sqrt,
+                &[&apply(Function::Add, &[&square, &of_width])],
+            );
+            let direction = apply(Function::Div, &[&rate, &size]);
+            terms.push(apply(Function::Mul, &[&level, &direction]));
+        }
+        for term in terms {
+            self.force = Some(match self.force.take() {
+                Some(force) => apply(Function::Sub, &[&force, &term]),
+                None => apply(Function::Neg, &[&term]),
+            });
+        }
+        self
     }
 
     /// Every formula, to be changed.

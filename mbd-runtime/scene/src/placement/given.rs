@@ -78,11 +78,17 @@ impl From<f64> for StartNumber {
 }
 
 impl Scene {
-    /// The joint coordinate of a name, `pin.angle`, or of that of its rate, `pin.angle_rate`: joint, number, whether it is the rate.
+    /// The joint coordinate of a name, `pin.angle`, or of that of its rate, `pin.angle_rate`: joint, number, whether it is the rate. Of a joint with one
+    /// coordinate its name is enough, as in a gear.
     #[must_use]
     pub fn joint_coordinate(&self, name: &str) -> Option<(usize, usize, bool)> {
+        let named = |owner: &str| self.joints.iter().position(|joint| joint.name == owner);
+        if let Some(joint) = named(name) {
+            let only = self.joints.get(joint)?.law.measured().count() == 1;
+            return only.then_some((joint, 0, false));
+        }
         let (owner, word) = name.rsplit_once('.')?;
-        let joint = self.joints.iter().position(|joint| joint.name == owner)?;
+        let joint = named(owner)?;
         let mut measured = self.joints.get(joint)?.law.measured().enumerate();
         let (number, found) =
             measured.find(|(_, found)| found.name == word || found.rate == word)?;

@@ -31,9 +31,14 @@ pub(super) fn tree(
         let from_body = matches!(scene.joints[joint].parent, Place::Body(..));
         from_body && scene.joints[joint].law.freedoms() == FREE
     };
+    // What forbids nothing in a plane, as a joint `planar` about its normal, places only by what is said of its coordinates.
+    let says = |joint: usize| {
+        let lacks_rows = layout.joints[joint].len == 0;
+        lacks_rows && given.iter().any(|start| start.joint == joint)
+    };
     let mut order: Vec<usize> = (0..layout.joints.len())
         .filter(|&joint| {
-            let holds = layout.starts_joined(joint);
+            let holds = layout.starts_joined(joint) || says(joint);
             (holds && scene.joints[joint].law.couples().is_empty()) || flies(joint)
         })
         .collect();

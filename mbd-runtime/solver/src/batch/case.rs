@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use mbd_scene::{Float, ParamError};
+use mbd_scene::{Float, ParamError, Scene};
 
 use crate::error::{RunError, Statistics};
-use crate::supply::Inputs;
+use crate::supply::{Inputs, Params};
 
 /// What one run of a batch starts with; what is not said is as the model has it.
 ///
@@ -17,11 +17,18 @@ use crate::supply::Inputs;
 #[derive(Clone, Debug, Default)]
 pub struct Case<T = f64> {
     pub(super) number: usize,
-    pub(super) params: Option<Vec<T>>,
+    pub(super) params: Option<GivenParams<T>>,
     pub(super) inputs: Option<HeldInputs<T>>,
     pub(super) state: Option<(f64, Vec<T>)>,
     pub(super) joints: Vec<(String, f64)>,
     pub(super) nodes: Option<Vec<T>>,
+}
+
+/// Params: whether they are those of a scene, where that is known, and their values.
+#[derive(Clone, Debug)]
+pub(super) struct GivenParams<T> {
+    pub check: fn(&Scene) -> Result<(), ParamError>,
+    pub values: Vec<T>,
 }
 
 /// Inputs that are held: the model they belong to, where that is known, and their numbers.
@@ -38,10 +45,13 @@ impl<T: Float> Case<T> {
         Case::default()
     }
 
-    /// The parameters, in declaration order [SI]: `params.to_array()` of a generated model.
+    /// The parameters: those of a generated model, `StoneParams { … }`, or a list of them in declaration order [SI].
     #[must_use]
-    pub fn params(mut self, params: impl Into<Vec<T>>) -> Self {
-        self.params = Some(params.into());
+    pub fn params<P: Params<T>>(mut self, params: P) -> Self {
+        self.params = Some(GivenParams {
+            check: P::check_model,
+            values: params.values().as_ref().to_vec(),
+        });
         self
     }
 

@@ -223,7 +223,9 @@ impl<T: Scalar> Flights<'_, T> {
     /// Begins a case; `run` keeps it, also where it stops.
     fn begin(&self, case: &Case<T>, run: &mut Option<(Simulation<T>, Course)>) -> Result<(), Why> {
         let own = match &case.params {
-            Some(params) => self.model.with_params(params).map_err(Why::Params)?,
+            Some(params) => (params.check)(self.model.scene())
+                .and_then(|()| self.model.with_params(&params.values))
+                .map_err(Why::Params)?,
             None => self.model.clone(),
         };
         let fresh = Simulation::new(&*own, self.options).map_err(Why::Run)?;

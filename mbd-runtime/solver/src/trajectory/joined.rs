@@ -125,6 +125,7 @@ impl Joined {
             maker: RowMaker::new(content, self.names.len()),
             beside: false,
             end: parts.last().map_or(f64::NAN, |(_, part)| part.end),
+            declared: Vec::new(),
             measures: Measures::default(),
             measured: RowMaker::new(content, 0),
             inside: RowMaker::new(content, 0),

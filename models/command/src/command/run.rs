@@ -7,6 +7,7 @@ use mbd_campaign::Campaign;
 use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::GivenSettings;
 use mbd_report::ReportTable;
+use mbd_runtime::Method;
 use mbd_runtime::scene::Scene;
 use toml::{Table, Value};
 
@@ -310,20 +311,26 @@ fn case_of(
     plan.map_err(|error| CommandFailure::Invalid(format!("{}: {error}", campaign.display())))
 }
 
+/// Whether a method of this name has a fixed step.
+fn is_fixed(word: &str) -> bool {
+    let mut fixed = Method::FIXED.iter();
+    fixed.any(|known| known.eq_ignore_ascii_case(word))
+}
+
 fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, CommandFailure> {
     if args.dt.is_some() || args.tol.is_some() {
         (settings.step, settings.tolerance) = (value(&args.dt), value(&args.tol));
         // The method of the file stays where it has what is given.
-        let fixed = |word: &String| word == "rk4";
+        let fixed = |word: &String| is_fixed(word);
         settings.method = settings
             .method
             .filter(|word| fixed(word) == args.dt.is_some());
     }
     if let Some(word) = &args.method {
         // A step or a tolerance of the file belongs to its own method.
-        match word.as_str() {
-            "rk4" if args.tol.is_none() => settings.tolerance = None,
-            _ if args.dt.is_none() => settings.step = None,
+        match is_fixed(word) {
+            true if args.tol.is_none() => settings.tolerance = None,
+            false if args.dt.is_none() => settings.step = None,
             _ => {}
         }
         settings.method = Some(word.clone());

@@ -287,10 +287,26 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
         &figures("[\"hieght\"]"),
         "`figures.A`: the history has no column `hieght`; did you mean `height`?",
     );
-    fails(
-        &figures("[\"height\", \"fall.tension\"]"),
-        "`fall.tension` is in `N`, the first column in `m`",
+    let plan = RunPlan::new(
+        &scene,
+        &settings(&format!("[run]\nuntil = 1\nmethod = \"RK4\"\n{winded}")),
     );
+    assert_eq!(plan.unwrap().options.method, Method::Rk4 { step: 1e-3 });
+    // A figure has one unit; columns of another are a figure of their own.
+    let both = settings(&figures(
+        "[\"height\", \"fall.tension\", \"bob.position.z\"]",
+    ));
+    let plan = RunPlan::new(&scene, &both).unwrap();
+    let shown: Vec<(&str, Vec<&str>)> = plan
+        .figures
+        .iter()
+        .map(|(title, columns)| (&**title, columns.iter().map(|it| &**it).collect()))
+        .collect();
+    let wanted = [
+        ("A", vec!["height", "bob.z"]),
+        ("A 2", vec!["fall.tension"]),
+    ];
+    assert_eq!(shown, wanted);
     fails(
         &format!("[run]\nuntil = 1\ninstants = [\"1 m\"]\n{winded}"),
         "`instants`: `1 m` has the wrong unit: expected s",

@@ -50,11 +50,14 @@ pub fn not_prescribed(at: Region, what: &str) -> LexemeMessage {
     )
 }
 
-pub fn not_driven(at: Region, what: &str) -> LexemeMessage {
+/// `instead`: what to write, if there is something better than a force.
+pub fn not_driven(at: Region, what: &str, instead: Option<&str>) -> LexemeMessage {
+    let instead =
+        instead.unwrap_or("what answers to the motion is a `force`, or a `state` with a `rate`");
     LexemeMessage::new(
         at,
         format!(
-            "what drives a motor or a winch can use numbers, consts, params, `time`, inputs and states, not {what}; what answers to the motion is a `force`, or a `state` with a `rate`"
+            "this can use numbers, consts, params, `time`, inputs and states, not {what}; {instead}"
         ),
     )
 }
@@ -287,22 +290,12 @@ pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> 
     )
 }
 
-/// What to write for `bob.speed`, `bob.x`, `bob.vx`, and of a joint with one coordinate for `pin.rate`.
+/// What to write for `bob.speed`, and of a joint with one coordinate for `pin.rate`.
 fn by_another_name(owner: &str, word: &str, known: &[&str]) -> Option<String> {
-    let axis = |word: &str| ["x", "y", "z"].contains(&word);
     if word == "speed" && known.contains(&"velocity") {
         return Some(format!(
             "`{owner}` has a velocity, which is a vector: its speed is `norm({owner}.velocity)`"
         ));
-    }
-    if known.contains(&"position") {
-        let (quantity, letter) = match word.strip_prefix('v').filter(|letter| axis(letter)) {
-            Some(letter) => ("velocity", letter),
-            None => ("position", word),
-        };
-        return axis(letter).then(|| {
-            format!("`{owner}` has no quantity `{word}`: that is `{owner}.{quantity}.{letter}`")
-        });
     }
     let mut rates = known.iter().filter_map(|known| known.strip_suffix("_rate"));
     let (Some(coordinate), None) = (rates.next(), rates.next()) else {
@@ -320,15 +313,12 @@ fn by_another_name(owner: &str, word: &str, known: &[&str]) -> Option<String> {
     }
 }
 
-/// `frame`: one of its own, if it has any.
-pub fn frame_wanted(at: Region, body: &str, frame: Option<&str>) -> LexemeMessage {
-    let own = frame.map_or_else(String::new, |frame| {
-        format!(", or a frame of it, such as `{body}.{frame}`")
-    });
+/// `frame`: one of its own.
+pub fn frame_wanted(at: Region, body: &str, frame: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "`{body}` is a body, and here stands a place on it: `{body}.com`, its centre of mass{own}"
+            "`{body}` is a body, and here stands a place on it: `{body}.com`, its centre of mass, or a frame of it, such as `{body}.{frame}`"
         ),
     )
 }

@@ -30,7 +30,12 @@ pub fn three_components(at: Region, found: usize) -> LexemeMessage {
 }
 
 pub fn scalar_wanted(at: Region, what: &str) -> LexemeMessage {
-    LexemeMessage::new(at, format!("{what} must be one number, this is a vector"))
+    LexemeMessage::new(
+        at,
+        format!(
+            "{what} must be one number, this is a vector: take a component of it, such as `.x`, or its size, `norm(…)`"
+        ),
+    )
 }
 
 pub fn vector_wanted(at: Region, what: &str) -> LexemeMessage {

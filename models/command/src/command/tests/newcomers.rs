@@ -9,7 +9,7 @@ type Scene = (&'static str, &'static str, &'static [Mistake]);
 /// What to write, what was written, what is said.
 type Mistake = (&'static str, &'static str, &'static str);
 
-const SCENES: [Scene; 15] = [
+const SCENES: [Scene; 18] = [
     (
         "door_closer.mbd",
         include_str!("../../../../../tests/newcomers/door_closer.mbd"),
@@ -101,7 +101,7 @@ const SCENES: [Scene; 15] = [
             ),
             (
                 "until = \"0.2 s\"",
-                "until = \"0.2 s\"\nstart.out = \"10 deg\"",
+                "until = \"0.2 s\"\nstart.out.angel = \"10 deg\"",
                 "did you mean `out.angle`?",
             ),
         ],
@@ -204,6 +204,25 @@ const SCENES: [Scene; 15] = [
         include_str!("../../../../../tests/newcomers/ring.mbd"),
         &[],
     ),
+    (
+        "conveyor.mbd",
+        include_str!("../../../../../tests/newcomers/conveyor.mbd"),
+        &[],
+    ),
+    (
+        "elevator.toml",
+        include_str!("../../../../../tests/newcomers/elevator.toml"),
+        &[(
+            "free_length = \"paid_counter\"",
+            "free_length = \"10 m + radius * w\"",
+            "what a drum pays out is `state paid_out = 5 m { rate: -0.2 m * drum.angle_rate }`",
+        )],
+    ),
+    (
+        "maglev.toml",
+        include_str!("../../../../../tests/newcomers/maglev.toml"),
+        &[],
+    ),
 ];
 
 /// A metric of a scene, in its unit, and what it is by a closed form.
@@ -237,6 +256,12 @@ fn closed_forms() -> Vec<Known> {
     let together = fast / (slow + fast);
     let slid = 0.5 * slow * together * (1500.0 * TAU / 60.0f64).powi(2);
     let omega = 1.5 * TAU;
+    // The belt drags with what the weight pulls down the slope, by so much slip.
+    let slope = 5f64.to_radians();
+    let creep = 1e-3 * (slope.tan() / 0.4).atanh();
+    // A brake that holds less than its level creeps: Q = F w/√(w² + w0²).
+    let held = 200.0 * g * 0.4 / 4e3;
+    let sinks = 0.01 * held / (1.0 - held * held).sqrt() * 60.0 / TAU;
     // What the satellite turned with is in its wheels: angular momentum about the common centre of mass, in the axes of the world.
     let wheels = spun_up();
     vec![
@@ -253,6 +278,17 @@ fn closed_forms() -> Vec<Known> {
         // Radially ω² = 4 k/m sin²(π/6).
         ("ring.mbd", "quarter", PI / 2.0 / (200.0f64 / 0.5).sqrt()),
         ("ring.mbd", "least", 0.9),
+        ("conveyor.mbd", "creep", creep * 1e3),
+        ("conveyor.mbd", "top_speed", 2.0 - creep),
+        ("elevator.toml", "hangs", 0.9 * g),
+        ("elevator.toml", "hangs_counter", 1.1 * g),
+        ("elevator.toml", "creeps", sinks),
+        ("maglev.toml", "settled", 10.0),
+        (
+            "maglev.toml",
+            "holds",
+            0.01 * (0.068 * g / 6.5e-5f64).sqrt(),
+        ),
         ("planetary.mbd", "ratio", 4.5),
         ("planetary.mbd", "speed", carrier),
         ("seismograph.mbd", "swing", swing.to_degrees()),
