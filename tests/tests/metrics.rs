@@ -347,3 +347,28 @@ fn the_time_in_contact_does_not_depend_on_events_at_the_contact() {
         }
     }
 }
+
+#[test]
+fn the_largest_value_is_seen_where_a_quantity_is_the_same_at_both_ends_of_its_step() {
+    let scene = scene(
+        "model Between {
+            gravity: none;
+            point a { mass: 1 kg, start at [0, 0, 0] m }
+            let away = (time - 0.57 s) / (0.03 s);
+            output pulse = max(0, 1 - away^2);
+            output wave = (1 + 0.5 * time / (1 s)) * sin(2 * pi * 10 Hz * time);
+            metric peak = max pulse;
+            metric highest = max wave;
+            metric lowest = min wave;
+        }",
+    );
+    // A pulse that begins behind the first look into a step and ends before the step does, and a wave with a period a step.
+    let (history, _) = recorded(&scene, Options::rk4(0.1), (1.0, Sampling::Steps));
+    let wave = |time: f64| (1.0 + 0.5 * time) * (TAU * 10.0 * time).sin();
+    let fine = (0..=1_000_000).map(|k| wave(1e-6 * f64::from(k)));
+    let [low, high] = fine.fold([0.0_f64; 2], |[low, high], x| [low.min(x), high.max(x)]);
+    for (name, exact) in [("peak", 1.0), ("highest", high), ("lowest", low)] {
+        let found = value(&history, &scene, name);
+        assert!((found - exact).abs() < 1e-8, "{name}: {found}, {exact}");
+    }
+}

@@ -403,6 +403,16 @@ fn what_changes_along_a_joint_in_a_run_is_a_force_by_the_same_law() {
     assert!(imbalance.relative() < 1e-9, "{imbalance:?}");
 }
 
+model! {
+    /// As many states and inputs as the motor has, and other ones.
+    model Plant {
+        gravity: none;
+        input valve: number = 1;
+        point tank { mass: 1 kg }
+        load flow on tank = [valve * 1 N, 0, 0];
+    }
+}
+
 #[test]
 fn params_and_inputs_are_given_by_their_structs() {
     let model = Motor::<f64>::new(MotorParams::default()).expect("defaults");
@@ -425,6 +435,12 @@ fn params_and_inputs_are_given_by_their_structs() {
     let space = mbd_runtime::linearise(&model, 0.0, &state, &inputs).expect("a linear system");
     let listed = mbd_runtime::linearise(&model, 0.0, &state, &[3.0]).expect("a linear system");
     assert_eq!((space.a, space.b), (listed.a, listed.b));
+    let refused = mbd_runtime::linearise(&model, 0.0, &state, &PlantInputs::default())
+        .expect_err("of a plant");
+    assert!(
+        refused.to_string().contains("the inputs of `Plant`"),
+        "{refused}"
+    );
     let heats = mbd_runtime::Batch::new(&model, Options::tsit5(1e-9), 0.1)
         .cases([
             mbd_runtime::Case::new()

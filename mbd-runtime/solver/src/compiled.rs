@@ -605,6 +605,16 @@ impl<T: Scalar> Linearisation<T> {
     }
 }
 
+/// The numbers of inputs, which are not those of another model.
+fn own_inputs<T: Scalar, I: InputNumbers<T> + ?Sized>(
+    model: &dyn Model<T>,
+    inputs: &I,
+) -> Result<Vec<f64>, LinearisationError> {
+    let checked = supply::check_model(model, I::MODEL);
+    checked.map_err(|cause| LinearisationError::Inputs(Box::new(cause)))?;
+    Ok(wide(inputs.list().as_ref()))
+}
+
 /// A, B, C, D of a scene at a time [s], a state x = [q | v | z] and inputs (`ArmInputs`, or SI numbers in the order of [`Layout::inputs`]), in minimal coordinates: an
 /// independent set of joint coordinates, positions and turns that is chosen and named in [`StateSpace::states`]. Nodes are put in balance; the state
 /// should obey the joints and need not be at rest.
@@ -668,7 +678,7 @@ pub fn linearise_along<T: Scalar>(
     inputs: &(impl InputNumbers<T> + ?Sized),
     coordinates: &[&str],
 ) -> Result<StateSpace, LinearisationError> {
-    let (state, inputs) = (wide(state), wide(inputs.list().as_ref()));
+    let (state, inputs) = (wide(state), own_inputs(model, inputs)?);
     T::make_space(model, (time, &state, &inputs), None, coordinates)
 }
 
@@ -684,7 +694,7 @@ pub fn inverse_dynamics<T: Scalar>(
     inputs: &(impl InputNumbers<T> + ?Sized),
     accelerations: &[(&str, f64)],
 ) -> Result<Efforts, LinearisationError> {
-    let (state, inputs) = (wide(state), wide(inputs.list().as_ref()));
+    let (state, inputs) = (wide(state), own_inputs(model, inputs)?);
     T::find_efforts(model, (time, &state, &inputs), accelerations)
 }
 

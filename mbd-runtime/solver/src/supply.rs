@@ -100,17 +100,24 @@ impl<T: Copy, const N: usize> Inputs<T> for [T; N] {
 
 /// Numbers for the inputs of a model: typed [`Inputs`], or a list of them in the order of [`Layout::inputs`].
 pub trait InputNumbers<T> {
+    /// The model that they belong to, as [`Inputs::MODEL`].
+    const MODEL: Option<(&'static str, [usize; 2])>;
+
     /// The numbers.
     fn list(&self) -> impl AsRef<[T]>;
 }
 
 impl<T, I: Inputs<T>> InputNumbers<T> for I {
+    const MODEL: Option<(&'static str, [usize; 2])> = I::MODEL;
+
     fn list(&self) -> impl AsRef<[T]> {
         self.numbers()
     }
 }
 
 impl<T> InputNumbers<T> for [T] {
+    const MODEL: Option<(&'static str, [usize; 2])> = None;
+
     fn list(&self) -> impl AsRef<[T]> {
         self
     }

@@ -249,7 +249,7 @@ impl JointForces {
     }
 
     /// The same law with those of its terms as a `force` whose spring, damper or friction `changes` in a run: −K (x − x0), −C u or −F u/√(u² + w²) of
-    /// coordinate `joint`, by (1) of [`crate::laws::joint_forces`].
+    /// coordinate `joint`, by (1) of the laws of joint forces.
     ///
     /// Numbers are taken once, before a run; what changes has no elastic energy of its own, and its power is that of a drive.
     #[must_use]

@@ -11,11 +11,19 @@ use super::lockstep::normalise;
 use super::networks::Networks;
 use super::{Lanes, Lanes4, Lanes8};
 use crate::integrate::Explicit;
-use crate::node::{NodeMemory, Nodes};
-use crate::simulation::beside::{Attempt, KeptStart, Spent};
+use crate::node::Nodes;
+use crate::simulation::beside::Attempt;
 use crate::simulation::{Course, Simulation};
-use crate::system::{EndLooks, LISTS};
+use crate::system::LISTS;
 use crate::trajectory::Trajectory;
+
+mod lists;
+mod own;
+mod steps;
+
+pub(super) use lists::{faults, get, set};
+use own::{OwnStart, OwnStep};
+use steps::{MadeSteps, Upcoming};
 
 /// With fewer runs than this nothing is gained.
 const FEWEST: usize = 2;
@@ -251,43 +259,6 @@ impl<L: Lanes> LaneGroup<L> {
     }
 }
 
-/// Zero in a lane in which all numbers of a list are finite, NaN in others; four sums, none of which waits for another.
-pub(super) fn faults<L: Lanes>(list: &[L]) -> L {
-    let zero = L::zero();
-    let (chunks, rest) = list.as_chunks::<4>();
-    let mut sums = [zero; 4];
-    for chunk in chunks {
-        for (sum, x) in sums.iter_mut().zip(chunk) {
-            // 0 x is zero for a finite number and NaN for others.
-            *sum += zero * *x;
-        }
-    }
-    for (sum, x) in sums.iter_mut().zip(rest) {
-        *sum += zero * *x;
-    }
-    let [a, b, c, d] = sums;
-    (a + b) + (c + d)
-}
-
-/// Writes a list into a lane.
-pub(super) fn set<L: Lanes>(lane: usize, lanes: &mut [L], list: &[f64]) {
-    for (numbers, x) in lanes.iter_mut().zip(list) {
-        if let Some(number) = numbers.numbers_mut().get_mut(lane) {
-            *number = *x;
-        }
-    }
-}
-
-/// Reads a list out of a lane.
-pub(super) fn get<L: Lanes>(lane: usize, lanes: &[L], list: &mut [f64]) {
-    // By reference: a register is not copied for one of its numbers.
-    for (x, numbers) in list.iter_mut().zip(lanes) {
-        if let Some(number) = numbers.numbers().get(lane) {
-            *x = *number;
-        }
-    }
-}
-
 impl<L: Lanes> Together<f64> for LaneGroup<L> {
     fn take_up(&mut self, lane: usize, of: Lane<'_, f64>) {
         let Lane {
@@ -386,66 +357,6 @@ impl<L: Lanes> LaneGroup<L> {
     }
 }
 
-/// The steps that were taken up.
-struct Upcoming {
-    /// Start and size of each lane's [s]; not a number where there is none.
-    steps: [[f64; 2]; MOST],
-    /// How many there are, and the first lane with one.
-    count: usize,
-    first: usize,
-    /// What some run looks at at the end.
-    looks: EndLooks,
-}
-
-impl Upcoming {
-    const NONE: Upcoming = Upcoming {
-        steps: [[f64::NAN; 2]; MOST],
-        count: 0,
-        first: MOST,
-        looks: EndLooks::NOTHING,
-    };
-
-    fn add(&mut self, lane: usize, step: [f64; 2], looks: EndLooks) {
-        self.steps[lane] = step;
-        self.count += 1;
-        self.first = self.first.min(lane);
-        self.looks = self.looks.and(looks);
-    }
-
-    fn has(&self, lane: usize) -> bool {
-        let own = self.steps.get(lane);
-        own.is_some_and(|[time, _]| time.is_finite())
-    }
-
-    /// Times at the start, or sizes; idle lanes have those of the first that is not.
-    fn lanes<L: Lanes>(&self, which: usize) -> L {
-        L::each(|lane| match self.has(lane) {
-            true => self.steps[lane][which],
-            false => self.steps[self.first][which],
-        })
-    }
-}
-
-/// Steps that were made, and what is known at their ends.
-struct MadeSteps<L> {
-    steps: Upcoming,
-    energy: [L; 6],
-    drift: L,
-    /// One in a lane whose nodes were found along with the rates.
-    holds: L,
-    /// Zero in a lane in which every rate is finite.
-    faults: L,
-    /// [`Explicit::squares`].
-    squares: [L; 3],
-}
-
-impl<L: Lanes> MadeSteps<L> {
-    /// Whether there is one in a lane that its run can go on from.
-    fn has(&self, lane: usize) -> bool {
-        self.steps.has(lane) && self.holds.lane(lane) == 1.0 && self.faults.lane(lane) == 0.0
-    }
-}
-
 impl<L: Lanes> LaneGroup<L> {
     /// Makes steps; what of the [`LISTS`] is looked at is in `lists`.
     fn make(&mut self, steps: Upcoming, nodes: &Nodes<f64>) -> Option<MadeSteps<L>> {
@@ -510,103 +421,5 @@ impl<L: Lanes> LaneGroup<L> {
             form.evaluate(Quantity::Energy, &at, &mut made.energy);
         }
         Some(made)
-    }
-}
-
-/// The start of the next step of a lane.
-struct OwnStart<'a, L> {
-    lane: usize,
-    group: &'a LaneGroup<L>,
-}
-
-impl<L: Lanes> KeptStart<f64> for OwnStart<'_, L> {
-    fn state(&self, [state, rates]: [&mut [f64]; 2]) {
-        get(self.lane, &self.group.state, state);
-        if let Some(method) = &self.group.method {
-            get(self.lane, method.first(), rates);
-        }
-    }
-
-    fn memory(&self, into: &mut NodeMemory<f64>) {
-        self.group.networks.unload(self.lane, into);
-    }
-}
-
-/// The step of a lane.
-struct OwnStep<'a, L> {
-    lane: usize,
-    group: &'a LaneGroup<L>,
-    made: &'a MadeSteps<L>,
-}
-
-impl<L: Lanes> Attempt<f64> for OwnStep<'_, L> {
-    fn step(&self) -> [f64; 2] {
-        let step = self.made.steps.steps.get(self.lane).copied();
-        step.unwrap_or([f64::NAN; 2])
-    }
-
-    fn stages(&self, all: bool, [stages, end]: [&mut [f64]; 2]) {
-        let Some(method) = &self.group.method else {
-            return;
-        };
-        let [of_all, next] = method.attempted();
-        let length = next.len();
-        let from = match all {
-            true => length,
-            false => (method.count() - 1) * length,
-        };
-        let own = from..method.count() * length;
-        if let (Some(from), Some(to)) = (of_all.get(own.clone()), stages.get_mut(own)) {
-            get(self.lane, from, to);
-        }
-        get(self.lane, next, end);
-    }
-
-    fn rates(&self, into: &mut [f64]) {
-        get(self.lane, &self.group.stages.rates, into);
-    }
-
-    fn nodes(&self, [ends, nodes, effective, stretch, against]: [&mut [f64]; 5]) {
-        let stages = &self.group.stages;
-        get(self.lane, &stages.ends, ends);
-        get(self.lane, &stages.nodes, nodes);
-        get(self.lane, &stages.effective, effective);
-        let networks = &self.group.networks;
-        get(self.lane, networks.stretches(), stretch);
-        get(self.lane, networks.motion(), against);
-    }
-
-    fn spent(&self) -> Spent {
-        self.group.networks.spent(self.lane)
-    }
-
-    fn list(&self, place: usize, into: &mut [f64]) -> bool {
-        let looked_at = self.made.steps.looks.lists.get(place) == Some(&true);
-        match self.group.lists.get(place).filter(|_| looked_at) {
-            Some(list) => {
-                get(self.lane, list, into);
-                true
-            }
-            None => false,
-        }
-    }
-
-    fn number(&self, place: usize, index: usize) -> f64 {
-        let list = self.group.lists.get(place);
-        let number = list.and_then(|list| list.get(index));
-        number.map_or(f64::NAN, |number| number.lane(self.lane))
-    }
-
-    fn energy(&self) -> Option<[f64; 6]> {
-        let looked_at = self.made.steps.looks.energy;
-        looked_at.then(|| self.made.energy.map(|x| x.lane(self.lane)))
-    }
-
-    fn squares(&self) -> [f64; 3] {
-        self.made.squares.map(|x| x.lane(self.lane))
-    }
-
-    fn drift(&self) -> f64 {
-        self.made.drift.lane(self.lane)
     }
 }

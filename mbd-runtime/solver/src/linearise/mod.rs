@@ -177,6 +177,11 @@ pub enum LinearisationError {
         /// Which list it is in.
         what: &'static str,
     },
+    /// The inputs are those of another model.
+    Inputs(
+        /// Whose they are.
+        Box<StepError>,
+    ),
     /// Nodes have no balance there.
     Nodes(
         /// Why.
@@ -233,7 +238,9 @@ impl fmt::Display for LinearisationError {
             LinearisationError::Given { what } => {
                 write!(f, "a number that was given among the {what} is not finite")
             }
-            LinearisationError::Nodes(cause) => write!(f, "{cause}"),
+            LinearisationError::Inputs(cause) | LinearisationError::Nodes(cause) => {
+                write!(f, "{cause}")
+            }
             LinearisationError::UnknownCoordinate { name, known } => {
                 let near = did_you_mean(name, known.split(", "));
                 write!(

@@ -469,8 +469,9 @@ impl Measures {
             let further = APART * (most - least);
             let bounds = [least - further, most + further];
             let is_open = |sum: &Sum, reader: &MetricReader| !sum.is_beyond(reader, times, bounds);
-            // What is not a number is no least or largest, but a gap.
-            if values.iter().all(|value| value.is_finite()) && !self.any_sum(column, is_open) {
+            // What is not a number is no least or largest, but a gap; and what rests at all three, as a slack line does, may be at work between them.
+            let tells = values.iter().all(|value| value.is_finite()) && least < most;
+            if tells && !self.any_sum(column, is_open) {
                 self.set_state(Half::WHOLE, column, Resolving::Here(2));
             } else {
                 all = false;
