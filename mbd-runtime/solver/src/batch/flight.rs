@@ -131,16 +131,16 @@ impl<T: Scalar> Flights<'_, T> {
             // What a case has to do is done before the next one's memory is touched.
             for (lane, slot) in flights.iter_mut().enumerate() {
                 let Some(flight) = slot else { continue };
-                if let (Some(together), Some(own)) = (&mut together, flight.lane())
-                    && !together.hand_over(lane, own)
-                {
-                    if let Some(own) = flight.lane() {
-                        together.take_up(lane, own);
-                    }
-                    continue;
-                }
                 let once = together.is_some();
-                let Advance::Ended(result) = self.advance(flight, once, &mut go_on) else {
+                let left = match (&mut together, flight.lane()) {
+                    (Some(together), Some(own)) => together.hand_over(lane, own),
+                    _ => true,
+                };
+                let advanced = match left {
+                    true => self.advance(flight, once, &mut go_on),
+                    false => Advance::GoesOn,
+                };
+                let Advance::Ended(result) = advanced else {
                     if let (Some(together), Some(own)) = (&mut together, flight.lane()) {
                         together.take_up(lane, own);
                     }

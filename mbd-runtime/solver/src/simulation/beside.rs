@@ -82,10 +82,10 @@ impl<T: Float> Simulation<T> {
         self.stays && self.system.memory.turns.is_empty()
     }
 
-    /// Whether somebody looks between the ends of the step from here on, or at its stages, at every step or where a row is due.
+    /// Whether somebody looks between the ends of the step from here on: at every step, or because a row is due.
     fn looks_inside(&self, step: [f64; 2], history: &Trajectory) -> bool {
         let measured = history.measures_steps() && !self.straight;
-        let judged = self.is_adaptive() || self.watched || self.momentum.is_some();
+        let judged = self.is_adaptive() || self.momentum.is_some();
         judged || measured || !self.margins.is_empty() || history.is_due_inside(step)
     }
 
@@ -115,13 +115,13 @@ impl<T: Float> Simulation<T> {
         let counted = next.is_multiple_of(OFTEN) || course.trials >= self.options.max_steps;
         let (size, lands) = self.propose(course.until.min(self.next_sample()));
         let is_this = !lands && [self.time, size] == [time, step];
-        let measured = history.measures_steps() && !self.straight;
-        let followed = self.is_adaptive() || self.momentum.is_some() || !self.margins.is_empty();
+        let inside = self.looks_inside([time, step], history);
         let system = &self.system;
         let held = system.memory.turns.is_empty() && system.takes_no_commands();
         let nodes = !system.nodes.has_networks() || system.nodes.are_single();
-        let recorded = history.reads_end_of([time, step]) || self.jumped;
-        is_this && !counted && !followed && !measured && held && nodes && !recorded
+        let anew = history.measures_steps() && self.jumped;
+        let recorded = history.reads_end_of([time, step]) || anew;
+        is_this && !counted && !inside && held && nodes && !recorded
     }
 
     /// Takes the upcoming step, [whose state is not read](Self::reads_no_state), counts and measures it; `false`, and nothing happened, where the watch
@@ -167,7 +167,7 @@ impl<T: Float> Simulation<T> {
 
     /// Takes over an attempt at the upcoming step.
     pub(crate) fn receive(&mut self, attempt: &dyn Attempt<T>, history: &Trajectory) {
-        let all = self.looks_inside(attempt.step(), history);
+        let all = self.watched || self.looks_inside(attempt.step(), history);
         let Some(method) = self.method.explicit_mut() else {
             return;
         };
