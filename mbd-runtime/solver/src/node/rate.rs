@@ -26,7 +26,7 @@
 //! with N the projection on the missing directions. It is the minimum of a strictly convex function, so there is one w and one set of forces. Where
 //! no line damps, w is that of rule 4, with the elastic tensions as weights, and it pulls the node into the line or plane within a few ε, 1e-4 of
 //! the shortest C/K. The forces leave ε G (w − V) open, across that plane only: at most 0.53 % of the sum of the pulls in 20,000 random
-//! problems, 26 of which came here (`tests/tests/nodes/models.rs`). Derivatives are those of rule 4. A direction that lines damp with less
+//! problems, 26 of which came here (`tests/tests/lines/nodes/models.rs`). Derivatives are those of rule 4. A direction that lines damp with less
 //! than 1e-6 of the largest damping counts as missing, so that w stays below 1e3 times what the lines allow one by one. Between rules 2 and 4
 //! w is not continuous there: the velocity of the singular approach ends, and the tensions begin.
 //!

@@ -1,6 +1,6 @@
 //! Interpreted programs against the laws run on numbers, and derivatives against dual numbers.
 
-#[path = "../../mbd-macros/compiler/tests/scenes/mod.rs"]
+#[path = "../../../mbd-macros/compiler/tests/scenes/mod.rs"]
 mod scenes;
 
 use mbd_compiler::{Interpreted, SceneEquations, Slot};

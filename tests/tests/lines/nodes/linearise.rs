@@ -1,6 +1,6 @@
 //! Derivatives through the nodes: against differences of the solved system, and finite where nothing pulls.
 
-use crate::common::{COLUMNS, Run, parachute, state_of};
+use super::common::{COLUMNS, Run, parachute, state_of};
 use mbd_runtime::node::Tolerance;
 use mbd_runtime::{Generic, Linearisation, Model, Quantity};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};

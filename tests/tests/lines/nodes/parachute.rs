@@ -1,6 +1,6 @@
 //! The three node models in the parachute scene, against independent references.
 
-use crate::common::{COLUMNS, Run, parachute, state_of};
+use super::common::{COLUMNS, Run, parachute, state_of};
 use mbd_scene::{Clamp, Difference, NodeModel, PointKind};
 use tests::reference::{field, load, numbers};
 

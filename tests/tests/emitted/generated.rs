@@ -48,13 +48,16 @@ fn the_compiled_dozen_is_what_the_generator_of_random_scenes_writes() {
         text += "}\n";
     }
     let text = mbd_compiler::format_rust(&text).expect("declarations").text;
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/dozen/mod.rs");
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/emitted/generated/dozen.rs"
+    );
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(path, &text).expect("the repository can be written");
     }
     let written = std::fs::read_to_string(path).expect("the file is part of the repository");
     assert!(
         written == text,
-        "tests/dozen/mod.rs is out of date: run with UPDATE_GOLDEN=1"
+        "tests/emitted/generated/dozen.rs is out of date: run with UPDATE_GOLDEN=1"
     );
 }

@@ -1,6 +1,6 @@
 //! Random families of equilibrium problems: no failure without load, typed outcomes always, bounded work.
 //!
-//! The full campaign: `cargo test -p tests --test nodes families -- --ignored --nocapture`.
+//! The full campaign: `cargo test -p tests --test lines nodes::families -- --ignored --nocapture`.
 
 use mbd_runtime::node::Outcome;
 use tests::families::{COMBINATIONS, Family, Start, Tally, run, solve};

@@ -1,6 +1,6 @@
 //! The three node models in an integration: orders, memory, starts, modes, and what they refuse.
 
-use crate::common::{COLUMNS, Run, body, frame, line, node, parachute, state_of};
+use super::common::{COLUMNS, Run, body, frame, line, node, parachute, state_of};
 use mbd_runtime::Mode;
 use mbd_runtime::node::{NodeError, NodeMemory, Stage};
 use mbd_runtime::{Generic, Model, Options, Quantity, Simulation};

@@ -11,7 +11,7 @@ use tests::mechanism::{
 };
 use tests::random::Random;
 
-use crate::counts::operations;
+use super::counts::operations;
 
 /// A tree of random joints, some of their coordinates driven, others coupled by trains of gears, and sometimes a rod across it.
 fn net(seed: u64) -> Scene {

@@ -1,0 +1,12 @@
+//! Starts, states, inputs and controllers.
+//!
+//! `cargo test -p tests --test inputs control` runs one of the files.
+
+mod control;
+mod declared_starts;
+mod driving;
+mod lets;
+mod starts;
+mod state_space;
+mod states;
+mod user_states;

@@ -1,0 +1,12 @@
+//! Equilibrium points.
+
+mod common;
+mod counterexamples;
+mod derivatives;
+mod families;
+mod large_networks;
+mod linearise;
+mod models;
+mod networks;
+mod parachute;
+mod rank;

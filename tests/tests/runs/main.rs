@@ -1,0 +1,18 @@
+//! What a run promises: its accuracy, its events and actions, what it measures, and where it ends.
+//!
+//! `cargo test -p tests --test runs accuracy` runs one of the files.
+
+mod accuracy;
+mod actions;
+mod conservation;
+mod far_away;
+mod invariance;
+mod long_runs;
+mod measures;
+mod metrics;
+mod origin;
+mod precision;
+mod sampled_outputs;
+mod time_jumps;
+mod told_events;
+mod too_long;
