@@ -14,7 +14,7 @@ use crate::integrate::Explicit;
 use crate::node::Nodes;
 use crate::simulation::beside::Attempt;
 use crate::simulation::{Course, Simulation};
-use crate::system::LISTS;
+use crate::system::{EndLooks, LISTS};
 use crate::trajectory::Trajectory;
 
 mod lists;
@@ -100,6 +100,9 @@ struct LaneGroup<L> {
     sizes: L,
     taken: [bool; MOST],
     passed: [bool; MOST],
+    /// How many more steps of each lane are read by nobody, and what is looked at at their ends.
+    unread: [u64; MOST],
+    looks: [EndLooks; MOST],
     /// Each of the [`LISTS`] at the end of the step.
     lists: [Vec<L>; LISTS.len()],
     quaternions: Vec<usize>,
@@ -188,6 +191,8 @@ impl<L: Lanes> LaneGroup<L> {
             sizes: L::zero(),
             taken: [false; MOST],
             passed: [false; MOST],
+            unread: [0; MOST],
+            looks: [EndLooks::NOTHING; MOST],
             lists: LISTS.map(|what| list(layout.len(what))),
             quaternions: layout.quaternions().collect(),
         }
@@ -268,10 +273,17 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
             ..
         } = of;
         let passed = std::mem::take(&mut self.passed[lane]);
+        self.goes_on[lane] = passed;
+        if passed && self.unread[lane] > 0 {
+            let step = [run.time(), self.sizes.lane(lane)];
+            self.upcoming.add(lane, step, self.looks[lane]);
+            return;
+        }
         let (Some(step), true) = (run.upcoming(course), lane < L::WIDTH) else {
             return;
         };
-        self.upcoming.add(lane, step, run.looks_at(history));
+        self.looks[lane] = run.looks_at(history);
+        self.upcoming.add(lane, step, self.looks[lane]);
         if passed {
             return;
         }
@@ -289,13 +301,15 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
         let upcoming = std::mem::replace(&mut self.upcoming, Upcoming::NONE);
         let goes_on = std::mem::take(&mut self.goes_on);
         self.made = None;
+        if let Some(first) = goes_on.iter().position(|goes_on| *goes_on)
+            && let Some(first) = runs.lane(first)
+        {
+            self.go_on(goes_on, &first.run.system.nodes);
+        }
         let Some(first) = runs.lane(upcoming.first) else {
             return;
         };
         let nodes = &first.run.system.nodes;
-        if goes_on.contains(&true) {
-            self.go_on(goes_on, nodes);
-        }
         if std::mem::take(&mut self.changed) {
             self.spread(upcoming.first);
             self.form.take(&self.params);
@@ -328,32 +342,32 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
 }
 
 impl<L: Lanes> LaneGroup<L> {
-    /// The runs that read nothing of the ends of their steps take them, and go on from there.
+    /// The runs that read nothing of the ends of their steps take them.
     fn pass(&mut self, runs: &mut dyn Runs<f64>) {
-        let Some(made) = &self.made else {
-            return;
-        };
-        let mut passed = [false; MOST];
-        for lane in (0..L::WIDTH).filter(|lane| made.has(*lane)) {
+        let mut unread = std::mem::take(&mut self.unread);
+        for (lane, left) in unread.iter_mut().enumerate().take(L::WIDTH) {
+            let made = self.made.as_ref().filter(|made| made.has(lane));
+            let (Some(made), Some(of)) = (made, runs.lane(lane)) else {
+                *left = 0;
+                continue;
+            };
             let own = OwnStep {
                 lane,
                 group: self,
                 made,
             };
-            if let Some(of) = runs.lane(lane)
-                && of.run.reads_no_state(of.course, own.step(), of.history)
-                && of.run.pass(&own, of.course, of.history)
-            {
+            if *left == 0 {
+                *left = of.run.unread_steps(of.course, own.step(), of.history);
+            }
+            if *left > 0 && of.run.pass(&own, of.course, of.history) {
                 *of.count += 1;
-                passed[lane] = true;
+                *left -= 1;
+                self.passed[lane] = true;
+            } else {
+                *left = 0;
             }
         }
-        if let Some(first) = passed.iter().position(|passed| *passed)
-            && let Some(first) = runs.lane(first)
-        {
-            self.go_on(passed, &first.run.system.nodes);
-        }
-        self.passed = passed;
+        self.unread = unread;
     }
 }
 

@@ -282,24 +282,28 @@ impl<L: Lanes> Networks<L> {
             let standing = targets.judge(balance, residual, load);
             let slack = active * flag::<L>(standing.slack);
             let done = L::select(standing.slack, one, flag::<L>(standing.balanced));
-            let (delta, regular) = match warm::direction_of_one(balance, epsilon) {
+            is_slack += slack;
+            // A lane whose residual has no certain size is left to its run, and so is one whose direction follows other rules.
+            let certain = flag::<L>(certain);
+            let looks_on = active * certain * (one - done);
+            let direction = match step < WARM_STEPS && is_any(looks_on) {
+                true => warm::direction_of_one(balance, epsilon),
+                false => None,
+            };
+            let (delta, found) = match direction {
                 Some((delta, regular)) => (delta, flag::<L>(regular)),
                 None => (Vector3::repeat(zero), zero),
             };
-            let found = if step < WARM_STEPS { regular } else { zero };
-            is_slack += slack;
-            // A lane whose direction follows other rules, or whose residual has no certain size, is left to its run.
-            let certain = flag::<L>(certain);
-            let goes_on = active * certain * found * (one - done);
+            let goes_on = looks_on * found;
             usable -= active * (one - certain * L::select(zero.lt(done), one, found));
-            let moves = zero.lt(goes_on);
-            let here = crate::node::triple(&stages.nodes, 3 * node);
-            let next = here.zip_map(&delta, |p, delta| L::select(moves, p + delta, p));
-            place(stages, node, &next);
             active = goes_on;
             if !is_any(active) {
                 break;
             }
+            let moves = zero.lt(active);
+            let here = crate::node::triple(&stages.nodes, 3 * node);
+            let next = here.zip_map(&delta, |p, delta| L::select(moves, p + delta, p));
+            place(stages, node, &next);
             iterations += active;
         }
         for at in plan.lines.iter().filter_map(|line| line.effective) {

@@ -103,17 +103,16 @@ impl<T: Float> Simulation<T> {
         self.watched.then_some(&self.watch_weights)
     }
 
-    /// Whether the end of the upcoming step, received from elsewhere, is read by nobody but what is measured of the lists that are known there: then
-    /// the run need not have its state. What is done every tenth step reads it, and so do rows, events and whatever the step lands on.
-    pub(crate) fn reads_no_state(
+    /// How many steps from the upcoming one on, received from elsewhere, end where nobody reads but what is measured of the lists that are known there:
+    /// then the run need not have its state. What is done every tenth step reads it, and so do rows, events and whatever a step lands on.
+    pub(crate) fn unread_steps(
         &self,
         course: &Course,
         [time, step]: [f64; 2],
         history: &Trajectory,
-    ) -> bool {
-        let next = self.system.counters.steps + 1;
-        let counted = next.is_multiple_of(OFTEN) || course.trials >= self.options.max_steps;
-        let (size, lands) = self.propose(course.until.min(self.next_sample()));
+    ) -> u64 {
+        let until = course.until.min(self.next_sample());
+        let (size, lands) = self.propose(until);
         let is_this = !lands && [self.time, size] == [time, step];
         let inside = self.looks_inside([time, step], history);
         let system = &self.system;
@@ -121,10 +120,18 @@ impl<T: Float> Simulation<T> {
         let nodes = !system.nodes.has_networks() || system.nodes.are_single();
         let anew = history.measures_steps() && self.jumped;
         let recorded = history.reads_end_of([time, step]) || anew;
-        is_this && !counted && !inside && held && nodes && !recorded
+        if !is_this || inside || !held || !nodes || recorded {
+            return 0;
+        }
+        let counted = OFTEN - 1 - system.counters.steps % OFTEN;
+        let tried = self.options.max_steps.saturating_sub(course.trials);
+        // The step before the last that ends before the next instant that counts does so by more than rounding.
+        let row = history.due().unwrap_or(f64::INFINITY);
+        let ahead = (until.min(row) - time) / step - 2.0;
+        counted.min(tried).min((ahead as u64).max(1))
     }
 
-    /// Takes the upcoming step, [whose state is not read](Self::reads_no_state), counts and measures it; `false`, and nothing happened, where the watch
+    /// Takes the upcoming step, [whose state is not read](Self::unread_steps), counts and measures it; `false`, and nothing happened, where the watch
     /// looks closer.
     pub(crate) fn pass(
         &mut self,
