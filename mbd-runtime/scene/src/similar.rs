@@ -49,6 +49,15 @@ pub fn did_you_mean<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> S
     nearest(word, set).map_or_else(String::new, |found| format!("; did you mean `{found}`?"))
 }
 
+/// The same and all that there are: `; did you mean `x`? There are: x, y`, or `; there are: x, y`.
+#[must_use]
+pub fn near_and_all<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> String {
+    let all: Vec<&str> = set.into_iter().collect();
+    let near = did_you_mean(word, all.iter().copied());
+    let there_are = if near.is_empty() { "; there" } else { " There" };
+    format!("{near}{there_are} are: {}", all.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,5 +73,13 @@ mod tests {
         assert_eq!(nearest("x", ["y"]), None);
         assert_eq!(nearest("kgs", ["kg", "g", "m"]), Some("kg"));
         assert_eq!(nearest("uper", ["lower", "upper"]), Some("upper"));
+    }
+    #[test]
+    fn all_that_there_is_stands_behind_what_is_near_in_a_sentence_of_its_own() {
+        assert_eq!(
+            near_and_all("peek", ["peak", "sink"]),
+            "; did you mean `peak`? There are: peak, sink"
+        );
+        assert_eq!(near_and_all("tip", ["peak"]), "; there are: peak");
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use mbd_scene::Scene;
 use mbd_scene::metrics::{Metric, Take};
-use mbd_scene::similar::did_you_mean;
+use mbd_scene::similar::near_and_all;
 
 use crate::columns::Name;
 use crate::trajectory::Trajectory;
@@ -153,11 +153,9 @@ impl Trajectory {
         };
         let names = || self.declared.iter().map(|(known, _)| known.as_str());
         let Some((_, reader)) = self.declared.iter().find(|(known, _)| known == name) else {
-            let near = did_you_mean(name, names());
-            let known = names().collect::<Vec<_>>().join(", ");
-            return Err(no_metric(match known.as_str() {
-                "" => "is no metric: this model declares none".to_owned(),
-                known => format!("is no metric{near}; there are: {known}"),
+            return Err(no_metric(match names().len() {
+                0 => "is no metric: this model declares none".to_owned(),
+                _ => format!("is no metric{}", near_and_all(name, names())),
             }));
         };
         let read = reader.as_ref().map_err(|why| *why);

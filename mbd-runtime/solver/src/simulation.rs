@@ -6,7 +6,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use mbd_scene::similar::did_you_mean;
+use mbd_scene::similar::near_and_all;
 use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber};
 
 use crate::balance::EnergyBalance;
@@ -349,11 +349,9 @@ impl<T: Float> Simulation<T> {
             why,
         };
         let Some(index) = names.clone().position(|known| known == name) else {
-            let near = did_you_mean(name, names.clone());
-            let known = names.collect::<Vec<_>>().join(", ");
-            let why = match known.as_str() {
-                "" => "is no output: this model declares none".into(),
-                known => format!("is no output{near}; there are: {known}"),
+            let why = match names.len() {
+                0 => "is no output: this model declares none".into(),
+                _ => format!("is no output{}", near_and_all(name, names)),
             };
             return Err(self.failed(no_output(why)));
         };

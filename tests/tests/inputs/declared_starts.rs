@@ -322,6 +322,42 @@ fn a_coordinate_that_others_decide_is_told_by_name() {
 }
 
 #[test]
+fn a_start_that_is_said_of_a_body_and_of_its_joint_holds_where_both_say_the_same() {
+    let declared = |joint: &str, coordinates: &str| {
+        read(&format!(
+            "model Twice {{ coordinates: {coordinates}; gravity: [0.0, 0.0, -9.81] m/s^2;
+            body bob {{
+                mass: 2 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 1.0] m,
+                start at [-0.6, 0.0, -0.8] m rotated rpy(0.0, 0.6435011087932844, 0.0) velocity [-0.4, 0.0, 0.3] m/s angular_velocity [0.0, 0.5, 0.0] rad/s
+            }}
+            joint pin: hinge from world to bob.top {{ axis: y, {joint} }}
+            output swing = pin.angle;
+            output rate = pin.angle_rate; }}"
+        ))
+    };
+    let angle = 0.6_f64.atan2(0.8);
+    let same = format!("start: {angle:?} rad, start_rate: 0.5 rad/s");
+    for coordinates in ["absolute", "relative"] {
+        let (found, moved) = begun_as_declared(&declared(&same, coordinates));
+        assert_close(&found, &[angle, 0.5], 1e-12, 0.0, coordinates);
+        assert!(moved < 1e-12, "{moved}");
+        for other in [
+            format!("start: {:?} rad", angle + 1e-4),
+            format!("start: {angle:?} rad, start_rate: 0.6 rad/s"),
+        ] {
+            let model = Generic::<f64>::with_defaults(declared(&other, coordinates));
+            let model = model.expect("defaults");
+            let begun = Simulation::new(&model, Options::rk4(1e-3)).and_then(|mut it| it.start());
+            let error = begun.expect_err("two starts");
+            assert!(
+                matches!(&error.cause, StepError::Unplaced { name, .. } if name == "pin"),
+                "{error}"
+            );
+        }
+    }
+}
+
+#[test]
 fn bodies_and_points_start_where_they_are_put_and_as_they_move() {
     let scene = read(
         "model Thrown {

@@ -58,14 +58,11 @@ pub fn read(
     let word = written.dist.as_str();
     let Some((_, allowed)) = WORDS.iter().find(|(known, _)| *known == word) else {
         let words = WORDS.iter().map(|(word, _)| *word);
-        let near = mbd_runtime::scene::similar::did_you_mean(word, words.clone());
-        let all: Vec<&str> = words.collect();
-        let text = format!(
-            "there is no distribution `{word}`{near}{} there are: {}",
-            if near.is_empty() { ";" } else { "" },
-            all.join(", ")
-        );
-        return Err(wrong(setting, text));
+        let known = mbd_runtime::scene::similar::near_and_all(word, words);
+        return Err(wrong(
+            setting,
+            format!("there is no distribution `{word}`{known}"),
+        ));
     };
     let extra = table
         .keys()

@@ -147,9 +147,7 @@ impl Placement<'_> {
             if self.links.iter().any(|link| link.joint == wish.joint) {
                 return self.q[wish.joint][wish.coordinate];
             }
-            let before = self.scene.joints.iter().take(wish.joint);
-            let before: usize = before.map(|joint| joint.law.measured().count()).sum();
-            let value = told.get(2 * (before + wish.coordinate));
+            let value = told.get(self.place_in_coordinates(wish.joint, wish.coordinate));
             let value = value.copied().unwrap_or(f64::NAN);
             let law = &self.scene.joints[wish.joint].law;
             let of = law.measured().nth(wish.coordinate);
@@ -159,6 +157,45 @@ impl Placement<'_> {
             }
         };
         wishes.iter().map(value).collect()
+    }
+
+    /// Whether joints that are decided by others, or by the bodies they join, are where their own starts say, too.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub(super) fn confirm(
+        &mut self,
+        decided: &[usize],
+        given: &[JointStart],
+        state: &mut [f64],
+    ) -> Result<(), PlacementError> {
+        for &joint in decided {
+            for start in given.iter().filter(|start| start.joint == joint) {
+                let coordinate = start.coordinate;
+                let said = start.value.map(|value| Wish {
+                    joint,
+                    coordinate,
+                    value,
+                });
+                let place = said.is_none_or(|said| self.grants(&[said], state));
+                let rate = start.rate.is_none_or(|rate| {
+                    let told = self.rows(Quantity::Coordinates, state);
+                    let own = told.get(self.place_in_coordinates(joint, coordinate) + 1);
+                    own.is_some_and(|own| (own - rate).abs() <= CLOSED.sqrt())
+                });
+                if !(place && rate) {
+                    return Err(PlacementError::Decided { joint });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Where [`Quantity::Coordinates`] has a coordinate; its rate is next.
+    fn place_in_coordinates(&self, joint: usize, coordinate: usize) -> usize {
+        let before = self.scene.joints.iter().take(joint);
+        let before: usize = before.map(|joint| joint.law.measured().count()).sum();
+        2 * (before + coordinate)
     }
 
     /// What became of the wishes.

@@ -79,7 +79,7 @@ pub(crate) fn place_near(
     if state.len() != layout.nx() {
         return Ok(PlacementReport::default());
     }
-    let links = tree(scene, layout, given, fixed)?;
+    let (links, decided) = tree(scene, layout, given, fixed);
     if links.is_empty() && given.is_empty() {
         return Ok(PlacementReport::default());
     }
@@ -125,7 +125,11 @@ pub(crate) fn place_near(
             placement.rest(&all, state);
             Ok(PlacementReport::default())
         }
-        false => placement.solve(&all, state),
+        false => {
+            let solved = placement.solve(&all, state);
+            placement.confirm(&decided, given, state)?;
+            solved
+        }
     }
 }
 

@@ -47,7 +47,7 @@ pub struct AboutStart {
 /// Why bodies cannot be placed by joint coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacementError {
-    /// Where this joint's ends are is decided already, by other coordinates that are given, or by the bodies themselves.
+    /// Where this joint's ends are is decided already, by other coordinates that are given, or by the bodies themselves, and not as its start says.
     Decided {
         /// The joint, by index.
         joint: usize,
@@ -75,7 +75,7 @@ impl PlacementError {
         let (joint, why) = match *self {
             PlacementError::Decided { joint } => (
                 joint,
-                "is placed already, by other joint coordinates or by the bodies it joins: leave out one of them, or say `about` before the start that may give way".to_owned(),
+                "is placed already, by other joint coordinates or by the bodies it joins, and not where its start says: leave out one of them, or say `about` before the start that may give way".to_owned(),
             ),
             PlacementError::Rates { joint } => (
                 joint,

@@ -1,6 +1,6 @@
 //! The spanning tree along which bodies are placed: joints of which something is said first.
 
-use super::{FREE, JointStart, PlacementError};
+use super::{FREE, JointStart};
 use crate::{Layout, Part, Place, Scene};
 
 /// A joint walked from the part that is placed to the one it places.
@@ -11,13 +11,14 @@ pub(super) struct PlacingJoint {
     pub to_parent: bool,
 }
 
-/// The spanning tree, in the order in which it is walked.
+/// The spanning tree, in the order in which it is walked, and the joints of which something is said exactly that are decided without: their ends are
+/// placed already.
 pub(super) fn tree(
     scene: &Scene,
     layout: &Layout,
     given: &[JointStart],
     fixed: &[Part],
-) -> Result<Vec<PlacingJoint>, PlacementError> {
+) -> (Vec<PlacingJoint>, Vec<usize>) {
     // What holds exactly goes first, what may give way next: what is left over closes the loops.
     let rank = |joint: usize| {
         let own = given.iter().filter(|start| start.joint == joint);
@@ -46,7 +47,7 @@ pub(super) fn tree(
     // What hangs together; the world and everything fixed are one.
     let mut together: Vec<Vec<Option<Part>>> = vec![vec![None]];
     together[0].extend(fixed.iter().copied().map(Some));
-    let mut edges = Vec::new();
+    let (mut edges, mut decided) = (Vec::new(), Vec::new());
     for joint in order {
         let [Some(&parent), Some(&child)] = [0, 1].map(|k| layout.joints[joint].ends.get(k)) else {
             continue;
@@ -61,7 +62,7 @@ pub(super) fn tree(
         });
         if a == b {
             if rank(joint) == 0 {
-                return Err(PlacementError::Decided { joint });
+                decided.push(joint);
             }
             continue;
         }
@@ -94,5 +95,5 @@ pub(super) fn tree(
             placed.push(Some(to));
         }
     }
-    Ok(links)
+    (links, decided)
 }

@@ -23,7 +23,7 @@ mod vibration;
 
 use std::fmt;
 
-use mbd_scene::similar::did_you_mean;
+use mbd_scene::similar::near_and_all;
 use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
 pub(crate) use jacobian::Jacobian;
@@ -242,11 +242,8 @@ impl fmt::Display for LinearisationError {
                 write!(f, "{cause}")
             }
             LinearisationError::UnknownCoordinate { name, known } => {
-                let near = did_you_mean(name, known.split(", "));
-                write!(
-                    f,
-                    "`{name}` is no coordinate of this scene{near}; there are: {known}"
-                )
+                let known = near_and_all(name, known.split(", "));
+                write!(f, "`{name}` is no coordinate of this scene{known}")
             }
             LinearisationError::DependentCoordinate { name } => write!(
                 f,

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
-use mbd_scene::similar::did_you_mean;
+use mbd_scene::similar::near_and_all;
 use mbd_scene::{
     Coordinate, Float, Formula, InputSlots, InputSource, Joint, JointStart, Layout, Model,
     NodeModel, PlacementError, PlacementReport, Quantity, Scene, StartNumber, declared_beside,
@@ -333,9 +333,8 @@ impl<T: Float> Simulation<T> {
         }
         JointStart::by_name(scene, given.iter().copied()).map_err(|name| {
             let known = scene.joint_coordinates();
-            let near = did_you_mean(name, known.iter().map(String::as_str));
-            let known = known.join(", ");
-            let why = format!("is no joint coordinate{near}; there are: {known}");
+            let known = near_and_all(name, known.iter().map(String::as_str));
+            let why = format!("is no joint coordinate{known}");
             let name = name.to_owned();
             self.failed(StepError::Unplaced { name, why })
         })

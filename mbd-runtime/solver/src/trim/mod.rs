@@ -11,7 +11,7 @@
 mod search;
 
 use mbd_scene::Model;
-use mbd_scene::similar::did_you_mean;
+use mbd_scene::similar::near_and_all;
 
 use crate::Simulation;
 use crate::columns::Name;
@@ -134,11 +134,8 @@ impl std::fmt::Display for TrimError {
                 write!(f, "`{name}` is no input: this scene has none")
             }
             TrimError::UnknownInput { name, known } => {
-                let near = did_you_mean(name, known.split(", "));
-                write!(
-                    f,
-                    "`{name}` is no input of this scene{near}; there are: {known}"
-                )
+                let known = near_and_all(name, known.split(", "));
+                write!(f, "`{name}` is no input of this scene{known}")
             }
             TrimError::Turn { name } => write!(
                 f,
