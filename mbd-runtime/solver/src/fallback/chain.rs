@@ -29,6 +29,9 @@ pub(super) struct HeldRows {
     pub size: f64,
     /// Whether the step may pass a singular state.
     pub near: bool,
+    /// Whether limits are taken wherever they are better than the emitted elimination: a step was rejected near a state that is not passed yet.
+    #[serde(default)]
+    pub wide: bool,
 }
 
 /// What a run needs to go on solving its rows as it did.
@@ -120,6 +123,7 @@ impl Fallback {
             whole_step,
             size,
             near,
+            wide,
         } = &self.now;
         to.held.rows.clone_from(rows);
         to.held = HeldRows {
@@ -128,6 +132,7 @@ impl Fallback {
             whole_step: *whole_step,
             size: *size,
             near: *near,
+            wide: *wide,
         };
         to.base = self.base;
         to.lasting = self.lasting;

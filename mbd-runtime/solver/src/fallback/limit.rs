@@ -127,13 +127,18 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// Whether limits are ever taken.
+    pub(super) fn has_limits(&self) -> bool {
+        // Forces at equilibrium points do not follow a state that is only looked at.
+        self.projection.any() && !self.solves_chosen() && self.model.layout().nodes.is_empty()
+    }
+
     /// λ and v̇ by (1), for accelerations `forced` by rows chosen at the state; `None` where they have no limit.
     #[cold]
     fn find_limit(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<SingularLimit> {
         let model = self.model.clone();
         let layout = model.layout();
-        // Forces at equilibrium points do not follow a state that is only looked at.
-        if self.solves_chosen() || !layout.nodes.is_empty() {
+        if !self.has_limits() {
             return None;
         }
         let mut rates = vec![0.0; layout.len(Quantity::Derivative)];

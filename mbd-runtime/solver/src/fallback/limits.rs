@@ -22,6 +22,11 @@ pub(super) const INVOLVED: f64 = 1e-6;
 /// The power of the rounding unit ε that δ is, over the time in which the fastest point crosses the scene, as it goes or from rest: what
 /// rounding leaves of λ grows with ε/δ³, what the extrapolation neglects with δ⁴.
 pub(super) const POWER: f64 = 1.0 / 7.0;
+/// The angle of rows within which limits are taken once a step was rejected, over ε^(1/7), where what rounding leaves of v̇, ε over its cube, is
+/// what a limit is off by, ε^(4/7). A parallelogram passes its flat positions at tolerances of 1e-12 and 1e-13 with any value from 0.2 to 1.5:
+/// below 0.4 rounding costs rejections, above it limits find their neighbouring states within it and take wider ones, which costs a tolerance
+/// of 1e-13 three times as many steps there. In `f32` [`PASSING`] is wider.
+pub(super) const WIDE: f64 = 0.4;
 /// Times δ that are tried where rows lose rank also at the neighbouring states.
 pub(super) const WIDER: [f64; 3] = [1.0, 2.0, 4.0];
 /// Part of the largest terms of a row below which every sum is nothing: the motion is free.

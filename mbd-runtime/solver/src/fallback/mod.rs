@@ -3,7 +3,9 @@
 //! 1. `Emitted`: the rows kept in the declaration, in the emitted elimination.
 //! 2. `Chosen`: where other rows leave too little to the pivot of one of them, rows chosen anew at the start of the step, by what is new in
 //!    each, solved without structure; in passing such a state, with the multipliers at the limit (`limit`). Stages of the step
-//!    that are regular again keep the emitted rows, unless one of them fails.
+//!    that are regular again keep the emitted rows, unless one of them fails. Where a step is rejected near such a state, limits are taken
+//!    farther from it until it is passed: there the emitted elimination leaves so much of rounding in accelerations that steps of a tight
+//!    tolerance see nothing else, and a jump where limits begin, which no step resolves.
 //! 3. `Whole`: where masses differ so much that the emitted elimination loses digits, the whole matrix with row exchange.
 //! 4. `Regularised`: where the rows held for a step fail at a stage inside it, that stage alone with all rows, regularised and refined until
 //!    nothing is gained, and only if the equations then hold. The last strategy before [`StepError::SingularConstraints`]: near a state
@@ -22,7 +24,7 @@ pub(crate) use self::chain::{Fallback, RowStrategy, SavedStrategy};
 use self::dense::Dense;
 pub(crate) use self::dependence::{Dependence, dependent};
 pub(crate) use self::limits::NEW;
-use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING};
+use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING, POWER, WIDE};
 use crate::error::StepError;
 use crate::moving::moving;
 use crate::system::System;
@@ -34,6 +36,11 @@ mod dependence;
 mod limit;
 mod limits;
 
+/// The margin below which limits are better than the emitted elimination, whatever it was trusted with before a step was rejected.
+fn wide<T: Float>() -> f64 {
+    (WIDE * T::EPSILON.to_f64().powf(POWER)).powi(2)
+}
+
 impl<T: Float> System<T> {
     /// Whether the last factor of the emitted elimination can be trusted.
     pub(crate) fn is_regular(&self) -> bool {
@@ -43,7 +50,11 @@ impl<T: Float> System<T> {
     /// The margin from which on the emitted elimination is trusted, near a state that is passed or that lasts.
     fn trusted_from(&self, lasting: bool) -> f64 {
         let cost = if lasting { LASTING } else { PASSING };
-        MARGIN.max(T::EPSILON.to_f64() / cost)
+        let trusted = MARGIN.max(T::EPSILON.to_f64() / cost);
+        match self.fallback.held().wide && !lasting {
+            true => trusted.max(wide::<T>()),
+            false => trusted,
+        }
     }
 
     /// Rows that were left out have come apart: from here on as many as can be are taken. False if they are already.
@@ -80,6 +91,10 @@ impl<T: Float> System<T> {
         self.fallback.next.strategy = self.fallback.base;
         self.fallback.next.whole_step = false;
         self.fallback.next.size = size;
+        self.fallback.next.wide = false;
+        if self.fallback.now.wide {
+            self.stay_wide(self.fallback.margin, time, state);
+        }
         // Also where there was no step before.
         self.fallback.next.near = !matches!(
             size.partial_cmp(&(NEAR * change)),
@@ -119,10 +134,55 @@ impl<T: Float> System<T> {
             return false;
         }
         let state = state.get(..self.nx).unwrap_or_default();
-        self.pick_anew(time, state);
-        self.fallback.next.whole_step = true;
-        self.fallback.commit();
+        self.pick_again(time, state);
+        self.fallback.now.whole_step = true;
         true
+    }
+
+    /// Chooses rows at the start of the step that is tried.
+    fn pick_again(&mut self, time: f64, state: &[T]) {
+        self.fallback.next.clone_from(&self.fallback.now);
+        self.pick_anew(time, state);
+        self.fallback.commit();
+    }
+
+    /// A step between two times and states did not pass the error test. Near a singular state that is passed, what the test saw may be what
+    /// rounding leaves of accelerations, which no shorter step takes out: from here on they are taken at their limit as far as that is better.
+    /// True if that changes the accelerations at the start of the step.
+    #[cold]
+    pub(crate) fn widen(&mut self, times: [f64; 2], states: [&[T]; 2]) -> bool {
+        let Fallback { now, next, .. } = &self.fallback;
+        let margins = [now.size, next.size].map(|size| size * size);
+        let nearest = usize::from(margins[1] < margins[0]);
+        let is_emitted = self.fallback.base == RowStrategy::Emitted && !self.fallback.lasting;
+        let may = is_emitted && self.has_limits() && self.trusted_from(false) < wide::<T>();
+        if !may || now.wide {
+            return false;
+        }
+        let states = states.map(|state| state.get(..self.nx).unwrap_or_default());
+        self.fallback.at_end = false;
+        let changes = self.stay_wide(margins[nearest], times[nearest], states[nearest])
+            && margins[0] < wide::<T>();
+        if changes {
+            self.pick_again(times[0], states[0]);
+        }
+        changes
+    }
+
+    /// Whether limits are taken farther from a singular state at the step that is held, where this margin and state are.
+    #[cold]
+    fn stay_wide(&mut self, margin: f64, time: f64, state: &[T]) -> bool {
+        self.fallback.held_mut().wide = true;
+        let mut stays = margin < wide::<T>();
+        // Uneven masses make margins small, too: rows that are independent as lengths are have no limit to go to.
+        if stays && !self.fallback.lasting {
+            self.read_dense(time, state);
+            let Fallback { dense, spare, .. } = &mut self.fallback;
+            dense.choose(spare);
+            stays = self.fallback.spare.len() < self.model.layout().rank();
+        }
+        self.fallback.held_mut().wide = stays;
+        stays
     }
 
     /// Overwrites the accelerations of a stage where the strategy of its step is not the emitted one.

@@ -1,8 +1,10 @@
 //! Parallelograms through both of their flat positions in every scalar: on their branch, with their energy, never without a word.
 
+use std::f64::consts::PI;
+
 use mbd_compiler::Interpreted;
-use mbd_runtime::{Options, Scalar, model};
-use mbd_scene::AngularVelocity;
+use mbd_runtime::{Collapse, External, Method, Options, Scalar, Simulation, StepError, model};
+use mbd_scene::{AngularVelocity, Load, LoadKind, Place};
 use tests::turning::{Kept, PLAIN, Parallelogram};
 
 /// The same mechanism as each family of coordinates has it.
@@ -107,6 +109,133 @@ fn adaptive_steps_of_any_tolerance_pass_sixty_flat_positions_in_double_precision
             assert!(kept.energy < energy && kept.tilt < 1e-6, "{kept:?}");
         }
     }
+}
+
+/// In its plane.
+const PLANAR: Parallelogram = Parallelogram {
+    planar: true,
+    ..PLAIN
+};
+
+/// Twenty that come to a flat position in steps of their own, and when they have passed it \[s\].
+fn approaches(of: Parallelogram) -> impl Iterator<Item = (Parallelogram, f64)> {
+    (0..20_u32).map(move |k| {
+        let (rate, before) = (2.0 + 0.012 * f64::from(k), 0.02 + 0.0037 * f64::from(k));
+        let start = PI - before;
+        (Parallelogram { rate, start, ..of }, (before + 0.02) / rate)
+    })
+}
+
+/// Steps that are short enough to end close to a flat position.
+fn short(rtol: f64) -> Options {
+    Options::of(Method::Tsit5 {
+        rtol,
+        max_step: 1e-3,
+    })
+}
+
+#[test]
+fn whatever_steps_come_to_a_flat_position_tight_tolerances_pass_it() {
+    let three = Parallelogram {
+        cranks: 3,
+        ..PLANAR
+    };
+    let seventh = Options::of(Method::Vern7 {
+        rtol: 1e-12,
+        max_step: 1e-3,
+    });
+    for (of, options) in [
+        (PLANAR, short(1e-12)),
+        (PLANAR, short(1e-13)),
+        (PLANAR, seventh),
+        (three, short(1e-12)),
+        (PLAIN, short(1e-12)),
+    ] {
+        for (of, until) in approaches(of) {
+            let kept = turn::<f64>(of, options, until);
+            // Rounding ε of a state leaves ε over the angle of rows of it on the way between branches: 1e-13 where limits begin, some of it
+            // in each of ten steps from there on, and its square in energy. Accelerations by rows that are closer than that leave
+            // a hundred times as much of all three, or no step that passes.
+            assert!(kept.energy < 1e-12, "{kept:?}");
+            assert!(kept.angle < 1e-11 && kept.tilt < 1e-11, "{kept:?}");
+        }
+    }
+}
+
+#[test]
+fn a_run_goes_on_from_a_snapshot_in_the_middle_of_a_flat_position_to_the_bit() {
+    let mut snapshots = 0;
+    for (of, until) in approaches(PLANAR) {
+        let (scene, state) = of.build();
+        let model = Interpreted::<f64>::new(scene, &[]).expect("a valid scene");
+        let mut run = Simulation::new(&model, short(1e-12)).expect("options that fit");
+        run.set_state(0.0, &state).expect("a valid state");
+        run.start().expect("a start");
+        let (mut middle, mut chosen) = (None, 0);
+        while run.time() < until {
+            run.step().expect("a step");
+            let now = run.statistics().rows_chosen;
+            if now > chosen {
+                middle = Some(run.snapshot());
+                snapshots += 1;
+            }
+            chosen = now;
+        }
+        if let Some(middle) = middle {
+            let mut other = Simulation::new(&model, short(1e-12)).expect("options that fit");
+            other.restore(&middle).expect("a snapshot of this model");
+            while other.time() < until {
+                other.step().expect("a step");
+            }
+            assert_eq!(run.state(), other.state());
+        }
+    }
+    assert!(snapshots > 20, "limits are taken at {snapshots} steps");
+}
+
+#[test]
+fn a_load_that_jumps_at_a_flat_position_still_collapses_the_step() {
+    /// A torque on the first crank that throws it back from the flat position: no step resolves when it begins.
+    struct Jumps;
+    impl External<f64> for Jumps {
+        fn evaluate(&self, _: f64, state: &[f64], out: &mut [f64]) {
+            out.fill(0.0);
+            if let (Some(angle), Some(torque)) = (state.get(2), out.last_mut()) {
+                *torque = if *angle < PI { 0.0 } else { -1e9 };
+            }
+        }
+    }
+    let of = Parallelogram {
+        start: PI - 0.15,
+        ..PLANAR
+    };
+    let (mut scene, state) = of.build();
+    scene.loads.push(Load {
+        name: "shaft".into(),
+        doc: String::new(),
+        at: Place::Body(0, 0),
+        kind: LoadKind::External,
+    });
+    let model = Interpreted::<f64>::new(scene, &[]).expect("a valid scene");
+    let options = Options {
+        locate: false,
+        ..Options::tsit5(1e-9)
+    };
+    let mut run = Simulation::with_loads(&model, options, Jumps).expect("options that fit");
+    run.set_state(0.0, &state).expect("a valid state");
+    let error = run.run(0.15).expect_err("a jump");
+    assert!(
+        matches!(
+            error.cause,
+            StepError::StepCollapse {
+                cause: Collapse::ErrorTest,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    // Limits on the way there look as far ahead as a crossing of the mechanism times ε^(1/7).
+    assert!((run.time() - 0.075).abs() < 6e-3, "{error}");
 }
 
 model! {
