@@ -25,9 +25,9 @@ const LEAST: f64 = 1e-3;
 /// A joint coordinate, and the value that it is said to be about [m or rad].
 #[derive(Clone, Copy)]
 pub(super) struct Wish {
-    joint: usize,
-    coordinate: usize,
-    value: f64,
+    pub joint: usize,
+    pub coordinate: usize,
+    pub value: f64,
 }
 
 /// What is said to be about a value.
@@ -159,40 +159,8 @@ impl Placement<'_> {
         wishes.iter().map(value).collect()
     }
 
-    /// Whether joints that are decided by others, or by the bodies they join, are where their own starts say, too.
-    ///
-    /// # Errors
-    /// The first that is not.
-    pub(super) fn confirm(
-        &mut self,
-        decided: &[usize],
-        given: &[JointStart],
-        state: &mut [f64],
-    ) -> Result<(), PlacementError> {
-        for &joint in decided {
-            for start in given.iter().filter(|start| start.joint == joint) {
-                let coordinate = start.coordinate;
-                let said = start.value.map(|value| Wish {
-                    joint,
-                    coordinate,
-                    value,
-                });
-                let place = said.is_none_or(|said| self.grants(&[said], state));
-                let rate = start.rate.is_none_or(|rate| {
-                    let told = self.rows(Quantity::Coordinates, state);
-                    let own = told.get(self.place_in_coordinates(joint, coordinate) + 1);
-                    own.is_some_and(|own| (own - rate).abs() <= CLOSED.sqrt())
-                });
-                if !(place && rate) {
-                    return Err(PlacementError::Decided { joint });
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Where [`Quantity::Coordinates`] has a coordinate; its rate is next.
-    fn place_in_coordinates(&self, joint: usize, coordinate: usize) -> usize {
+    pub(super) fn place_in_coordinates(&self, joint: usize, coordinate: usize) -> usize {
         let before = self.scene.joints.iter().take(joint);
         let before: usize = before.map(|joint| joint.law.measured().count()).sum();
         2 * (before + coordinate)

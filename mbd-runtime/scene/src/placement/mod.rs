@@ -21,6 +21,7 @@ mod about;
 mod at_zero;
 mod close;
 mod couplings;
+mod decided;
 mod given;
 mod report;
 mod tree;
