@@ -1,9 +1,12 @@
 //! The scene of AAS 03-163 against independent reference histories, and the order of every method.
 
 use mbd_runtime::Options;
-use models::parachute::scene::{SceneInstant, TestCase};
+use models::parachute::scene::{
+    ParachuteRate, ParachuteRateParams, ParachuteStepwise, ParachuteStepwiseParams, SceneInstant,
+    TestCase,
+};
 use models::parachute::stability::largest_taut_step;
-use models::parachute::variant::{Confluence, Damping, Flight, FlightPlan, fly};
+use models::parachute::variant::{Confluence, Damping, Flight, FlightPlan, fly, fly_model};
 use tests::cores::on_all_cores;
 use tests::reference::{field, load};
 
@@ -200,6 +203,48 @@ fn steady_riser_force_is_the_weight_of_the_capsule() {
         (force / weight - 1.0).abs() <= 1e-3,
         "riser force {force} N, weight {weight} N"
     );
+}
+
+/// At the corners of `models/examples/flights/dispersions.toml`: three standard deviations of mass and drag, the ends of the ranges of the lines.
+#[test]
+fn flights_of_the_campaign_are_within_a_thousandth_of_the_steady_force_after_two_seconds() {
+    let times: Vec<f64> = (20..=700).map(|k| 0.1 * f64::from(k)).collect();
+    let of = |options| {
+        FlightPlan::new(TestCase::Two, Confluence::Stepwise, options, 70.0).sampled(&times)
+    };
+    for ([drag, mass], [riser_k, leg_k, riser_c]) in [
+        ([1.0, 1.0], [60e3, 47e3, 600.0]),
+        ([0.88, 1.045], [72e3, 56e3, 300.0]),
+        ([1.12, 0.955], [72e3, 56e3, 300.0]),
+        ([1.12, 1.045], [48e3, 38e3, 300.0]),
+        ([1.12, 1.045], [72e3, 38e3, 900.0]),
+        ([0.88, 0.955], [48e3, 56e3, 900.0]),
+    ] {
+        let (cd, m_capsule) = (0.46 * drag, 761.0 * mass);
+        let stepwise = ParachuteStepwise::new(ParachuteStepwiseParams {
+            cd,
+            m_capsule,
+            riser_k,
+            leg_k,
+            riser_c,
+            ..Default::default()
+        });
+        let exact = ParachuteRate::new(ParachuteRateParams {
+            cd,
+            m_capsule,
+            riser_k,
+            leg_k,
+            riser_c,
+            ..Default::default()
+        });
+        let (stepwise, exact) = (stepwise.expect("in range"), exact.expect("in range"));
+        let flown = fly_model(&of(Options::rk4(0.02)), &stepwise).expect("it flies");
+        let exact = fly_model(&of(Options::tsit5(1e-10)), &exact).expect("it flies");
+        let steady = exact.riser().last().copied().expect("rows");
+        let error = largest(&flown, exact.riser(), [2.0, 70.0]);
+        println!("{drag} {mass} {riser_k} {leg_k} {riser_c}: {error:e} N of {steady} N");
+        assert!(error <= 1e-3 * steady, "off by {error:e} N of {steady} N");
+    }
 }
 
 #[test]
