@@ -7,6 +7,7 @@ use std::error::Error;
 use std::fmt;
 
 use crate::node::UNEVEN;
+use crate::trajectory::Trajectory;
 use crate::watch::Instability;
 
 /// Counters of a run so far. They only grow, and saturate instead of overflowing.
@@ -385,6 +386,17 @@ step_errors! {
     "lost_digits",
     format!("`{part}` is {distance:.1e} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0)),
     "let the origin go along with what moves (`origin: follows NAME;`), put the world origin near it (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
+
+    /// A history has no room for the rows that are asked for; the state is the last accepted step, and the rows so far are kept.
+    LongHistory {
+        /// The rows that were asked for, as far as that is known: of every step, those that there are.
+        rows: f64,
+        /// The columns of each.
+        columns: usize,
+    }
+    "long_history",
+    format!("a history of {rows:.1e} rows with {columns} columns was asked for, and at most {:.0e} numbers fit into one", Trajectory::MOST_NUMBERS),
+    "write rows further apart or fewer columns, or record in parts and `clear` the history between them";
 
     /// The step budget of one call is used up.
     TooManySteps {

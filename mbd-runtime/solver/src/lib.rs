@@ -26,6 +26,7 @@ mod fallback;
 mod generated;
 mod generic;
 mod held_guards;
+mod identity;
 mod integrate;
 mod inverse;
 mod lanes;

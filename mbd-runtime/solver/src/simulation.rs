@@ -184,8 +184,9 @@ pub struct Simulation<T: Float> {
     rounded: f64,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,
-    /// What tells the scene from others, once something asks for it.
+    /// What tells the model from others, and its columns, once something asks for it.
     fingerprint: OnceCell<u64>,
+    columns: OnceCell<u64>,
     /// The last good state, for fixed steps that turn out too long.
     good: Snapshot<T>,
     /// Fixed steps count from here, so that time does not accumulate rounding.

@@ -8,6 +8,7 @@ use mbd_scene::{Float, Layout, Model, Scene};
 use crate::columns::Name;
 use crate::content::Content;
 use crate::error::{Statistics, StepError};
+use crate::identity;
 use crate::measure::{MeasuredStep, Measures};
 use crate::metric::{MetricReader, MissingMetric};
 use crate::row::{RowMaker, RowPlace, names};
@@ -68,6 +69,8 @@ pub enum Sampling {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
+    /// Of which model's runs it takes rows.
+    model: u64,
     names: Vec<Name>,
     columns: Vec<Vec<f64>>,
     maker: RowMaker,
@@ -95,6 +98,10 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
+    /// The most numbers of a history, rows times columns: 1.6 GB, and some 4 GB as text. A run that asks for more ends with
+    /// [`StepError::LongHistory`].
+    pub const MOST_NUMBERS: f64 = 2e8;
+
     /// Drops the rows and the events after a time [s].
     pub(crate) fn cut(&mut self, time: f64) {
         let kept = self.times().partition_point(|row| *row <= time);
@@ -123,6 +130,7 @@ impl Trajectory {
     fn of(scene: &Scene, layout: &Layout, sampling: Sampling, content: Content) -> Self {
         let names = names(scene, layout, content);
         let mut history = Trajectory {
+            model: identity::of_columns(scene, layout),
             columns: vec![Vec::new(); names.len()],
             maker: RowMaker::new(content, names.len()),
             names,
@@ -322,35 +330,71 @@ impl Trajectory {
         self.due().is_some_and(|due| end - due > resolution(end))
     }
 
-    /// Prepares for a run that starts at `time`; grid times before it are skipped. True when a row is due at the start.
-    pub(crate) fn open(&mut self, time: f64) -> Result<bool, StepError> {
-        let invalid = match &self.sampling {
-            Sampling::Every(interval) => Some(*interval).filter(|x| !(*x > 0.0 && x.is_finite())),
+    /// Refuses what cannot be recorded of a run of a model from one time until another.
+    pub(crate) fn check(&self, model: u64, [time, until]: [f64; 2]) -> Result<(), StepError> {
+        if model != self.model {
+            return Err(StepError::Unsupported {
+                what: "a history of another model".into(),
+                instead: "make one with `Trajectory::new` of the model that runs".into(),
+            });
+        }
+        let invalid = |value: f64| {
+            let slot =
+                "sampling interval or time (finite, increasing, as far apart as time resolves)";
+            let slot = slot.into();
+            StepError::InvalidInput { slot, value }
+        };
+        match &self.sampling {
+            Sampling::Steps => Ok(()),
+            Sampling::Every(interval) if !(*interval > 0.0 && interval.is_finite()) => {
+                Err(invalid(*interval))
+            }
+            Sampling::Every(interval) => {
+                self.fits((until - time) / interval)?;
+                // Closer rows would repeat each other, and never reach the next step.
+                let closest = resolution(time).max(resolution(until));
+                match *interval > closest {
+                    true => Ok(()),
+                    false => Err(invalid(*interval)),
+                }
+            }
             Sampling::At(times) => {
-                let ordered = times
+                let not_after = times
                     .windows(2)
                     .find(|pair| !pair.is_sorted_by(|a, b| a < b));
-                let bad = times.iter().find(|time| !time.is_finite());
-                bad.copied()
-                    .or(ordered.and_then(|pair| pair.last().copied()))
+                let not_after = not_after.and_then(|pair| pair.last());
+                let bad = times.iter().find(|time| !time.is_finite()).or(not_after);
+                bad.map_or(Ok(()), |time| Err(invalid(*time)))
             }
-            Sampling::Steps => None,
-        };
-        if let Some(value) = invalid {
-            let slot = "sampling interval or time (finite, increasing)".into();
-            return Err(StepError::InvalidInput { slot, value });
         }
+    }
+
+    /// Prepares for a run that starts at `time`; grid times before it are skipped. True when a row is due at the start.
+    pub(crate) fn open(&mut self, time: f64) -> bool {
         self.drop_end();
         if self.first.is_nan() {
             self.first = time;
         }
+        if let Sampling::Every(interval) = &self.sampling {
+            let passed = ((time - self.first) / interval).floor() - 1.0;
+            self.next = self.next.max(passed as usize);
+        }
         while self.due().is_some_and(|due| due < time - resolution(time)) {
             self.next += 1;
         }
-        Ok(match self.due() {
+        match self.due() {
             Some(due) => due <= time + resolution(time),
             None => self.times().last() != Some(&time),
-        })
+        }
+    }
+
+    /// Refuses so many more rows where memory has no room for them.
+    fn fits(&self, more: f64) -> Result<(), StepError> {
+        let (rows, columns) = (self.len() as f64 + more, self.columns.len());
+        match rows * columns as f64 <= Self::MOST_NUMBERS {
+            true => Ok(()),
+            false => Err(StepError::LongHistory { rows, columns }),
+        }
     }
 
     /// Adds a row at a state.
@@ -361,6 +405,7 @@ impl Trajectory {
         state: &[T],
         scratch: &mut [T],
     ) -> Result<(), StepError> {
+        self.fits(1.0)?;
         let undetermined = self.maker.make(system, (time, place), state, scratch)?;
         self.undetermined += u64::from(undetermined);
         for (column, value) in self.columns.iter_mut().zip(&self.maker.row) {

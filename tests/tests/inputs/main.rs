@@ -6,6 +6,7 @@ mod control;
 mod declared_starts;
 mod driving;
 mod lets;
+mod refused;
 mod starts;
 mod state_space;
 mod states;

@@ -51,8 +51,6 @@ pub struct RunPlan {
 
 /// A step that is taken when neither step nor tolerance is given and the scene needs fixed steps [s].
 const STEP: f64 = 1e-3;
-/// The most numbers of a history, rows times columns: 1.6 GB, and some 4 GB as text.
-const NUMBERS: f64 = 2e8;
 /// The relative tolerance of adaptive steps when nothing is given.
 const TOLERANCE: f64 = 1e-8;
 
@@ -147,11 +145,12 @@ fn fits(scene: &Scene, rows: f64) -> Result<(), PlanError> {
     let history = model.map(|model| Trajectory::new(&model, Sampling::Steps, Content::ALL));
     let columns = history.map_or(1, |history| history.names().len());
     let numbers = rows * columns as f64;
-    if numbers <= NUMBERS {
+    let most = Trajectory::MOST_NUMBERS;
+    if numbers <= most {
         return Ok(());
     }
     let text = format!(
-        "asks for {rows:.1e} rows of history with {columns} columns, {numbers:.1e} numbers; at most {NUMBERS:.0e} fit: write a longer distance of the rows, or an earlier end"
+        "asks for {rows:.1e} rows of history with {columns} columns, {numbers:.1e} numbers; at most {most:.0e} fit: write a longer distance of the rows, or an earlier end"
     );
     Err(wrong("every", text))
 }

@@ -8,6 +8,7 @@ use super::{Pace, Simulation, Stop};
 use crate::balance::EnergyBalance;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
+use crate::identity;
 use crate::integrate::{Control, StiffnessTest, Verdict};
 use crate::momentum::MomentumBalance;
 use crate::row::RowPlace;
@@ -145,6 +146,11 @@ impl<T: Float> Simulation<T> {
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<Option<Stop>, StepError> {
         course.opened = true;
+        if let Some(trajectory) = trajectory {
+            let model = &self.system.model;
+            let own = || identity::of_columns(model.scene(), model.layout());
+            trajectory.check(*self.columns.get_or_init(own), [self.time, course.until])?;
+        }
         if course.until - self.time > resolution(self.time) {
             self.sample()?;
         }
@@ -153,7 +159,7 @@ impl<T: Float> Simulation<T> {
         }
         self.measure_instant(trajectory)?;
         if let Some(trajectory) = trajectory
-            && trajectory.open(self.time)?
+            && trajectory.open(self.time)
         {
             trajectory.push(
                 &mut self.system,

@@ -1,13 +1,13 @@
 //! Everything a run needs to go on exactly as it would have.
 
-use mbd_scene::{Float, fingerprint};
+use mbd_scene::Float;
 use serde::{Deserialize, Serialize};
 
 use super::{Pace, Simulation};
 use crate::balance::EnergyBalance;
-use crate::columns::state_names;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
+use crate::identity;
 use crate::integrate::{Control, StiffnessTest};
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
@@ -110,19 +110,10 @@ impl<T: Float> Simulation<T> {
             .extend(samplers.map(|sampler| (sampler.from, sampler.next)));
     }
 
-    /// A number that another scene does not have: of its names and sizes, not of its parameters.
     fn fingerprint(&self) -> u64 {
-        *self.fingerprint.get_or_init(|| self.find_fingerprint())
-    }
-
-    fn find_fingerprint(&self) -> u64 {
-        let (scene, layout) = (self.system.model.scene(), self.system.model.layout());
-        let names = state_names(scene, layout).into_iter().map(|name| name.name);
-        let joints = scene.joints.iter().map(|joint| joint.name.clone());
-        let lines = scene.lines.iter().map(|line| line.name.clone());
-        let words = names.chain(joints).chain(lines);
-        // No text contains the byte that ends a word.
-        fingerprint(words.flat_map(|word| word.into_bytes().into_iter().chain([255])))
+        let model = &self.system.model;
+        let own = || identity::of_state(model.scene(), model.layout());
+        *self.fingerprint.get_or_init(own)
     }
 
     /// Runs with what events had set, where that is something else.

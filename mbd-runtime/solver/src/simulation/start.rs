@@ -38,6 +38,8 @@ use crate::watch::Watch;
 const SINGULAR: f64 = 1e-14;
 /// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
 const LOOSE: f64 = 1e-5;
+/// The latest time of a state, and the earliest below zero [s].
+const LATEST: f64 = 1e12;
 
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::new`] and [`Simulation::with_loads`] do.
@@ -173,6 +175,7 @@ impl<T: Float> Simulation<T> {
             judged: false,
             meter: Meter::Nothing,
             fingerprint: OnceCell::new(),
+            columns: OnceCell::new(),
             good: Snapshot::default(),
             rounding,
             length: scales.length,
@@ -269,6 +272,9 @@ impl<T: Float> Simulation<T> {
             (slot, state.len() as f64)
         } else if !time.is_finite() {
             ("time".into(), time)
+        } else if time.abs() > LATEST {
+            let slot = "time (beyond 1e12 s nothing shorter than 4 ms is resolved; let it begin near zero)";
+            (slot.into(), time)
         } else if let Some(at) = state.iter().position(bad) {
             let name = state_names(model.scene(), model.layout())
                 .into_iter()

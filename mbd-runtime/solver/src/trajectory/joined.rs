@@ -122,6 +122,8 @@ impl Joined {
         let first = parts.first();
         let content = first.map_or(Content::RESULTS, |(_, part)| part.maker.content);
         let mut joined = Trajectory {
+            // No model has all of them.
+            model: 0,
             maker: RowMaker::new(content, self.names.len()),
             beside: false,
             end: parts.last().map_or(f64::NAN, |(_, part)| part.end),

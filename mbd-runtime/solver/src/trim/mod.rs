@@ -42,6 +42,29 @@ pub struct TrimProblem {
     pub(super) turns: Option<Vec<f64>>,
 }
 
+impl TrimProblem {
+    /// All numbers that were given, each with what it was given for.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = (&str, f64)> {
+        let lists = [
+            ("state", &self.state),
+            ("nodes", &self.nodes),
+            ("inputs", &self.given),
+        ];
+        let lists = lists.into_iter().flat_map(|(name, list)| {
+            let numbers = list.iter().flatten();
+            numbers.map(move |value| (name, *value))
+        });
+        let named = [&self.inputs, &self.rates, &self.guesses];
+        let named = named.into_iter().flatten();
+        let fixed = self.fixed.iter();
+        let fixed = fixed.filter_map(|(name, value)| Some((name.as_str(), (*value)?)));
+        std::iter::once(("time", self.time))
+            .chain(lists)
+            .chain(named.map(|(name, value)| (name.as_str(), *value)))
+            .chain(fixed)
+    }
+}
+
 /// A steady motion.
 #[derive(Clone, Debug)]
 pub struct Trimmed {
@@ -93,6 +116,13 @@ pub enum TrimError {
         /// The name.
         name: String,
     },
+    /// A number that was given is not finite.
+    Given {
+        /// What it was given for: the name of a coordinate or an input, `state`, `nodes`, `inputs`, `time`.
+        name: String,
+        /// The number.
+        value: f64,
+    },
     /// The joints cannot be closed with the coordinates where they are wanted.
     Open {
         /// What is left [m or 1].
@@ -141,6 +171,9 @@ impl std::fmt::Display for TrimError {
                 f,
                 "`{name}` is a turn in space, which no single number sets: give the attitude with `state`, and `hold` it"
             ),
+            TrimError::Given { name, value } => {
+                write!(f, "`{name}` cannot be {value}: give a finite number")
+            }
             TrimError::Open { gap } => write!(
                 f,
                 "the joints stay open by {gap:.1e} with these coordinates: fix fewer of them, or others"

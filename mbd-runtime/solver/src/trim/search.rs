@@ -41,6 +41,10 @@ pub(crate) fn find<T: Scalar>(
     model: &dyn Model<T>,
     asked: &TrimProblem,
 ) -> Result<Trimmed, TrimError> {
+    if let Some((name, value)) = asked.numbers().find(|(_, value)| !value.is_finite()) {
+        let name = name.to_owned();
+        return Err(TrimError::Given { name, value });
+    }
     let (scene, layout) = (model.scene(), model.layout());
     let inputs = input_names(scene, layout);
     let place_of = |name: &str| {
