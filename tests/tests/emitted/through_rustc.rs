@@ -172,6 +172,37 @@ const NAMES: &str = "pub model Names<T> {
     event Err = Some.position.z falls 0 m;
 }";
 
+/// A load on a joint is a mistake; that its program names the inputs that there are is none.
+#[test]
+fn a_load_that_failed_is_no_input_of_the_caller() {
+    let source = r#"#![allow(dead_code)]
+mbd_runtime::model! {
+    pub model Rig {
+        gravity: none;
+        input push: force;
+        body leaf { mass: 2 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint pin: hinge from world to leaf.com { axis: y };
+        load coil on pin.angle = -10 N*m * pin.angle;
+        load by_hand on leaf = [push, 0 N, 0 N];
+    }
+}
+pub fn inputs() -> RigInputs {
+    RigInputs { push: 1.0 }
+}
+"#;
+    let told: Vec<String> = told("load", source)
+        .into_iter()
+        .map(|(level, line, _, text)| format!("{level} {line}: {text}"))
+        .collect();
+    let [only] = &told[..] else {
+        panic!("one message: {told:#?}");
+    };
+    assert!(
+        only.starts_with("error 8: a load acts on a body or a point, and `pin` is a joint"),
+        "{only}"
+    );
+}
+
 #[test]
 fn names_that_meet_words_of_rust_compile_and_what_is_unused_is_told_by_its_name() {
     let (_, unused) = declaration("users/broken/e20_unused.mbd");

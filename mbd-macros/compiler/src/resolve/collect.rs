@@ -303,7 +303,11 @@ impl<'a> Resolver<'a> {
                 name,
                 doc,
                 at: nowhere,
-                kind: LoadKind::External,
+                // What has a value asks the caller for none, whatever is wrong with it.
+                kind: match item.clause("=") {
+                    Some(_) => LoadKind::Force(Formula::Vector(vec![Formula::Number(0.0); 3])),
+                    None => LoadKind::External,
+                },
             }),
             _ => self.number_placeholder(word, name, doc),
         }
