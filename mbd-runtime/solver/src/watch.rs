@@ -45,6 +45,9 @@ pub(crate) struct Watch {
     last: f64,
     /// After how many steps in a row the energy was out of balance.
     over: u64,
+    /// How many steps were recorded.
+    #[serde(default)]
+    seen: u64,
 }
 
 impl Watch {
@@ -53,6 +56,7 @@ impl Watch {
         let kept = (1_u64 << WINDOW) - 1;
         let is_above = stiffness > LIMIT;
         self.above = ((self.above << 1) | u64::from(is_above)) & kept;
+        self.seen = self.seen.saturating_add(1);
         if is_above {
             self.last = stiffness;
         }
@@ -74,6 +78,15 @@ impl Watch {
     /// what is allowed.
     pub(crate) fn is_calm(&self, excess: f64) -> bool {
         self.above == 0 && excess.abs() <= GOOD * ENERGY
+    }
+
+    /// What a run has shown that ends before anything could persist: a step was above the limit, all of them where there are more than a few, and
+    /// the energy at its end is out of balance.
+    pub(crate) fn sees_end(&self, excess: f64) -> Option<Instability> {
+        let above = u64::from(self.above.count_ones());
+        let is_long = above > 0 && (self.seen < PERSISTS || above == self.seen);
+        let is_over = excess.is_nan() || excess.abs() > ENERGY;
+        (is_long && is_over).then_some(Instability::Stages(self.last))
     }
 
     /// Records the balance of energy, `steps` after the last look at it; true when the run made or lost too much, and goes on to.

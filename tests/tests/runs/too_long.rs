@@ -324,3 +324,47 @@ fn energy_that_is_not_emitted_is_read_by_the_laws_now_and_then() {
     assert!((1900.0..2100.0).contains(&steps), "{steps}");
     assert!(run.time() < 0.15 * time);
 }
+
+/// A lamp on three lines from a knot without mass, ω about 32 rad/s: at hω ≈ 10 the lamp is kilometres away after two steps.
+#[test]
+fn a_run_of_one_step_or_two_is_none_of_steps_far_too_long() {
+    let text = |emit: &str| {
+        format!(
+            "model Lamp {{ gravity: [0, 0, -9.81] m/s^2; {emit}
+                world {{ frame left at [-1, 0, 2] m, frame right at [1.5, 0, 2.2] m }}
+                point lamp {{ mass: 2 kg, start at [0.4, 0.3, 0.8] m }}
+                point knot;
+                line a from world.left to knot {{ free_length: 1.2 m, stiffness: 2 kN/m }}
+                line b from world.right to knot {{ free_length: 1.6 m, stiffness: 2 kN/m }}
+                line cord from knot to lamp {{ free_length: 0.5 m, stiffness: 2 kN/m }} }}"
+        )
+    };
+    for emit in ["", "emit: [derivative];"] {
+        let lamp = Generic::<f64>::with_defaults(read(&text(emit))).expect("defaults");
+        // The first step of 0.3 s tightens a slack line: by itself its stages tell nothing.
+        for (step, ends) in [
+            (0.3, &[1.7, 2.0][..]),
+            (0.5, &[1.0, 1.7, 2.0]),
+            (1.0, &[0.5, 1.0, 1.7, 2.0]),
+            (2.0, &[0.25, 0.5, 1.0, 1.5]),
+        ] {
+            for until in ends.iter().map(|end| end * step) {
+                let mut run = Simulation::new(&lamp, Options::rk4(step)).expect("it fits");
+                run.start().expect("it starts");
+                let start = run.state().to_vec();
+                let error = run.run(until).expect_err("hω is far beyond 2.8");
+                assert!(
+                    matches!(error.cause, StepError::UnstableStep { .. }),
+                    "{step} {until}: {error}"
+                );
+                assert_eq!((run.time(), run.state()), (0.0, &start[..]), "{step}");
+            }
+        }
+        // A step that is short enough may be the only one.
+        for steps in 1..=3 {
+            let mut run = Simulation::new(&lamp, Options::rk4(0.01)).expect("it fits");
+            let stop = run.run(0.01 * f64::from(steps));
+            stop.expect("hω is about 0.3");
+        }
+    }
+}

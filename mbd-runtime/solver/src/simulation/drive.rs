@@ -179,6 +179,7 @@ impl<T: Float> Simulation<T> {
     ) -> Result<Option<Stop>, StepError> {
         let seen = self.events.len();
         if course.until - self.time <= resolution(self.time) {
+            self.watch_end()?;
             let acted = self.happen_at_end()?;
             self.tell_events(seen, trajectory);
             if acted {

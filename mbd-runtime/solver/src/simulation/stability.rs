@@ -145,6 +145,43 @@ impl<T: Float> Simulation<T> {
         }
     }
 
+    /// Looks at a run that ends here, before a step beyond the limit could show itself often enough.
+    ///
+    /// # Errors
+    /// All its steps were too long.
+    pub(super) fn watch_end(&mut self) -> Result<(), StepError> {
+        // Without a doubt in its stages the energy needs no look.
+        let Pace::Fixed(step) = self.pace else {
+            return Ok(());
+        };
+        if !self.watched || self.watch.sees_end(f64::NAN).is_none() {
+            return Ok(());
+        }
+        let excess = match (self.meter, self.balance) {
+            (Meter::Laws, Some(mut balance)) => {
+                let now = self
+                    .system
+                    .energy_and_power(self.meter, self.time, &self.state);
+                match now {
+                    Some(now) => balance.take(step, 0.0, now),
+                    None => return Ok(()),
+                }
+                self.excess(&balance)
+            }
+            _ => self.excess_now(),
+        };
+        match self.watch.sees_end(excess) {
+            None => Ok(()),
+            // The steps are behind.
+            Some(what) => Err(StepError::UnstableStep {
+                time: self.time,
+                step_size: step,
+                what,
+                suggestion: what.suggestion(step),
+            }),
+        }
+    }
+
     /// What watch and balance are after a step that was made elsewhere; `None` where they have something to say of it, or look inside.
     pub(super) fn watch_received(
         &self,
