@@ -281,7 +281,7 @@ fn name<'a>(
     };
     let index = cursor.group(Bracket::Square);
     if let (Some(index), false) = (index, spec.repeats) {
-        return Err(say::form(index.at, spec, "["));
+        return Err(say::not_repeated(index.at, spec, &word.text));
     }
     Ok(NameSyntax { word, index })
 }
