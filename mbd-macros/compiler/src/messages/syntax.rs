@@ -239,6 +239,19 @@ pub fn form(at: Region, item: &ItemWord, found: &str) -> LexemeMessage {
     )
 }
 
+/// An index behind the name of an item that is there once.
+pub fn not_repeated(at: Region, item: &ItemWord, name: &str) -> LexemeMessage {
+    let word = item.word;
+    LexemeMessage::new(
+        at,
+        format!(
+            "{} `{word}` has no index: write `{word} {name}`, which all may use, or one for each, `{word} {name}_0`; the form is `{}`",
+            article(word),
+            item.form
+        ),
+    )
+}
+
 pub fn missing_clause(at: Region, item: &ItemWord, clause: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -120,13 +120,17 @@ fn inner(
 
 /// Takes the word that marks an item: `loop` before a joint.
 fn mark(cursor: &mut Cursor<'_>, inside: bool) -> Option<LexemeIndex> {
-    let marked = cursor.peek_word().and_then(words::marked_by)?;
-    let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
-    let fits = matches!(next, Some(LexemeKind::Word(word)) if word == marked.word);
-    (fits && !inside)
+    (begins_marked(cursor) && !inside)
         .then(|| cursor.take())
         .flatten()
         .map(|lexeme| lexeme.at)
+}
+
+/// Whether an item with a word before its keyword begins here: `loop joint`.
+fn begins_marked(cursor: &Cursor<'_>) -> bool {
+    let marked = cursor.peek_word().and_then(words::marked_by);
+    let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
+    marked.is_some_and(|marked| matches!(next, Some(LexemeKind::Word(word)) if word == marked.word))
 }
 
 /// An item with an unknown keyword: its name may be used elsewhere.
@@ -245,6 +249,9 @@ fn rest<'a>(
         }
     }
     needed(item, spec)?;
+    if !inside && braces_left_out(cursor, spec, item) {
+        return Ok(());
+    }
     separator(cursor, inside)
 }
 
@@ -281,7 +288,7 @@ fn name<'a>(
     };
     let index = cursor.group(Bracket::Square);
     if let (Some(index), false) = (index, spec.repeats) {
-        return Err(say::form(index.at, spec, "["));
+        return Err(say::not_repeated(index.at, spec, &word.text));
     }
     Ok(NameSyntax { word, index })
 }
@@ -387,6 +394,7 @@ fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
                 |sign: &Clause| matches!(next, Some(LexemeKind::Word(word)) if word == sign.sign);
             let unnamed = spec.is_some_and(|spec| inside && spec.clauses.iter().any(begins));
             (named && is_name(next))
+                || (!inside && begins_marked(cursor))
                 || unnamed
                 || (inside && matches!(next, Some(LexemeKind::Sign(':'))))
                 || (inside && begins_outside(cursor))
@@ -405,6 +413,14 @@ fn begins_outside(cursor: &Cursor<'_>) -> bool {
 /// Whether a name stands here: what has the name `load` itself is followed by another word, `from load to hook`.
 fn is_name(lexeme: Option<&LexemeKind>) -> bool {
     matches!(lexeme, Some(LexemeKind::Word(word)) if words::reserved(word).is_none())
+}
+
+/// Whether an item ends at its name or a place, where it may have braces and has none: what comes next begins another item, as behind braces,
+/// so that no `;` is needed.
+fn braces_left_out(cursor: &Cursor<'_>, spec: &ItemWord, item: &Item<'_>) -> bool {
+    let semicolon = matches!(cursor.peek().map(|l| &l.kind), Some(LexemeKind::Sign(';')));
+    let at_place = item.clauses.last().is_none_or(|last| last.sign == "to");
+    spec.named && spec.fields.is_some() && at_place && !semicolon
 }
 
 /// Takes the separator after an item.

@@ -423,16 +423,16 @@ pub const OTHER_RESERVED: &[&str] = &[
 
 /// Keywords of Rust that the language writes itself, or that name things of every module.
 const OWN_KEYWORDS: &[&str] = &[
-    "as", "const", "crate", "else", "false", "if", "in", "let", "loop", "mod", "pub", "self",
-    "Self", "super", "true", "_",
+    "as", "const", "else", "false", "if", "in", "let", "loop", "mod", "pub", "self", "Self",
+    "super", "true", "_",
 ];
 
 /// The others: names here, with an underscore behind them where they become fields and functions of Rust.
 const KEYWORDS: &[&str] = &[
-    "abstract", "async", "await", "become", "box", "break", "continue", "do", "dyn", "enum",
-    "extern", "final", "fn", "for", "gen", "impl", "macro", "match", "move", "mut", "override",
-    "priv", "ref", "return", "static", "struct", "trait", "try", "type", "typeof", "unsafe",
-    "unsized", "use", "virtual", "where", "while", "yield",
+    "abstract", "async", "await", "become", "box", "break", "continue", "crate", "do", "dyn",
+    "enum", "extern", "final", "fn", "for", "gen", "impl", "macro", "match", "move", "mut",
+    "override", "priv", "ref", "return", "static", "struct", "trait", "try", "type", "typeof",
+    "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
 ];
 
 /// Whether a word is a keyword of Rust.

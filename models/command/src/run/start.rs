@@ -11,12 +11,22 @@ use super::outcome::RunOutcome;
 const FAR: f64 = 1e-3;
 /// Nor is one that is rotated by more [rad].
 const ROTATED: f64 = 1e-3;
+/// What the start changes by less, in SI units, is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// What the start moved most of what the declaration or the settings place, if that is more than rounding.
 #[must_use]
 pub fn moved<'a>(plan: &RunPlan, outcome: &'a RunOutcome) -> Option<&'a Moved> {
-    let placed = |moved: &&Moved| plan.placed.contains(&moved.name);
-    outcome.moved.iter().find(placed)
+    let told = |moved: &&Moved| {
+        let changes = [
+            moved.distance,
+            moved.angle,
+            moved.velocity,
+            moved.angular_velocity,
+        ];
+        plan.placed.contains(&moved.name) && changes.iter().any(|&change| change > ROUNDING)
+    };
+    outcome.moved.iter().find(told)
 }
 
 /// One sentence where a body that the declaration or the settings place starts somewhere else, and one where the start is singular; `None` where all

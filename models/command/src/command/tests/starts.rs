@@ -36,6 +36,33 @@ fn a_start_that_the_joints_do_not_allow_is_told() {
 }
 
 #[test]
+fn what_rounding_moves_at_the_start_is_not_told() {
+    let folder = Folder::new("start_rounding");
+    let out = folder.0.join("out").display().to_string();
+    let boom = "pub model Boom {
+        gravity: none;
+        coordinates: relative;
+        body bus {
+            mass: 450 kg,
+            inertia: diag(110, 130, 90) kg*m^2,
+            frame root at [0.6, 0, 0] m,
+            start at [0, 0, 0] m rotated rpy(20 deg, -10 deg, 30 deg),
+        }
+        body rod { mass: 2 kg, inertia: diag(0.01, 0.7, 0.7) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }
+        point tip { mass: 1.5 kg }
+        joint fly: free from world to bus.com;
+        joint root: universal from bus.root to rod.root { axes: [y, z] }
+        joint mount: spherical from rod.tip to tip;
+    }
+    [run]
+    until = \"0.1 s\"
+    ";
+    let file = folder.file("boom.mbd", boom);
+    let told = run(&["run", &file, "--out", &out]).unwrap();
+    assert!(!told.contains("moved at the start"), "{told}");
+}
+
+#[test]
 fn a_start_is_said_in_joint_coordinates() {
     let folder = Folder::new("joint_start");
     let out = folder.0.join("out").display().to_string();
