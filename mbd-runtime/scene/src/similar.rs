@@ -49,10 +49,13 @@ pub fn did_you_mean<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> S
     nearest(word, set).map_or_else(String::new, |found| format!("; did you mean `{found}`?"))
 }
 
-/// The same and all that there are: `; did you mean `x`? There are: x, y`, or `; there are: x, y`.
+/// The same and all that there are: `; did you mean `x`? There are: x, y`, `; there are: x, y`, or `; there are none`.
 #[must_use]
 pub fn near_and_all<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> String {
-    let all: Vec<&str> = set.into_iter().collect();
+    let all: Vec<&str> = set.into_iter().filter(|word| !word.is_empty()).collect();
+    if all.is_empty() {
+        return "; there are none".to_owned();
+    }
     let near = did_you_mean(word, all.iter().copied());
     let there_are = if near.is_empty() { "; there" } else { " There" };
     format!("{near}{there_are} are: {}", all.join(", "))
@@ -81,5 +84,6 @@ mod tests {
             "; did you mean `peak`? There are: peak, sink"
         );
         assert_eq!(near_and_all("tip", ["peak"]), "; there are: peak");
+        assert_eq!(near_and_all("tip", []), "; there are none");
     }
 }

@@ -1,7 +1,8 @@
 //! What a program gives that cannot be used: refused by its name, and nothing is written.
 
 use mbd_runtime::{
-    Content, Options, RunError, Sampling, Simulation, StepError, Trajectory, TrimError, model, trim,
+    Content, Options, RunError, Sampling, Simulation, StepError, Trajectory, TrimError, linearise,
+    model, trim,
 };
 
 model! {
@@ -100,6 +101,17 @@ fn a_time_at_which_nothing_short_is_resolved_is_refused() {
             "{cause}"
         );
     }
+}
+
+#[test]
+fn a_time_that_is_none_has_no_linear_system() {
+    let door = door();
+    let run = Simulation::new(&door, Options::tsit5(1e-6)).expect("options that fit");
+    let error = linearise(&door, f64::NAN, run.state(), &[0.0]).expect_err("no time");
+    assert_eq!(
+        error.to_string(),
+        "a number that was given as time is not finite"
+    );
 }
 
 #[test]

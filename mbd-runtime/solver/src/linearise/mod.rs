@@ -236,7 +236,7 @@ impl fmt::Display for LinearisationError {
                 "{got} numbers were given as {what}, and this scene has {expected}"
             ),
             LinearisationError::Given { what } => {
-                write!(f, "a number that was given among the {what} is not finite")
+                write!(f, "a number that was given as {what} is not finite")
             }
             LinearisationError::Inputs(cause) | LinearisationError::Nodes(cause) => {
                 write!(f, "{cause}")

@@ -32,6 +32,9 @@ impl SceneMoment {
         (time, state, inputs): (f64, &[f64], &[f64]),
     ) -> Result<Self, LinearisationError> {
         let (scene, layout) = (model.scene(), model.layout());
+        if !time.is_finite() {
+            return Err(LinearisationError::Given { what: "time" });
+        }
         for (what, got, expected) in [("state", state, layout.nx()), ("inputs", inputs, layout.ni)]
         {
             if got.len() != expected {

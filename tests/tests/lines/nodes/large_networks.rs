@@ -14,12 +14,12 @@ model! {
             frame start at [0.0, 0.0, 0.0] m,
             frame post[i in 0..40] at [i * 1 m, 0.5 m, 0.5 m],
         }
-        body crate_ {
+        body crate {
             mass: 5 kg,
             inertia: diag(1.0, 1.0, 1.0) kg*m^2,
             frame eye at [0.0, 0.0, 0.2] m,
         }
-        joint loose: free from world to crate_.com;
+        joint loose: free from world to crate.com;
         point knot[i in 0..40] { equilibrium: static }
         line first from world.start to knot[0] { free_length: 0.8 m, stiffness: 1 kN/m }
         line link[i in 1..40] from knot[i - 1] to knot[i] { free_length: 0.8 m, stiffness: 1 kN/m }
@@ -27,7 +27,7 @@ model! {
             free_length: 0.5 m,
             stiffness: 400 N/m,
         }
-        line last from knot[39] to crate_.eye { free_length: 0.8 m, stiffness: 1 kN/m }
+        line last from knot[39] to crate.eye { free_length: 0.8 m, stiffness: 1 kN/m }
     }
 }
 
