@@ -15,6 +15,9 @@ const KINDS: &[&str] = &[
     "load", "output", "event", "metric",
 ];
 
+/// Those that may end at their name or at a place, where nothing but the next item tells it.
+const WITHOUT_BRACES: &[&str] = &["table", "body", "point", "joint", "line", "spring"];
+
 /// Words that may stand before the word of an item.
 const MARKS: &[&str] = &["loop", "smooth"];
 
@@ -109,12 +112,11 @@ pub fn declared_in_text(text: &str) -> Counts {
             start = at + 1;
         }
     }
-    for head in heads {
+    for head in heads.into_iter().flat_map(apart) {
         let mut words = head.trim_start();
         for mark in MARKS {
             words = words.strip_prefix(mark).unwrap_or(words).trim_start();
         }
-        let letters = |c: char| c.is_alphanumeric() || c == '_';
         let end = words.find(|c| !letters(c)).unwrap_or(words.len());
         let (word, rest) = words.split_at(end);
         if let Some(kind) = KINDS.iter().find(|kind| **kind == word) {
@@ -131,6 +133,60 @@ pub fn declared_in_text(text: &str) -> Counts {
         }
     }
     counts
+}
+
+fn letters(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// Items that follow each other without a sign between them: `joint a: free from world to b.com joint c: …`.
+fn apart(head: &str) -> Vec<&str> {
+    let (mut items, mut head) = (Vec::new(), head);
+    while let Some(end) = end_without_braces(head) {
+        items.push(&head[..end]);
+        head = &head[end..];
+    }
+    items.push(head);
+    items
+}
+
+/// Where the next item begins behind one that has no braces.
+fn end_without_braces(head: &str) -> Option<usize> {
+    // Words and signs outside of brackets, with their places.
+    let (mut parts, mut depth, mut at) = (Vec::new(), 0_i32, 0);
+    while let Some(c) = head[at..].chars().next() {
+        let word = head[at..].find(|c| !letters(c)).unwrap_or(head.len() - at);
+        let length = word.max(c.len_utf8());
+        match c {
+            '{' | '[' | '(' => depth += 1,
+            '}' | ']' | ')' => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 && !c.is_whitespace() {
+            parts.push((at, &head[at..at + length]));
+        }
+        at += length;
+    }
+    let own = parts.iter().position(|(_, part)| !MARKS.contains(part))?;
+    if !WITHOUT_BRACES.contains(&parts[own].1) {
+        return None;
+    }
+    let is_name =
+        |part: Option<&(usize, &str)>| part.is_some_and(|(_, part)| part.starts_with(letters));
+    // Behind its own word and its name.
+    let next = (own + 2..parts.len()).find(|&at| {
+        let [before, part] = [at - 1, at].map(|at| parts[at].1);
+        let begins = KINDS.contains(&part)
+            || (MARKS.contains(&part)
+                && parts
+                    .get(at + 1)
+                    .is_some_and(|(_, next)| KINDS.contains(next)));
+        let behind_place = (before.starts_with(letters)
+            && !["from", "to", "on", "at"].contains(&before))
+            || before == "]";
+        begins && behind_place && is_name(parts.get(at + 1))
+    })?;
+    Some(parts[next].0)
 }
 
 /// How many columns an output of this value has that are told apart by numbers: a list of two numbers or of more than three is no vector.
