@@ -105,6 +105,8 @@ pub fn declared_in_text(text: &str) -> Counts {
             _ => {}
         }
         if depth < 0 {
+            // The last item may end with the braces of all.
+            heads.push(&inside[start..at]);
             break;
         }
         if depth == 0 && matches!(c, ';' | '}') {
