@@ -283,7 +283,7 @@ impl<S: Real> BlockSystem<S> {
     ) {
         let n = node.size;
         let (h, least, unit) = self.column(node, k);
-        let along = |row: &[S]| sparse_dot(row.iter().zip(&h).map(|(&x, &h)| (x, h)));
+        let along = |row: &[S]| sparse_dot(row, &h);
         let u: [S; MOST] = std::array::from_fn(|i| match node.joint {
             Some(_) => along(&inertia[i]).label("U"),
             None => inertia[i][k],
@@ -396,13 +396,12 @@ impl<S: Real> BlockSystem<S> {
                 for (row, at) in node.rows(plan, below).enumerate() {
                     let last = last(below, other, row, columns);
                     for (column, from) in node.rows(plan, other).enumerate().take(last) {
-                        let own = (0..n).map(|d| (self.scaled[at + d], self.store[from + d]));
-                        let mut total = sparse_dot(own);
+                        let mut total =
+                            sparse_dot(&self.scaled[at..at + n], &self.store[from..from + n]);
                         if let Some(coupling) = coupling {
                             let own = coupling.at + n * row;
-                            total += sparse_dot(
-                                (0..n).map(|d| (self.scaled[from + d], self.store[own + d])),
-                            );
+                            total +=
+                                sparse_dot(&self.scaled[from..from + n], &self.store[own..own + n]);
                         }
                         let slot = &mut self.store[target + row * columns + column];
                         *slot = (*slot + total).label("I_a");
@@ -436,7 +435,7 @@ impl<S: Real> BlockSystem<S> {
         }
         for k in 0..node.free {
             let (h, _, unit) = self.column(node, k);
-            let work = sparse_dot((0..n).map(|i| (self.right[first + i], h[i])));
+            let work = sparse_dot(&self.right[first..first + n], &h);
             self.work[first + k] = work;
             if let Some(unit) = unit {
                 self.right[first + unit] = S::zero();
@@ -466,21 +465,21 @@ impl<S: Real> BlockSystem<S> {
         };
         let held = joint.first;
         for d in 0..n {
-            let moved = (0..n).map(|e| (self.right[held + e], self.store[node.row(d) + e]));
-            let moved = sparse_dot(moved);
+            let row = &self.store[node.row(d)..node.row(d + 1)];
+            let moved = sparse_dot(&self.right[held..held + n], row);
             if !moved.is_zero() {
                 self.right[first + d] -= moved;
             }
         }
         for below in &joint.below {
             for (at, row) in node.rows(plan, below).zip(plan.steps[below.step].first..) {
-                let push = sparse_dot((0..n).map(|d| (self.scaled[at + d], self.right[first + d])));
+                let push = sparse_dot(&self.scaled[at..at + n], &self.right[first..first + n]);
                 self.right[row] = (self.right[row] + push).label("p_a");
             }
         }
         for below in node.others() {
             for (at, row) in node.rows(plan, below).zip(plan.steps[below.step].first..) {
-                let moved = sparse_dot((0..n).map(|d| (self.right[held + d], self.store[at + d])));
+                let moved = sparse_dot(&self.right[held..held + n], &self.store[at..at + n]);
                 self.right[row] -= moved;
             }
         }
@@ -550,12 +549,12 @@ impl<S: Real> BlockSystem<S> {
             }
         }
         for (d, &own) in carried.iter().enumerate().take(n) {
-            let moved = (0..n).map(|e| (carried[e], self.store[node.row(d) + e]));
-            let mut push = self.right[first + d] - sparse_dot(moved);
+            let row = &self.store[node.row(d)..node.row(d + 1)];
+            let mut push = self.right[first + d] - sparse_dot(&carried, row);
             for below in node.others() {
                 let unknowns = plan.steps[below.step].first..;
                 let rows = node.rows(plan, below).zip(unknowns);
-                push -= sparse_dot(rows.map(|(at, row)| (self.store[at + d], self.right[row])));
+                push -= sparse_sum(rows.map(|(at, row)| (self.store[at + d], self.right[row])));
             }
             self.push[held + d] = push;
             self.right[first + d] = (self.right[held + d] + own).label("a");
@@ -583,7 +582,7 @@ impl<S: Real> BlockSystem<S> {
 fn turn<S: Real>(list: &mut [S], axes: &Matrix3<S>) {
     let old: [S; 3] = std::array::from_fn(|r| list[r]);
     for (j, slot) in list.iter_mut().enumerate().take(3) {
-        *slot = sparse_dot((0..3).map(|r| (old[r], axes[(r, j)])));
+        *slot = sparse_dot(&old, &std::array::from_fn::<S, 3, _>(|r| axes[(r, j)]));
     }
 }
 
@@ -615,10 +614,21 @@ fn turn_inertia<S: Real>(inertia: &mut [[S; MOST]; MOST], axes: &Matrix3<S>) {
 }
 
 /// Σ a b over the products in which neither is zero.
-pub(crate) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+pub(crate) fn sparse_sum<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
     products
         .filter(|(a, b)| !a.is_zero() && !b.is_zero())
         .fold(S::zero(), |sum, (a, b)| sum + a * b)
+}
+
+/// The same of two lists, as far as both go. A loop, because this is where numbers without generated code spend most of their time.
+pub(crate) fn sparse_dot<S: Real>(a: &[S], b: &[S]) -> S {
+    let mut sum = S::zero();
+    for (&a, &b) in a.iter().zip(b) {
+        if !a.is_zero() && !b.is_zero() {
+            sum += a * b;
+        }
+    }
+    sum
 }
 
 /// a b, where a is not zero.

@@ -4,7 +4,7 @@ use crate::elimination::constraint::{Constraints, enter, in_system};
 use crate::elimination::reference::{Reference, rotated};
 use crate::joints::Carried;
 use crate::laws::evaluation::Evaluation;
-use crate::rows::{Ends, Rotation, Row, Rows};
+use crate::rows::{Ends, Rotation, Row, Rows, WholeRow};
 use crate::scalar::Few;
 use crate::{Carrying, Part, Place, Real, Twist};
 use nalgebra::{Matrix3, Vector3};
@@ -230,7 +230,7 @@ impl<S: Real> Constraints<S> {
         let rows = in_system(layout, joint, &self.rows, &self.kept);
         let hidden = plan.parent_joints.iter().any(Option::is_some);
         let left_out = evaluation.joined(joint).map(|joined| S::one() - joined);
-        for (number, row) in rows.iter().enumerate() {
+        for (number, row) in rows.whole().enumerate() {
             if let Some(left_out) = left_out {
                 self.system
                     .set_diagonal(plan, index, (number, number), -left_out);
@@ -397,7 +397,7 @@ impl<S: Real> Constraints<S> {
     }
 
     /// The element of Φ_v M⁻¹ Φ_vᵀ of a row, products of inertia aside.
-    fn size(&self, evaluation: &Evaluation<'_, S>, joint: usize, row: &Row<S>) -> S {
+    fn size(&self, evaluation: &Evaluation<'_, S>, joint: usize, row: WholeRow<'_, S>) -> S {
         let (numbers, directions) = (evaluation.numbers, evaluation.layout.directions);
         row.parts(&evaluation.layout.joints[joint].ends)
             .fold(S::zero(), |sum, (part, columns)| {

@@ -51,11 +51,11 @@ pub(super) fn in_system<'a, S: Real>(
     joint: usize,
     all: &'a [Rows<S>],
     kept: &'a [Rows<S>],
-) -> &'a [Row<S>] {
+) -> &'a Rows<S> {
     if layout.joints[joint].all_kept() {
-        all[joint].rows()
+        &all[joint]
     } else {
-        kept[joint].rows()
+        &kept[joint]
     }
 }
 
@@ -144,7 +144,7 @@ impl<S: Real> Constraints<S> {
         let joints = layout.joints.iter().zip(&self.rows).enumerate();
         for (index, (slots, rows)) in joints.filter(|(_, (slots, _))| slots.len > 0) {
             S::section(&evaluation.scene.joints[index].name);
-            for (row, number) in rows.rows().iter().zip(slots.row..) {
+            for (row, number) in rows.whole().zip(slots.row..) {
                 match what {
                     Quantity::Constraint => out[number] = row.value,
                     Quantity::ConstraintBias => out[number] = row.bias,
@@ -226,7 +226,7 @@ impl<S: Real> Constraints<S> {
                     // Where nothing sits on the world the common fall cancels: the linear columns add up to nothing.
                     let grounded = ends.contains(&None);
                     let rows = in_system(layout, joint, &self.rows, &self.kept);
-                    for (slot, row) in right.iter_mut().zip(rows) {
+                    for (slot, row) in right.iter_mut().zip(rows.whole()) {
                         *slot = row.bias;
                         for (part, columns) in row.parts(ends) {
                             if grounded {
@@ -313,7 +313,7 @@ impl<S: Real> Constraints<S> {
                 }
                 _ => Rotation::Identity,
             };
-            let [force, torque] = reaction(evaluation, &outward, rows.iter().zip(unknowns));
+            let [force, torque] = reaction(evaluation, &outward, rows.rows().iter().zip(unknowns));
             write(out, 6 * index, &force);
             write(out, 6 * index + 3, &torque);
         }
@@ -338,7 +338,7 @@ impl<S: Real> Constraints<S> {
                 None => self.system.unknowns(&layout.elimination, step),
             };
             let rows = in_system(layout, index, &self.rows, &self.kept);
-            for (row, &unknown) in rows.iter().zip(unknowns) {
+            for (row, &unknown) in rows.whole().zip(unknowns) {
                 power += unknown * evaluation.prescribed_in_world(index, row);
             }
         }

@@ -11,7 +11,7 @@
 
 use nalgebra::Vector3;
 
-use super::articulated::{factored, sparse_dot};
+use super::articulated::{factored, sparse_dot, sparse_sum};
 use super::constraint::{Constraints, enter, in_system};
 use crate::laws::evaluation::Evaluation;
 use crate::{AngularVelocity, Layout, Part, PointSlots, Real};
@@ -53,7 +53,7 @@ impl<S: Real> Constraints<S> {
             }
             enter::<S>(evaluation.scene, Part::Joint(joint));
             let kept = in_system(layout, joint, &self.rows, &self.kept);
-            for (number, row) in kept.iter().enumerate() {
+            for (number, row) in kept.whole().enumerate() {
                 let multiplier = given[layout.nv + slots.row + number];
                 let mut left = -row.bias;
                 for (part, columns) in row.parts(&slots.ends) {
@@ -149,7 +149,7 @@ impl<S: Real> Constraints<S> {
                 let columns = list[place..].chunks_exact(speeds);
                 let unknowns = self.system.unknowns_mut(plan, step);
                 for (unknown, column) in unknowns.iter_mut().zip(columns) {
-                    *unknown = sparse_dot(column.iter().copied().zip(own.iter().copied()));
+                    *unknown = sparse_dot(column, own);
                 }
                 place += speeds * speeds;
                 continue;
@@ -161,7 +161,7 @@ impl<S: Real> Constraints<S> {
             }
             for (slot, row) in out[at..].iter_mut().zip(turns.iter().enumerate()) {
                 let row = &list[place + turns.len() * row.0..][..turns.len()];
-                *slot = sparse_dot(row.iter().copied().zip(turns.iter().copied()));
+                *slot = sparse_dot(row, turns);
             }
             place += turns.len() * turns.len();
         }
@@ -194,7 +194,7 @@ impl<S: Real> Constraints<S> {
             for (number, slot) in held.iter_mut().enumerate() {
                 let rows = list[place..].chunks_exact(speeds);
                 let row = rows.map(|column| column[number]);
-                *slot = sparse_dot(row.zip(own.iter().copied()));
+                *slot = sparse_sum(row.zip(own.iter().copied()));
             }
             place += speeds * own.len();
         }
@@ -211,7 +211,7 @@ impl<S: Real> Constraints<S> {
             for (number, slot) in out[slots.v..slots.v + speeds].iter_mut().enumerate() {
                 let columns = list[place..].chunks_exact(speeds);
                 let row = columns.map(|column| column[number]);
-                *slot = sparse_dot(row.zip(unknowns.iter().copied()));
+                *slot = sparse_sum(row.zip(unknowns.iter().copied()));
             }
             place += speeds * speeds;
         }
@@ -237,7 +237,7 @@ impl<S: Real> Constraints<S> {
             }
             let push = self.system.push(plan, step - 1);
             for (slot, row) in own.iter_mut().zip(list[place..].chunks_exact(speeds)) {
-                *slot = -sparse_dot(row.iter().copied().zip(push.iter().copied()));
+                *slot = -sparse_dot(row, push);
             }
             place += speeds * own.len();
         }

@@ -13,7 +13,7 @@
 //! Source: derived.
 
 use crate::laws::numbers::constant;
-use crate::rows::Row;
+use crate::rows::{Row, Rows};
 use crate::vocabulary::Relation;
 use crate::{Formula, Joint, Real, Scene};
 
@@ -44,22 +44,20 @@ impl<S: Real> Coupling<S> {
         Some(Coupling { relation, measure })
     }
 
-    /// The row from those of its coordinates.
-    pub fn row(&self, coordinates: impl Iterator<Item = Row<S>>) -> Option<Row<S>> {
+    /// Writes the row from those of its coordinates.
+    pub fn constrain(&self, coordinates: impl Iterator<Item = Row<S>>, rows: &mut Rows<S>) {
         let factors = self.relation.factors.iter();
-        let rows = coordinates
+        let terms = coordinates
             .zip(factors)
             .map(|(row, &factor)| row.scaled(factor));
-        let row = rows.reduce(|sum, row| sum.beside(&row))?;
-        let value = self.value(row.value);
-        Some(Row { value, ..row })
+        rows.couple(terms, |sum| self.value(sum));
     }
 
-    /// The row that holds one coordinate at a number, or, without one, where it is.
-    pub fn held(&self, mut of: impl Iterator<Item = Row<S>>, at: Option<S>) -> Option<Row<S>> {
-        let row = of.next()?;
-        let value = at.map_or_else(S::zero, |at| self.value(row.value - at));
-        Some(Row { value, ..row })
+    /// Writes the row that holds one coordinate at a number, or, without one, where it is.
+    pub fn hold(&self, of: impl Iterator<Item = Row<S>>, at: Option<S>, rows: &mut Rows<S>) {
+        rows.couple(of.take(1), |value| {
+            at.map_or_else(S::zero, |at| self.value(value - at))
+        });
     }
 
     /// f of a coordinate.

@@ -526,10 +526,13 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         let ends = self.ends(joint, self.scene.angular_velocity)?;
         let row = ends.second_rate(&coordinate);
         let slots = self.layout.joints.get(joint)?;
-        let rates = row.parts(&slots.ends).filter_map(|(part, columns)| {
-            let accelerations = self.acceleration_of_part(part)?;
-            Some(columns.rate(&accelerations))
-        });
+        let rates = row
+            .whole()
+            .parts(&slots.ends)
+            .filter_map(|(part, columns)| {
+                let accelerations = self.acceleration_of_part(part)?;
+                Some(columns.rate(&accelerations))
+            });
         let rate = rates.reduce(|sum, rate| sum + rate);
         Some(rate.map_or(-row.bias, |rate| rate - row.bias))
     }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::formula;
 use crate::laws::kinematics::Kinematics;
-use crate::rows::{End, Ends, Rotation, Row, Rows};
+use crate::rows::{End, Ends, Rotation, Row, Rows, WholeRow};
 use crate::{
     AngularVelocity, At, Coordinate, Formula, Jet, Joint, Layout, Part, Place, PointSlots, Real,
     RowSet, Scene,
@@ -47,12 +47,9 @@ impl<S: Real> Evaluation<'_, S> {
                 Some(row)
             });
             let slots = self.layout.joints.get(joint);
-            let row = match slots.and_then(|slots| slots.held) {
-                Some(at) => coupling.held(coordinates, self.at.hold.get(at).copied()),
-                None => coupling.row(coordinates),
-            };
-            if let Some(row) = row {
-                rows.push(|| row);
+            match slots.and_then(|slots| slots.held) {
+                Some(at) => coupling.hold(coordinates, self.at.hold.get(at).copied(), rows),
+                None => coupling.constrain(coordinates, rows),
             }
             return;
         }
@@ -87,11 +84,11 @@ impl<S: Real> Evaluation<'_, S> {
     }
 
     /// Φ_t of a row in the world, where what stands still prescribes nothing: that from the origin less what the origin's motion makes of ends there.
-    pub(crate) fn prescribed_in_world(&self, joint: usize, row: &Row<S>) -> S {
+    pub(crate) fn prescribed_in_world(&self, joint: usize, row: WholeRow<'_, S>) -> S {
         let (Some(origin), Some(slots)) = (self.origin, self.layout.joints.get(joint)) else {
             return row.time;
         };
-        let ends = slots.ends.iter().zip(row.columns.iter());
+        let ends = slots.ends.iter().zip(row.all_columns());
         let on_ground = ends.filter(|(end, _)| end.is_none());
         on_ground.fold(row.time, |time, (_, columns)| {
             time + columns.linear.dot(&origin.velocity)
@@ -157,26 +154,29 @@ impl<S: Real> Evaluation<'_, S> {
             Place::Body(body, frame) => {
                 let motion = self.motions.get(body)?;
                 let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
-                let end = End {
+                Some(End {
                     position: motion.position,
                     velocity: motion.velocity,
-                    ..End::fixed(frame.position, frame.rotation.into())
-                };
-                Some(match components {
-                    AngularVelocity::Body => End {
-                        omega: motion.omega_body,
-                        outward: Rotation::Matrix(motion.rotation),
-                        ..end
+                    omega: match components {
+                        AngularVelocity::Body => motion.omega_body,
+                        AngularVelocity::World => motion.omega_world,
                     },
-                    AngularVelocity::World => End {
-                        omega: motion.omega_world,
-                        arm: motion.arm(&frame.position),
-                        frame: Rotation::Matrix(match frame.rotation {
-                            Some(rotation) => motion.rotation * rotation,
-                            None => motion.rotation,
-                        }),
-                        ..end
+                    outward: match components {
+                        AngularVelocity::Body => Rotation::Matrix(motion.rotation),
+                        AngularVelocity::World => Rotation::Identity,
                     },
+                    arm: match components {
+                        AngularVelocity::Body => frame.position,
+                        AngularVelocity::World => motion.arm(&frame.position),
+                    },
+                    reference: Vector3::zeros(),
+                    frame: match components {
+                        AngularVelocity::Body => frame.rotation.into(),
+                        AngularVelocity::World => {
+                            Rotation::Matrix(motion.rotation).after(&frame.rotation.into())
+                        }
+                    },
+                    prescribed: None,
                 })
             }
         }

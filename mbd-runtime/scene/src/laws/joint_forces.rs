@@ -253,7 +253,7 @@ impl<S: Real> JointForcesAt<'_, S> {
         }
         let mut row = self.row();
         row.prescribe(&self.ends);
-        let moved = self.evaluation.prescribed_in_world(self.joint, &row);
+        let moved = self.evaluation.prescribed_in_world(self.joint, row.whole());
         Some(self.effort() * moved)
     }
 

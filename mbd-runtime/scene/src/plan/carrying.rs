@@ -92,7 +92,7 @@ impl Carrying {
                     directions,
                     &Columns {
                         linear: own.linear + other.linear,
-                        ..own
+                        ..*own
                     },
                 );
                 apart < SAME && (rotated + other.angular)[normal].abs() < SAME

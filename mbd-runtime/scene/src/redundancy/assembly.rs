@@ -8,7 +8,7 @@ use crate::redundancy::configuration::Configuration;
 use crate::redundancy::length;
 use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
 use crate::redundancy::tree::{LoopGroup, WalkedJoint};
-use crate::rows::{Row, Rows};
+use crate::rows::{Rows, WholeRow};
 use crate::scalar::orthogonal::dot;
 use crate::{Detachable, Layout, Part, Pose, Relative, Scene, Twist};
 
@@ -489,7 +489,7 @@ fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> V
     let Some(slots) = layout.joints.get(joint) else {
         return Vec::new();
     };
-    let row = |row: &Row<f64>| {
+    let row = |row: WholeRow<'_, f64>| {
         let parts = row.parts(&slots.ends);
         let on = |(part, of)| (part, columns(&of, part, layout.directions, length));
         let parts: Vec<(Part, PartMotion)> = parts.map(on).collect();
@@ -499,7 +499,7 @@ fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> V
             parts,
         }
     };
-    rows.rows().iter().map(row).collect()
+    rows.whole().map(row).collect()
 }
 
 /// Joint coordinates at random: angles within `reach` [rad], translations within a length, attitudes rotated by about `reach`.

@@ -39,6 +39,8 @@
 //! The a·b term of (2) vanishes on the manifold and is kept, because stages are slightly off it. In (3) the parent's arm is e, not s1.
 //! Source: Kamman, Connecting Joints I, differentiated twice.
 
+use std::ops::Deref;
+
 use nalgebra::Vector3;
 
 use super::ends::{End, Ends, Rotation};
@@ -49,6 +51,8 @@ use crate::{Axis, Coordinate, Directions, Jet, Part, Real, RowSet};
 
 /// Most ends of a joint: a parent and a child of each coordinate that it couples.
 pub const MOST_ENDS: usize = 2 * MOST_COUPLED;
+/// Coordinates of a coupling besides its first.
+const MOST_OTHERS: usize = MOST_COUPLED - 1;
 
 /// What one end contributes to a row: the coefficients of its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +68,8 @@ pub struct Columns<S: Real> {
 pub struct Row<S: Real> {
     /// Φ.
     pub value: S,
-    /// Columns of the ends of the joint: of its parent and its child, then of those that a coupling has besides.
-    pub columns: Few<Columns<S>, MOST_ENDS>,
+    /// Columns of the parent and of the child.
+    pub columns: [Columns<S>; 2],
     /// Φ_t: ∂Φ/∂t of the row itself, which is zero but for a motor, and once it is [prescribed](Row::prescribe) that of its ends by (6).
     pub time: S,
     /// The couple on the child about the origin of frame 2 for a unit multiplier, own components: zero for a row that only pushes.
@@ -117,11 +121,9 @@ impl<S: Real> Columns<S> {
 impl<S: Real> Row<S> {
     /// A row between two ends, of this value.
     fn between(value: S, parent: Columns<S>, child: Columns<S>) -> Self {
-        let mut columns = Few::new(Columns::zero());
-        columns.extend([parent, child]);
         Row {
             value,
-            columns,
+            columns: [parent, child],
             time: S::zero(),
             couple: Vector3::zeros(),
             bias: S::zero(),
@@ -129,48 +131,31 @@ impl<S: Real> Row<S> {
         }
     }
 
-    /// The columns of end number `end`: zero where the joint has none.
-    fn at(&self, end: usize) -> Columns<S> {
-        self.columns.get(end).copied().unwrap_or_else(Columns::zero)
-    }
-
     /// Columns of the parent.
-    pub fn parent(&self) -> Columns<S> {
-        self.at(0)
+    pub fn parent(&self) -> &Columns<S> {
+        &self.columns[0]
     }
 
     /// Columns of the child.
-    pub fn child(&self) -> Columns<S> {
-        self.at(1)
+    pub fn child(&self) -> &Columns<S> {
+        &self.columns[1]
     }
 
-    /// Every part that moves with its columns, those of ends on the same part added up; `ends`: what the ends sit on.
-    pub fn parts<'r>(
-        &'r self,
-        ends: &'r [Option<Part>],
-    ) -> impl Iterator<Item = (Part, Columns<S>)> + 'r {
-        let all = || ends.iter().zip(self.columns.iter()).enumerate();
-        all().filter_map(move |(first, (part, columns))| {
-            let part = (*part)?;
-            let on = move |end: &Option<Part>| *end == Some(part);
-            if ends.iter().take(first).any(on) {
-                return None;
-            }
-            let others = all().filter(move |(end, (other, _))| *end > first && on(other));
-            let sum = others.fold(*columns, |sum, (_, (_, columns))| sum.plus(columns));
-            Some((part, sum))
-        })
+    /// The row of a joint between two ends, which has no others.
+    pub fn whole(&self) -> WholeRow<'_, S> {
+        WholeRow {
+            row: self,
+            others: &[],
+        }
     }
 
     /// Columns, couple and γ of `factor` × row; Φ likewise.
     pub fn scaled(&self, factor: S) -> Self {
-        let mut scaled = *self;
-        for columns in scaled.columns.iter_mut() {
-            *columns = columns.scaled(factor);
-        }
+        let [parent, child] = &self.columns;
+        let columns = [parent.scaled(factor), child.scaled(factor)];
         Row {
             value: factor * self.value,
-            columns: scaled.columns,
+            columns,
             time: factor * self.time,
             couple: self.couple.map(|x| factor * x),
             bias: factor * self.bias,
@@ -180,28 +165,16 @@ impl<S: Real> Row<S> {
 
     /// The sum of two rows between the same ends.
     pub fn plus(&self, other: &Self) -> Self {
-        let mut sum = *self;
-        for (columns, other) in sum.columns.iter_mut().zip(other.columns.iter()) {
-            *columns = columns.plus(other);
-        }
+        let ([parent, child], [of_parent, of_child]) = (&self.columns, &other.columns);
+        let columns = [parent.plus(of_parent), child.plus(of_child)];
         Row {
             value: self.value + other.value,
-            columns: sum.columns,
+            columns,
             time: self.time + other.time,
             couple: self.couple + other.couple,
             bias: self.bias + other.bias,
             relative: self.relative + other.relative,
         }
-    }
-
-    /// The sum with a row between other ends, which come behind its own. The couple stays that on its own child.
-    pub fn beside(mut self, other: &Self) -> Self {
-        self.columns.extend(other.columns.iter().copied());
-        self.value += other.value;
-        self.time += other.time;
-        self.bias += other.bias;
-        self.relative += other.relative;
-        self
     }
 
     /// Takes what is prescribed to the right-hand sides by (6). Once.
@@ -216,10 +189,54 @@ impl<S: Real> Row<S> {
     }
 }
 
+/// A row of a joint with the columns of all its ends: a coupling has more than a parent and a child.
+#[derive(Clone, Copy, Debug)]
+pub struct WholeRow<'r, S: Real> {
+    row: &'r Row<S>,
+    others: &'r [[Columns<S>; 2]],
+}
+
+impl<S: Real> Deref for WholeRow<'_, S> {
+    type Target = Row<S>;
+
+    fn deref(&self) -> &Row<S> {
+        self.row
+    }
+}
+
+impl<'r, S: Real> WholeRow<'r, S> {
+    /// The columns of the ends in pairs, a parent and a child of each coordinate.
+    pub fn pairs(self) -> impl Iterator<Item = &'r [Columns<S>; 2]> {
+        std::iter::once(&self.row.columns).chain(self.others)
+    }
+
+    /// The columns of all ends, pair by pair.
+    pub fn all_columns(self) -> impl Iterator<Item = &'r Columns<S>> {
+        self.pairs().flatten()
+    }
+
+    /// Every part that moves with its columns, those of ends on the same part added up; `ends`: what the ends sit on.
+    pub fn parts(self, ends: &'r [Option<Part>]) -> impl Iterator<Item = (Part, Columns<S>)> + 'r {
+        let all = move || ends.iter().zip(self.all_columns()).enumerate();
+        all().filter_map(move |(first, (part, columns))| {
+            let part = (*part)?;
+            let on = move |end: &Option<Part>| *end == Some(part);
+            if ends.iter().take(first).any(on) {
+                return None;
+            }
+            let others = all().filter(move |(end, (other, _))| *end > first && on(other));
+            let sum = others.fold(*columns, |sum, (_, (_, columns))| sum.plus(columns));
+            Some((part, sum))
+        })
+    }
+}
+
 /// The rows of one joint, in order: those of its law that are asked for.
 #[derive(Clone, Debug)]
 pub struct Rows<S: Real> {
     rows: Vec<Row<S>>,
+    /// Of the one row of a coupling the columns at the ends of its other coordinates.
+    others: Few<[Columns<S>; 2], MOST_OTHERS>,
     /// The first of the rows along world axes, if there are such, and their axes.
     coincide: Option<(usize, RowSet)>,
     /// The rows of the law that are asked for.
@@ -232,6 +249,7 @@ impl<S: Real> Default for Rows<S> {
     fn default() -> Self {
         Rows {
             rows: Vec::with_capacity(6),
+            others: Few::new([Columns::zero(); 2]),
             coincide: None,
             requested: RowSet::all(6),
             emitted: 0,
@@ -243,6 +261,7 @@ impl<S: Real> Rows<S> {
     /// Forgets all rows and keeps the room; of the law that tells its rows next, those of `requested` are written. A plane asks for some.
     pub fn begin(&mut self, requested: RowSet) {
         self.rows.clear();
+        self.others.clear();
         self.coincide = None;
         self.requested = requested;
         self.emitted = 0;
@@ -254,10 +273,16 @@ impl<S: Real> Rows<S> {
         self.requested.contains(self.emitted - 1)
     }
 
-    /// The rows.
+    /// The rows, between the two ends of the joint.
     #[must_use]
     pub fn rows(&self) -> &[Row<S>] {
         &self.rows
+    }
+
+    /// The rows with the columns of all ends.
+    pub fn whole(&self) -> impl Iterator<Item = WholeRow<'_, S>> {
+        let others = &*self.others;
+        self.rows.iter().map(move |row| WholeRow { row, others })
     }
 
     /// Writes the rows of a set as the system takes them where some of the joint's rows repeat others: of the three rows along world axes their
@@ -265,6 +290,7 @@ impl<S: Real> Rows<S> {
     /// the two rows are summed along the axes of the parent.
     pub fn keep(&self, set: RowSet, ends: &Ends<'_, S>, kept: &mut Self) {
         kept.begin(RowSet::default());
+        kept.others = self.others;
         for row in set.rows() {
             let parts = self.parts(row, ends).into_iter().flatten();
             let whole = parts
@@ -278,6 +304,9 @@ impl<S: Real> Rows<S> {
     pub fn scale(&mut self, factor: S) {
         for row in &mut self.rows {
             *row = row.scaled(factor);
+        }
+        for columns in self.others.as_flattened_mut() {
+            *columns = columns.scaled(factor);
         }
     }
 
@@ -317,6 +346,25 @@ impl<S: Real> Rows<S> {
         if self.next() {
             self.rows.push(row());
         }
+    }
+
+    /// One row, the sum of rows of several joints; its Φ is `value` of the sum of theirs. The couple is that on the child of the first.
+    pub fn couple(&mut self, mut terms: impl Iterator<Item = Row<S>>, value: impl FnOnce(S) -> S) {
+        if !self.next() {
+            return;
+        }
+        let Some(mut sum) = terms.next() else {
+            return;
+        };
+        for term in terms {
+            self.others.push(term.columns);
+            sum.value += term.value;
+            sum.time += term.time;
+            sum.bias += term.bias;
+            sum.relative += term.relative;
+        }
+        sum.value = value(sum.value);
+        self.rows.push(sum);
     }
 
     /// The joint points coincide: three rows [m], (1).

@@ -5,6 +5,6 @@ mod coordinate;
 mod ends;
 mod motor;
 
-pub use basic::{Columns, MOST_ENDS, Row, Rows};
+pub use basic::{Columns, MOST_ENDS, Row, Rows, WholeRow};
 pub(crate) use basic::{couple, helix, perpendicular};
 pub use ends::{End, Ends, Rotation, Spin};

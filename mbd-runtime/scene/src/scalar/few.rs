@@ -27,6 +27,11 @@ impl<T: Copy, const N: usize> Few<T, N> {
         }
     }
 
+    /// Takes all items out.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
     /// Keeps the items for which `keep` holds, in order.
     pub fn retain(&mut self, mut keep: impl FnMut(&T) -> bool) {
         let all = *self;

@@ -174,7 +174,7 @@ impl<S: Real> DependentSpeeds<S> {
         }
         let n = self.rates.len();
         for (known, mass) in self.known.iter_mut().zip(self.mass.chunks(n.max(1))) {
-            let moved = sparse_dot(mass.iter().copied().zip(rates.iter().copied()));
+            let moved = sparse_dot(mass, rates);
             known.left = moved - known.left;
         }
         for index in (0..self.known.len()).rev() {

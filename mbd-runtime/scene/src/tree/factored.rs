@@ -65,7 +65,7 @@ impl<S: Real> TreeSystem<S> {
                 {
                     *slot -= column * multipliers[number];
                 }
-                let left = sparse_dot(line.iter().copied().zip(own.iter().copied()));
+                let left = sparse_dot(line, &own);
                 out[rows + number] = left - self.rows.levels[number].bias;
             }
         }

@@ -16,8 +16,8 @@ use super::assemble::carried_along;
 use super::kinematics::LinkMotion;
 use crate::elimination::{common_fall, kept_parts, sparse_dot};
 use crate::laws::evaluation::Evaluation;
-use crate::rows::{Columns, Row, Rows};
-use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Twist};
+use crate::rows::{Columns, Rows, WholeRow};
+use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Tree, Twist};
 
 /// A row over the speeds of the links and points: Φ, Φ_t, γ of (1).
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +111,7 @@ impl<S: Real> TreeRows<S> {
         in_system: bool,
     ) {
         let layout = evaluation.layout;
+        let Some(tree) = &layout.tree else { return };
         for (joint, slots) in layout.joints.iter().enumerate() {
             let of_tree =
                 layout.carried(joint).is_some() || layout.elimination.coupled_by(joint).is_some();
@@ -120,15 +121,13 @@ impl<S: Real> TreeRows<S> {
             S::section(&evaluation.scene.joints[joint].name);
             self.between(evaluation, joint);
             let rows = match in_system && !slots.all_kept() {
-                true => self.kept[joint].rows().len(),
-                false => self.rows[joint].rows().len(),
+                true => &self.kept[joint],
+                false => &self.rows[joint],
             };
-            for number in 0..rows {
-                let row = match in_system && !slots.all_kept() {
-                    true => self.kept[joint].rows()[number],
-                    false => self.rows[joint].rows()[number],
-                };
-                self.line(evaluation, joint, (slots.row + number, &row), accelerations);
+            let lines = self.lines.chunks_mut(layout.nv.max(1));
+            let own = lines.zip(&mut self.levels).skip(slots.row);
+            for (row, (line, level)) in rows.whole().zip(own) {
+                *level = write_line((evaluation, tree), joint, row, accelerations, line);
             }
         }
     }
@@ -154,68 +153,6 @@ impl<S: Real> TreeRows<S> {
         }
     }
 
-    /// One row as a line, by (1).
-    fn line(
-        &mut self,
-        evaluation: &Evaluation<'_, S>,
-        joint: usize,
-        (number, row): (usize, &Row<S>),
-        accelerations: &[Twist<S>],
-    ) {
-        let layout = evaluation.layout;
-        let (Some(tree), ends) = (&layout.tree, &layout.joints[joint].ends) else {
-            return;
-        };
-        let grounded = ends.contains(&None);
-        let fall = common_fall(evaluation);
-        let (mut time, mut bias) = (row.time, row.bias);
-        let line = &mut self.lines[number * layout.nv..(number + 1) * layout.nv];
-        for (pair, columns) in ends.chunks(2).zip(row.columns.chunks(2)) {
-            let links = tree.links_of(pair);
-            let meet = tree.meeting(links);
-            for ((end, link), columns) in pair.iter().zip(links).zip(columns) {
-                if grounded && end.is_some() {
-                    // Accelerations are told less the common fall.
-                    bias -= columns.linear.dot(&fall);
-                }
-                if let Some(Part::Point(point)) = *end
-                    && let PointSlots::Mass(slots) = layout.points[point]
-                {
-                    let moves = layout.directions.translations().iter().enumerate();
-                    moves.for_each(|(k, &axis)| line[slots.v + k] += columns.linear[axis]);
-                    bias += columns.linear.dot(&fall);
-                }
-                let Some(link) = link else { continue };
-                let motion = &evaluation.links[link];
-                let push = taken(motion, columns);
-                let (own, centre) = (&accelerations[link], &motion.centre);
-                let turning = motion.omega.cross(&motion.omega.cross(centre));
-                bias -= push.linear.dot(&(own.linear + turning)) + push.angular.dot(&own.angular);
-                let mut push = push;
-                for link in tree.path(link).take_while(|link| Some(*link) != meet) {
-                    let (declared, motion) = (&tree.links[link], &evaluation.links[link]);
-                    for k in 0..declared.speeds {
-                        line[declared.slots.v + k] += motion.along(k, &push);
-                    }
-                    push = motion.hand_on(&push);
-                }
-                // What has come down to the world moves with the frame that carries it there.
-                let root = tree.path(link).last().filter(|_| meet.is_none());
-                if let Some(moved) =
-                    root.and_then(|root| carried_along(evaluation, &tree.links[root]))
-                {
-                    time += push.dot(&moved);
-                }
-            }
-        }
-        self.levels[number] = Level {
-            value: row.value,
-            time,
-            drive: evaluation.prescribed_in_world(joint, row),
-            bias,
-        };
-    }
-
     /// Adds up what the rows of all joints push the links with, for their multipliers (n_c, all rows), at the origins of the links.
     pub fn pushes(&mut self, evaluation: &Evaluation<'_, S>, multipliers: &[S]) -> &[Twist<S>] {
         let layout = evaluation.layout;
@@ -226,12 +163,8 @@ impl<S: Real> TreeRows<S> {
             }
             self.between(evaluation, joint);
             let Some(tree) = &layout.tree else { continue };
-            for (row, &multiplier) in self.rows[joint]
-                .rows()
-                .iter()
-                .zip(&multipliers[slots.row..])
-            {
-                for (end, columns) in slots.ends.iter().zip(row.columns.iter()) {
+            for (row, &multiplier) in self.rows[joint].whole().zip(&multipliers[slots.row..]) {
+                for (end, columns) in slots.ends.iter().zip(row.all_columns()) {
                     if let Some(Part::Body(body)) = *end {
                         let link = tree.of_body[body];
                         let push = taken(&evaluation.links[link], columns);
@@ -260,9 +193,67 @@ impl<S: Real> TreeRows<S> {
             *slot = match what {
                 Quantity::Constraint => level.value,
                 Quantity::ConstraintBias => level.bias,
-                _ => level.time + sparse_dot(line.iter().copied().zip(speeds.iter().copied())),
+                _ => level.time + sparse_dot(line, speeds),
             };
         }
+    }
+}
+
+/// Writes one row as a line, by (1), and says the rest of it.
+fn write_line<S: Real>(
+    (evaluation, tree): (&Evaluation<'_, S>, &Tree),
+    joint: usize,
+    row: WholeRow<'_, S>,
+    accelerations: &[Twist<S>],
+    line: &mut [S],
+) -> Level<S> {
+    let layout = evaluation.layout;
+    let ends = &layout.joints[joint].ends;
+    let grounded = ends.contains(&None);
+    let fall = common_fall(evaluation);
+    let (mut time, mut bias) = (row.time, row.bias);
+    for (pair, columns) in ends.chunks(2).zip(row.pairs()) {
+        let links = tree.links_of(pair);
+        let meet = tree.meeting(links);
+        for ((end, link), columns) in pair.iter().zip(links).zip(columns) {
+            if grounded && end.is_some() {
+                // Accelerations are told less the common fall.
+                bias -= columns.linear.dot(&fall);
+            }
+            if let Some(Part::Point(point)) = *end
+                && let PointSlots::Mass(slots) = layout.points[point]
+            {
+                let moves = layout.directions.translations().iter().enumerate();
+                moves.for_each(|(k, &axis)| line[slots.v + k] += columns.linear[axis]);
+                bias += columns.linear.dot(&fall);
+            }
+            let Some(link) = link else { continue };
+            let motion = &evaluation.links[link];
+            let push = taken(motion, columns);
+            let (own, centre) = (&accelerations[link], &motion.centre);
+            let turning = motion.omega.cross(&motion.omega.cross(centre));
+            bias -= push.linear.dot(&(own.linear + turning)) + push.angular.dot(&own.angular);
+            let mut push = push;
+            for link in tree.path(link).take_while(|link| Some(*link) != meet) {
+                let (declared, motion) = (&tree.links[link], &evaluation.links[link]);
+                for k in 0..declared.speeds {
+                    line[declared.slots.v + k] += motion.along(k, &push);
+                }
+                push = motion.hand_on(&push);
+            }
+            // What has come down to the world moves with the frame that carries it there.
+            let root = tree.path(link).last().filter(|_| meet.is_none());
+            if let Some(moved) = root.and_then(|root| carried_along(evaluation, &tree.links[root]))
+            {
+                time += push.dot(&moved);
+            }
+        }
+    }
+    Level {
+        value: row.value,
+        time,
+        drive: evaluation.prescribed_in_world(joint, row),
+        bias,
     }
 }
 

@@ -1,5 +1,7 @@
 //! What a model can be asked for, and where it is asked: the one interface that generic, interpreted and generated code share.
 
+use std::fmt;
+
 use crate::Real;
 
 /// A quantity of a scene. Its value is a flat list of numbers whose length is [`Layout::len`](crate::Layout::len).
@@ -150,6 +152,61 @@ impl Differentiated {
             Differentiated::Outputs => Quantity::Outputs,
             Differentiated::Residual => Quantity::Residual,
         }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Quantity::AnchorStates => "ends of the node lines",
+            Quantity::Equilibrium(network) => {
+                return write!(f, "equilibrium of network {network}, one iteration");
+            }
+            Quantity::Derivative => "derivative of the state",
+            Quantity::Rates => "derivative of the state with the velocities of its nodes",
+            Quantity::Balance => "balance of the equilibrium points",
+            Quantity::Guards => "guards of the events",
+            Quantity::Outputs => "outputs",
+            Quantity::Coordinates => "joint coordinates",
+            Quantity::Energy => "energy",
+            Quantity::Momentum => "momentum",
+            Quantity::Bodies => "bodies as absolute coordinates have them",
+            Quantity::MassMatrix => "mass matrix",
+            Quantity::BiasForce => "bias force",
+            Quantity::Forces => "applied forces",
+            Quantity::InverseDynamics => "inverse dynamics",
+            Quantity::GravityForce => "gravity force",
+            Quantity::CentreOfMass => "centre of mass",
+            Quantity::CentreOfMassJacobian => "Jacobian of the centre of mass",
+            Quantity::FrameJacobian(..) => "Jacobian of a frame",
+            Quantity::Lines => "lines and their stiffness",
+            Quantity::Constraint => "constraints Φ of the joints",
+            Quantity::ConstraintJacobian => "Jacobian Φ_v of the constraints",
+            Quantity::ConstraintRate => "rate Φ_v v of the constraints",
+            Quantity::ConstraintBias => "bias γ of the constraints",
+            Quantity::Multipliers => "multipliers of the joints",
+            Quantity::Reactions => "reactions of the joints",
+            Quantity::ProjectionStep => "correction of the joints (projection)",
+            Quantity::Residual => "equations of motion before their solution",
+            Quantity::Factor => "factor of the system of bodies and joints",
+            Quantity::Solve => "solution by the factor",
+            Quantity::JointCoordinates => "joint coordinates",
+            Quantity::NodeByAnchor(network) => {
+                return write!(f, "∂node/∂anchor of network {network}");
+            }
+            Quantity::CondensedStiffness(network) => {
+                return write!(f, "condensed stiffness of network {network}");
+            }
+            Quantity::Partial(of, by) => {
+                let by = match by {
+                    Variable::State => "state",
+                    Variable::Node => "node unknowns",
+                    Variable::Parameter => "params",
+                    Variable::Input => "inputs",
+                };
+                return write!(f, "∂({})/∂({by})", of.quantity());
+            }
+        })
     }
 }
 

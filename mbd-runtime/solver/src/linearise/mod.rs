@@ -255,7 +255,7 @@ impl fmt::Display for LinearisationError {
             ),
             LinearisationError::NotFinite { what, of } => {
                 match of.as_str() {
-                    "" => write!(f, "among {} some have", in_words(*what))?,
+                    "" => write!(f, "{what}: some numbers have")?,
                     of => write!(f, "the rate of `{of}` has")?,
                 }
                 write!(
@@ -268,30 +268,6 @@ impl fmt::Display for LinearisationError {
 }
 
 impl std::error::Error for LinearisationError {}
-
-/// What a quantity is, for those who did not write it.
-fn in_words(what: Quantity) -> String {
-    let of = |of: Differentiated| match of {
-        Differentiated::Derivative => "rates of the state",
-        Differentiated::Balance => "balances of equilibrium points",
-        Differentiated::Outputs => "outputs",
-        Differentiated::Residual => "equations of motion",
-    };
-    match what {
-        Quantity::Partial(what, by) => {
-            let by = match by {
-                Variable::State => "the state",
-                Variable::Node => "the places of equilibrium points",
-                Variable::Parameter => "params",
-                Variable::Input => "inputs",
-            };
-            format!("the derivatives of {} by {by}", of(what))
-        }
-        Quantity::Outputs => "the outputs".into(),
-        Quantity::MassMatrix | Quantity::Factor => "the numbers of the mass matrix".into(),
-        _ => "the rates of the state".into(),
-    }
-}
 
 impl<T: Float> Linearisation<T> {
     /// Room for a layout.

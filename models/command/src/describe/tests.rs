@@ -150,7 +150,10 @@ fn rows_of_motors_are_counted_beside_those_of_their_joints() {
 #[test]
 fn every_quantity_of_a_scene_has_its_operations() {
     let text = operations(&SceneEquations::trace(&swing())).text();
-    assert!(text.contains("derivative of the state") && text.contains("∂derivative/∂params"));
+    assert!(
+        text.contains("derivative of the state")
+            && text.contains("∂(derivative of the state)/∂(params)")
+    );
 }
 
 #[test]
