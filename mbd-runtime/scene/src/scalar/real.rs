@@ -84,7 +84,7 @@ pub trait Float: Real<Mask = bool> + PartialOrd + Default + Send + Sync {
 }
 
 macro_rules! machine_number {
-    ($t:ident) => {
+    ($t:ident, $sin_cos:path) => {
         impl Real for $t {
             type Mask = bool;
 
@@ -98,7 +98,7 @@ macro_rules! machine_number {
             }
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                $t::sin_cos(self)
+                $sin_cos(self)
             }
             #[inline(always)]
             fn exp(self) -> Self {
@@ -165,5 +165,5 @@ macro_rules! machine_number {
     };
 }
 
-machine_number!(f64);
-machine_number!(f32);
+machine_number!(f64, super::circular::sin_cos);
+machine_number!(f32, f32::sin_cos);

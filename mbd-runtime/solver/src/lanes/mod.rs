@@ -1,13 +1,13 @@
 //! The numbers of several cases beside each other in one register: a scalar for every generated model over `T`.
 //!
 //! Every operation is that of `f64` in each lane, to the bit, whatever the other lanes hold and on every machine: sums, products, quotients and roots are
-//! rounded correctly by all of them, nothing is fused, and sine, exponential and their like are those of `f64` lane by lane. So a case gives the same
-//! numbers in a lane as alone. Where a law selects, both sides are evaluated and each lane takes its own.
+//! rounded correctly by all of them, nothing is fused, sine and cosine are made of such operations, and exponential and its like are those of `f64` lane
+//! by lane. So a case gives the same numbers in a lane as alone. Where a law selects, both sides are evaluated and each lane takes its own.
 
 use std::fmt;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use mbd_scene::Real;
+use mbd_scene::{LARGEST_ANGLE, Real, sin_cos_within};
 use num_traits::{One, Zero};
 use wide::{f64x4, f64x8};
 
@@ -143,12 +143,16 @@ macro_rules! lanes {
             fn sqrt(self) -> Self {
                 $name(self.0.sqrt())
             }
-            #[inline]
+            /// Not inlined: some sixty operations wherever an angle turns up.
             fn sin_cos(self) -> (Self, Self) {
+                let largest = Self::from_f64(LARGEST_ANGLE);
+                if self.abs().le(largest).all() {
+                    return sin_cos_within(self, |near| near.any());
+                }
                 let mut cosines = [0.0; $width];
                 let mut cosine = cosines.iter_mut();
                 let sines = self.map(|x| {
-                    let (sin, cos) = x.sin_cos();
+                    let (sin, cos) = Real::sin_cos(x);
                     if let Some(slot) = cosine.next() {
                         *slot = cos;
                     }
