@@ -291,6 +291,19 @@ step_errors! {
     }
     "non_finite", format!("at {time:.9} s {source}"), source.advice();
 
+    /// A line that is wound in has nothing left: its free length would be negative.
+    NegativeLength {
+        /// The line.
+        line: String,
+        /// When [s].
+        time: f64,
+        /// The free length that it would have [m].
+        length: f64,
+    }
+    "negative_length",
+    format!("at {time:.9} s `free_length` of `{line}` is {length:.3e} m, and must be zero or positive"),
+    format!("stop the winch before: `event wound_in = {line}.length falls 0.1 m {{ then: stop }}`, a `rate` that is zero there, or `max(…, 0 m)` in the `free_length`");
+
     /// The balance of an equilibrium point was not found; no force was used.
     NoEquilibrium {
         /// The point.
