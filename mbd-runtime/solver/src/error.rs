@@ -6,6 +6,8 @@
 use std::error::Error;
 use std::fmt;
 
+use mbd_scene::ParamError;
+
 use crate::node::UNEVEN;
 use crate::trajectory::Trajectory;
 use crate::watch::Instability;
@@ -230,6 +232,13 @@ step_errors! {
         value: f64,
     }
     "range", format!("`{slot}` cannot be {value:e}"), "give a finite number in the accepted range";
+
+    /// Params that cannot be run; the run keeps the old ones.
+    Params {
+        /// The first that cannot, and why.
+        error: ParamError,
+    }
+    "params", error.to_string(), "give values that the declaration allows";
 
     /// A start in joint coordinates that places no bodies.
     Unplaced {
@@ -518,6 +527,12 @@ impl fmt::Display for StepError {
 }
 
 impl Error for StepError {}
+
+impl From<ParamError> for StepError {
+    fn from(error: ParamError) -> Self {
+        StepError::Params { error }
+    }
+}
 
 impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
