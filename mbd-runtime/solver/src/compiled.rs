@@ -256,7 +256,8 @@ impl<T: Scalar> Simulation<T> {
     /// ```
     ///
     /// # Errors
-    /// The inputs of another model; a model without inputs; a period that is not positive. A number that is not finite stops the run, by the name of
+    /// The inputs of another model; a model without inputs; a period that is not positive, or shorter than time resolves (a run until a time refuses one
+    /// that asks for more than 1e9 samples). A number that is not finite stops the run, by the name of
     /// its input.
     pub fn control_every<I: Inputs<T> + 'static>(
         &mut self,
