@@ -291,15 +291,6 @@ step_errors! {
     format!("the {what} that `{of}` is prescribed jumps by {change:.3e} at {time} s"),
     "join its parts without corners, with `smoothstep` or powers of `time`, or let a motor follow it through a filter, `motor: …, filter: 20 ms`";
 
-    /// A number that became infinite or NaN.
-    NonFinite {
-        /// When [s].
-        time: f64,
-        /// What.
-        source: Source,
-    }
-    "non_finite", format!("at {time:.9} s {source}"), source.advice();
-
     /// A line that is wound in has nothing left: its free length would be negative.
     NegativeLength {
         /// The line.
@@ -312,6 +303,15 @@ step_errors! {
     "negative_length",
     format!("at {time:.9} s `free_length` of `{line}` is {length:.3e} m, and must be zero or positive"),
     format!("stop the winch before: `event wound_in = {line}.length falls 0.1 m {{ then: stop }}`, a `rate` that is zero there, or `max(…, 0 m)` in the `free_length`");
+
+    /// A number that became infinite or NaN.
+    NonFinite {
+        /// When [s].
+        time: f64,
+        /// What.
+        source: Source,
+    }
+    "non_finite", format!("at {time:.9} s {source}"), source.advice();
 
     /// The balance of an equilibrium point was not found; no force was used.
     NoEquilibrium {
