@@ -1,10 +1,11 @@
 //! Prescribed motions must tell one motion: motors whose value, rate and acceleration are told, lines whose free length and its rate are, and
-//! whatever is a function of time with parts.
+//! whatever is a function of time with parts; and no line is wound in beyond its end.
 //!
 //! ```text
 //! |x₁ − x₀ − h (ẋ₀ + ẋ₁)/2| ≤ 0.1 max(|x₁ − x₀|, h |ẋ|, h² |ẍ|)          over a step h; the same for ẋ and ẍ, ẍ         (1)
 //! |dx/dt − ẋ| ≤ 1e-3 max(|dx/dt|, |ẋ|, h |ẍ|)                            at the end of a step; the same for ẋ and ẍ    (2)
 //! x, ẋ the same on both sides of where a function of time goes over to another of its parts                            (3)
+//! L0 ≥ 0                                                                 of every line that is wound and attached      (4)
 //! ```
 //!
 //! Of what has no inputs and no tables in it dx/dt is known: (2). Of the rest (1): a smooth command of which a step sees a sixth of a period or less
@@ -16,7 +17,7 @@
 
 use mbd_scene::laws::Numbers;
 use mbd_scene::laws::corners::{CourseInParts, PrescribedMotion, in_parts};
-use mbd_scene::{Float, Scene, ToldMotion};
+use mbd_scene::{Float, Line, Scene, ToldMotion};
 
 use crate::columns::line_name;
 use crate::error::StepError;
@@ -32,6 +33,8 @@ const NEAR: f64 = 4.0;
 /// How often a step is looked at for (3), and how many changes of parts between two looks.
 const LOOKS: usize = 8;
 const CHANGES: usize = 16;
+/// How far a free length may lie below zero [m]: an event at which a winch stops lies a little beyond it.
+const USED_UP: f64 = 1e-6;
 
 /// What is prescribed, and what was told at the last accepted step, with room for the next.
 #[derive(Clone, Debug)]
@@ -39,12 +42,14 @@ pub(crate) struct Commands {
     /// Of each motor, then each line that is told its rate: whether the rates of value and rate are known.
     known: Vec<[bool; 2]>,
     in_parts: Vec<CourseInParts>,
+    /// The lines that are wound.
+    wound: Vec<usize>,
     pub last: Vec<ToldMotion>,
     pub now: Vec<ToldMotion>,
 }
 
 impl Commands {
-    /// Room for a scene; `None` where nothing is told and nothing has parts.
+    /// Room for a scene; `None` where nothing is told, nothing has parts and no line is wound.
     pub(crate) fn new(scene: &Scene) -> Option<Self> {
         let motors = scene.commanded().map(|(_, parts)| parts);
         let all = motors.chain(scene.commanded_lines().map(|(_, parts)| parts));
@@ -56,12 +61,42 @@ impl Commands {
         });
         let known: Vec<[bool; 2]> = known.collect();
         let (in_parts, count) = (in_parts(scene), known.len());
-        (count > 0 || !in_parts.is_empty()).then(|| Commands {
+        let lines = scene.lines.iter().enumerate();
+        let wound = lines.filter(|(_, line)| line.is_wound(scene));
+        let wound: Vec<usize> = wound.map(|(index, _)| index).collect();
+        (count > 0 || !in_parts.is_empty() || !wound.is_empty()).then(|| Commands {
             known,
             in_parts,
+            wound,
             last: Vec::with_capacity(count),
             now: Vec::with_capacity(count),
         })
+    }
+
+    /// Whether any motion is told with its rates, or a function of time with parts.
+    pub(crate) fn are_prescribed(&self) -> bool {
+        !self.known.is_empty() || !self.in_parts.is_empty()
+    }
+
+    /// Looks at every line that is wound, by (4); `is_attached` of the number of a line, `length` its free length [m].
+    pub(crate) fn check_lengths(
+        &self,
+        (scene, time): (&Scene, f64),
+        is_attached: impl Fn(usize) -> bool,
+        length: impl Fn(&Line) -> f64,
+    ) -> Result<(), StepError> {
+        let wound = self.wound.iter().filter(|line| is_attached(**line));
+        for line in wound.filter_map(|line| scene.lines.get(*line)) {
+            let length = length(line);
+            if length < -USED_UP {
+                return Err(StepError::NegativeLength {
+                    line: line.name.clone(),
+                    time,
+                    length,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Whether what is commanded now goes on from the last step, `span` before [s].

@@ -68,7 +68,7 @@ doors! {
     fn give_turns(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_turns;
     fn give_joints(run: &mut Simulation<Self>, given: &[(&str, StartNumber)]) -> Result<(), RunError> = Simulation::give_joints;
     fn give_joint(run: &mut Simulation<Self>, name: &str, said: StartNumber) -> Result<(), RunError> = Simulation::give_joint;
-    fn give_params(run: &mut Simulation<Self>, params: &[Self]) -> Result<(), ParamError> = Simulation::give_params;
+    fn give_params(run: &mut Simulation<Self>, of: Result<(), ParamError>, params: &[Self]) -> Result<(), RunError> = Simulation::give_params;
     fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
     fn add_control(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = Simulation::add_control;
     fn continue_from(run: &mut Simulation<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = Simulation::continue_from;
@@ -256,7 +256,8 @@ impl<T: Scalar> Simulation<T> {
     /// ```
     ///
     /// # Errors
-    /// The inputs of another model; a model without inputs; a period that is not positive. A number that is not finite stops the run, by the name of
+    /// The inputs of another model; a model without inputs; a period that is not positive, or shorter than time resolves (a run until a time refuses one
+    /// that asks for more than 1e9 samples). A number that is not finite stops the run, by the name of
     /// its input.
     pub fn control_every<I: Inputs<T> + 'static>(
         &mut self,
@@ -271,10 +272,10 @@ impl<T: Scalar> Simulation<T> {
     /// on their joints, nodes in balance, lines slack or taut.
     ///
     /// # Errors
-    /// The params of another model; the first parameter that cannot be run; the run keeps the old ones.
-    pub fn set_params<P: Params<T> + ?Sized>(&mut self, params: &P) -> Result<(), ParamError> {
-        P::check_model(self.model().scene())?;
-        T::give_params(self, params.values().as_ref())
+    /// [`StepError::Params`](crate::StepError::Params): the params of another model; the first parameter that cannot be run; the run keeps the old ones.
+    pub fn set_params<P: Params<T> + ?Sized>(&mut self, params: &P) -> Result<(), RunError> {
+        let checked = P::check_model(self.model().scene());
+        T::give_params(self, checked, params.values().as_ref())
     }
 
     /// The name of an event: that of the declaration, or the line and what it became.

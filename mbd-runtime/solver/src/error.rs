@@ -6,6 +6,8 @@
 use std::error::Error;
 use std::fmt;
 
+use mbd_scene::ParamError;
+
 use crate::node::UNEVEN;
 use crate::trajectory::Trajectory;
 use crate::watch::Instability;
@@ -231,6 +233,13 @@ step_errors! {
     }
     "range", format!("`{slot}` cannot be {value:e}"), "give a finite number in the accepted range";
 
+    /// Params that cannot be run; the run keeps the old ones.
+    Params {
+        /// The first that cannot, and why.
+        error: ParamError,
+    }
+    "params", error.to_string(), "give values that the declaration allows";
+
     /// A start in joint coordinates that places no bodies.
     Unplaced {
         /// The joint, or the name that was given.
@@ -281,6 +290,19 @@ step_errors! {
     "jump",
     format!("the {what} that `{of}` is prescribed jumps by {change:.3e} at {time} s"),
     "join its parts without corners, with `smoothstep` or powers of `time`, or let a motor follow it through a filter, `motor: …, filter: 20 ms`";
+
+    /// A line that is wound in has nothing left: its free length would be negative.
+    NegativeLength {
+        /// The line.
+        line: String,
+        /// When [s].
+        time: f64,
+        /// The free length that it would have [m].
+        length: f64,
+    }
+    "negative_length",
+    format!("at {time:.9} s `free_length` of `{line}` is {length:.3e} m, and must be zero or positive"),
+    format!("stop the winch before: `event wound_in = {line}.length falls 0.1 m {{ then: stop }}`, a `rate` that is zero there, or `max(…, 0 m)` in the `free_length`");
 
     /// A number that became infinite or NaN.
     NonFinite {
@@ -505,6 +527,12 @@ impl fmt::Display for StepError {
 }
 
 impl Error for StepError {}
+
+impl From<ParamError> for StepError {
+    fn from(error: ParamError) -> Self {
+        StepError::Params { error }
+    }
+}
 
 impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

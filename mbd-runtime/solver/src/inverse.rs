@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::linearise::LinearisationError;
 use crate::linearise::chart::Chart;
-use crate::linearise::moment::SceneMoment;
+use crate::linearise::moment::{SceneMoment, check_given};
 
 /// What [`inverse_dynamics`](crate::inverse_dynamics) found.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,11 +35,7 @@ pub(crate) fn find<T: Float>(
     moment.settle(None)?;
     let names: Vec<&str> = given.iter().map(|(name, _)| *name).collect();
     let chart = Chart::choose(&mut moment, &names)?;
-    if given.iter().any(|(_, value)| !value.is_finite()) {
-        return Err(LinearisationError::Given {
-            what: "accelerations",
-        });
-    }
+    check_given(given.iter().copied())?;
     let (count, held) = (given.len(), chart.kept.len());
     let (nq, nv, nc) = {
         let layout = moment.layout();

@@ -133,7 +133,7 @@ pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Sti
 pub use event::{Happening, Occurrence};
 pub use metric::{MetricReader, MetricValue, MissingMetric, NoMetric};
 pub use node::NodeMemory;
-pub use trajectory::{Joined, Sampling, Trajectory};
+pub use trajectory::{Joined, NotFinite, Sampling, Trajectory};
 pub use unilateral::Mode;
 pub use watch::Instability;
 

@@ -385,8 +385,13 @@ impl<T: Float> Simulation<T> {
     }
 
     /// What [`Simulation::set_params`] does.
-    pub(crate) fn give_params(&mut self, params: &[T]) -> Result<(), ParamError> {
-        self.take_params(params)?;
+    pub(crate) fn give_params(
+        &mut self,
+        of: Result<(), ParamError>,
+        params: &[T],
+    ) -> Result<(), RunError> {
+        let taken = of.and_then(|()| self.take_params(params));
+        taken.map_err(|error| self.failed(error.into()))?;
         self.changes.own = params.to_vec();
         self.start_again();
         self.started = false;

@@ -425,6 +425,18 @@ impl<T: Float> System<T> {
             return Ok(());
         };
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        if span.is_some() {
+            let modes = &self.memory.modes;
+            let is_attached = |line: usize| modes.get(line) != Some(&Mode::Detached);
+            let model = &*self.model;
+            let of = (model.scene(), model.layout());
+            commands.check_lengths((of.0, time), is_attached, |line| {
+                mbd_scene::laws::free_length(of, model.params(), &at, line)
+            })?;
+        }
+        if !commands.are_prescribed() {
+            return Ok(());
+        }
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         commands.now.clear();
         laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {

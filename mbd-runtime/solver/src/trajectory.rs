@@ -1,6 +1,7 @@
 //! The history of a run: named columns with units.
 
 use std::io::{self, Write};
+use std::ops::Range;
 
 use mbd_scene::metrics::Take;
 use mbd_scene::{Float, Layout, Model, Scene};
@@ -29,6 +30,17 @@ pub enum Sampling {
     Every(f64),
     /// At these times, increasing [s].
     At(Vec<f64>),
+}
+
+/// A column of a history that is infinite or not a number in some rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotFinite<'a> {
+    /// The column.
+    pub name: &'a str,
+    /// The time of the first such row [s].
+    pub time: f64,
+    /// How many there are.
+    pub rows: usize,
 }
 
 /// Named columns over time. Angular velocities, positions and forces are those of the state and the declaration: world axes unless named `body`.
@@ -72,6 +84,8 @@ pub struct Trajectory {
     /// Of which model's runs it takes rows.
     model: u64,
     names: Vec<Name>,
+    /// Which of them are declared outputs.
+    outputs: Range<usize>,
     columns: Vec<Vec<f64>>,
     maker: RowMaker,
     sampling: Sampling,
@@ -128,12 +142,24 @@ impl Trajectory {
     }
 
     fn of(scene: &Scene, layout: &Layout, sampling: Sampling, content: Content) -> Self {
+        let before = content.groups().filter(|it| !it.outputs && !it.energy);
+        let before = names(scene, layout, before.fold(Content::TIME, Content::and)).len();
+        // Those that hold the quantities of metrics stand behind the declared ones.
+        let metrics = scene.runs.metrics.iter().filter_map(|metric| metric.output);
+        let declared = metrics.min().unwrap_or(scene.outputs.len());
+        let declared = scene.outputs.iter().take(declared);
+        let columns: usize = declared.map(|output| output.components).sum();
+        let outputs = match content.outputs {
+            true => before..before + columns,
+            false => 0..0,
+        };
         let names = names(scene, layout, content);
         let mut history = Trajectory {
             model: identity::of_columns(scene, layout),
             columns: vec![Vec::new(); names.len()],
             maker: RowMaker::new(content, names.len()),
             names,
+            outputs,
             sampling,
             first: f64::NAN,
             next: 0,
@@ -273,6 +299,23 @@ impl Trajectory {
     #[must_use]
     pub fn values(&self, index: usize) -> &[f64] {
         self.columns.get(index).map_or(&[], Vec::as_slice)
+    }
+
+    /// The columns of declared outputs that are infinite or not a number in some row, such as `v / norm(v)` of what is at rest; none of a
+    /// [joined](Joined::join) history, whose parts tell. Metrics tell by themselves where they have no value.
+    #[must_use]
+    pub fn not_finite(&self) -> Vec<NotFinite<'_>> {
+        let names = self.names.iter().zip(&self.columns).enumerate();
+        let outputs = names.filter(|(index, _)| self.outputs.contains(index));
+        let found = outputs.filter_map(|(_, (name, column))| {
+            let first = column.iter().position(|x| !x.is_finite())?;
+            Some(NotFinite {
+                name: &name.name,
+                time: self.times().get(first).copied()?,
+                rows: column.iter().filter(|x| !x.is_finite()).count(),
+            })
+        });
+        found.collect()
     }
 
     /// When its rows are written.

@@ -1,8 +1,8 @@
 //! What a program gives that cannot be used: refused by its name, and nothing is written.
 
 use mbd_runtime::{
-    Content, Options, RunError, Sampling, Simulation, StepError, Trajectory, TrimError, linearise,
-    model, trim,
+    Content, LinearisationError, Options, ParamError, RunError, Sampling, Simulation, StepError,
+    Trajectory, TrimError, inverse_dynamics, linearise, model, trim,
 };
 
 model! {
@@ -110,7 +110,7 @@ fn a_time_that_is_none_has_no_linear_system() {
     let error = linearise(&door, f64::NAN, run.state(), &[0.0]).expect_err("no time");
     assert_eq!(
         error.to_string(),
-        "a number that was given as time is not finite"
+        "`time` cannot be NaN: give a finite number"
     );
 }
 
@@ -123,13 +123,16 @@ fn a_trim_names_the_number_that_is_none() {
             ("pin.angle", trim(&door).guess("pin.angle", none)),
             ("pin.angle", trim(&door).rate("pin.angle", none)),
             ("push", trim(&door).input("push", none)),
-            ("inputs", trim(&door).all_inputs(&[none])),
+            ("push", trim(&door).all_inputs(&[none])),
             ("time", trim(&door).at(none)),
-            ("state", trim(&door).state(&[none; 13])),
+            ("leaf.x", trim(&door).state(&[none; 13])),
         ] {
             let error = asked.solve().expect_err("no number");
+            let TrimError::Linearisation(cause) = &error else {
+                panic!("{error}");
+            };
             assert!(
-                matches!(&error, TrimError::Given { name: named, .. } if named == name),
+                matches!(cause, LinearisationError::Given { name: named, .. } if named == name),
                 "{error}"
             );
             assert_eq!(
@@ -137,5 +140,115 @@ fn a_trim_names_the_number_that_is_none() {
                 format!("`{name}` cannot be {none}: give a finite number")
             );
         }
+    }
+}
+
+#[test]
+fn a_linear_system_and_efforts_name_the_number_that_is_none() {
+    let door = door();
+    let run = Simulation::new(&door, Options::tsit5(1e-6)).expect("options that fit");
+    let mut state = run.state().to_vec();
+    let told = |error: LinearisationError| error.to_string();
+    let push = linearise(&door, 0.0, &state, &[f64::INFINITY]).expect_err("no input");
+    assert_eq!(told(push), "`push` cannot be inf: give a finite number");
+    let effort = inverse_dynamics(&door, 0.0, &state, &[0.0], &[("pin.angle", f64::NAN)]);
+    let effort = effort.expect_err("no number");
+    assert_eq!(
+        told(effort),
+        "`pin.angle` cannot be NaN: give a finite number"
+    );
+    state[2] = f64::NAN;
+    let place = linearise(&door, 0.0, &state, &[0.0]).expect_err("no place");
+    assert_eq!(told(place), "`leaf.z` cannot be NaN: give a finite number");
+}
+
+#[test]
+fn a_controller_that_would_be_asked_without_end_is_refused_by_its_period() {
+    let door = door();
+    let mut run = Simulation::new(&door, Options::tsit5(1e-6)).expect("options that fit");
+    let none = |_: &DoorSample<'_>, _: &mut DoorInputs| {};
+    for (period, said) in [
+        (0.0, "`sampling period` cannot be 0e0"),
+        (f64::NAN, "`sampling period` cannot be NaN"),
+        (
+            1e-23,
+            "`sampling period (time resolves 3.6e-21 s here)` cannot be 1e-23",
+        ),
+    ] {
+        let cause = cause(run.control_every(period, none));
+        assert_eq!(cause.to_string(), said);
+    }
+    // What a run until a time would ask for.
+    run.control_every(1e-12, none).expect("resolved at zero");
+    let cause = |until: f64, run: &mut Simulation<f64>| cause(run.run(until)).to_string();
+    assert_eq!(
+        cause(30.0, &mut run),
+        "`sampling period (3.0e13 samples until 30 s, of at most 1e9)` cannot be 1e-12"
+    );
+    assert_eq!(
+        cause(1e4, &mut run),
+        "`sampling period (time resolves 3.6e-11 s here)` cannot be 1e-12"
+    );
+    assert_eq!(run.time(), 0.0);
+    run.run(1e-10).expect("a hundred samples");
+}
+
+/// What a function of a program that uses runs writes: one type of error.
+fn heavier(run: &mut Simulation<f64>, params: &[f64]) -> Result<(), RunError> {
+    run.set_params(params)?;
+    run.run(0.1)?;
+    Ok(())
+}
+
+#[test]
+fn params_that_cannot_be_run_are_an_error_of_the_run() {
+    let door = door();
+    let mut run = Simulation::new(&door, Options::tsit5(1e-6)).expect("options that fit");
+    heavier(&mut run, &[]).expect("it has none");
+    let error = heavier(&mut run, &[1.0]).expect_err("it has none");
+    assert!(
+        matches!(
+            &error.cause,
+            StepError::Params {
+                error: ParamError::Count {
+                    expected: 0,
+                    found: 1
+                }
+            }
+        ),
+        "{error}"
+    );
+    assert_eq!(error.cause.status(), "params");
+    assert_eq!(error.progress.time, 0.1);
+}
+
+#[test]
+fn a_history_tells_the_outputs_that_are_no_numbers_in_some_row() {
+    let throw = Throw::new(ThrowParams::default()).expect("no params");
+    let mut run = Simulation::new(&throw, Options::rk4(0.1)).expect("options that fit");
+    let mut history = Trajectory::new(&throw, Sampling::Every(0.1), Content::ALL);
+    run.record(1.0, &mut history).expect("it falls");
+    let told: Vec<_> = history.not_finite();
+    let told: Vec<_> = told.iter().map(|it| (it.name, it.time, it.rows)).collect();
+    assert_eq!(
+        told,
+        [
+            ("way.x", 0.0, 1),
+            ("way.y", 0.0, 1),
+            ("way.z", 0.0, 1),
+            ("ratio", 0.0, 11)
+        ]
+    );
+}
+
+model! {
+    /// A stone at rest, with outputs that it has no value for.
+    model Throw {
+        units: si;
+        gravity: [0, 0, -10];
+        point stone { mass: 1 }
+        output way = stone.velocity / norm(stone.velocity);
+        output speed = norm(stone.velocity);
+        output ratio = 1 / stone.position.x;
     }
 }

@@ -394,3 +394,72 @@ fn a_cable_robot_that_is_driven_by_all_its_cables_closes_its_balance() {
     let error = gained - drives - lost;
     assert!(error.abs() < 1e-6 * drives, "{error:e} of {drives} J");
 }
+
+model! {
+    /// A winch that draws its rope in, one that is told to stop, and a rope that is let go of before.
+    model Reel {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input speed: speed = -1 m/s;
+        state paid = 2 m { rate: speed }
+        state other = 2 m { rate: speed }
+        point load { mass: 2.0 kg, start at [0.0, 0.0, -2.1] m }
+        line rope from world to load { free_length: paid, stiffness: 5 kN/m, damping: 300 N*s/m }
+        line loose from world to load { free_length: other, stiffness: 5 N/m }
+        event let_go = other falls 1 m { detach: loose, acts: once }
+        event near = paid falls 0 m { set: paid = 0.5 m }
+    }
+}
+
+model! {
+    /// A winch that nothing stops.
+    model Spent {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        state paid = 2 m { rate: -1 m/s }
+        point load { mass: 2.0 kg, start at [0.0, 0.0, -2.1] m }
+        line rope from world to load { free_length: paid, stiffness: 5 kN/m, damping: 300 N*s/m }
+    }
+}
+
+#[test]
+fn a_rope_that_is_wound_in_beyond_its_end_is_told_by_its_name() {
+    let reel = Reel::new(ReelParams::default()).expect("no params");
+    let spent = Spent::new(SpentParams::default()).expect("no params");
+    for options in [Options::tsit5(1e-6), Options::rk4(1e-3)] {
+        let mut run = Simulation::new(&reel, options).expect("options that fit");
+        // An event that winds out again where nothing is left is in time, and what is detached may go on.
+        run.run(4.0).expect("it is wound out again");
+        let mut onward = Simulation::new(&spent, options).expect("options that fit");
+        let error = onward.run(4.0).expect_err("nothing is left");
+        let StepError::NegativeLength { line, time, length } = &error.cause else {
+            panic!("{error}");
+        };
+        assert_eq!(
+            (line.as_str(), error.cause.status()),
+            ("rope", "negative_length")
+        );
+        assert!(*time > 2.0 && *time < 3.0 && *length < 0.0, "{error}");
+        assert!(onward.time() <= 2.0 + 1e-6, "{}", onward.time());
+        let text = error.to_string();
+        assert!(
+            text.contains("`free_length` of `rope` is -")
+                && text.contains("rope.length falls 0.1 m"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn an_input_that_is_no_length_is_told_where_it_is_given() {
+    let hoist = Hoist::new(HoistParams::default()).expect("no params");
+    let mut run = Simulation::new(&hoist, Options::rk4(1e-3)).expect("options that fit");
+    run.set_inputs(&HoistInputs {
+        paid: -1.0,
+        paying: 0.0,
+    })
+    .expect("a number");
+    let error = run.run(0.1).expect_err("no length");
+    assert!(
+        matches!(&error.cause, StepError::NegativeLength { line, .. } if line == "rope"),
+        "{error}"
+    );
+}

@@ -51,6 +51,18 @@ pub fn lone_index(at: Region, kind: &str, word: &str, count: i64) -> LexemeMessa
     .about(word, None)
 }
 
+/// `frames`: those of its own.
+pub fn body_as_place(at: Region, body: &str, frames: &[String]) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{body}` stands here for its centre of mass: write `{body}.com` if that is meant, or the frame that is: {}",
+            frames.join(", ")
+        ),
+    )
+    .about(body, None)
+}
+
 /// The joint that lets a body fly; that of `bar[0]` is `bar_free[0]`.
 fn free(body: &str) -> String {
     let (word, index) = body.split_at(body.find('[').unwrap_or(body.len()));

@@ -239,6 +239,26 @@ pub fn form(at: Region, item: &ItemWord, found: &str) -> LexemeMessage {
     )
 }
 
+/// `spring NAME on JOINT.COORDINATE`: what acts along a coordinate, where two places are wanted.
+pub fn along_a_coordinate(
+    at: Region,
+    item: &ItemWord,
+    joint: &str,
+    coordinate: Option<&str>,
+) -> LexemeMessage {
+    let fields = "stiffness: …, rest: …, damping: …";
+    let several = coordinate.map_or_else(String::new, |coordinate| {
+        format!(" (of several coordinates `{coordinate}: {{ {fields} }}`)")
+    });
+    LexemeMessage::new(
+        at,
+        format!(
+            "a `{}` joins two places, `from … to …`; what acts along a coordinate of `{joint}` are fields of that joint: `{{ {fields} }}`{several}",
+            item.word
+        ),
+    )
+}
+
 /// An index behind the name of an item that is there once.
 pub fn not_repeated(at: Region, item: &ItemWord, name: &str) -> LexemeMessage {
     let word = item.word;

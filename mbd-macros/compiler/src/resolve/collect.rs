@@ -24,7 +24,8 @@ impl<'a> Resolver<'a> {
             let Some(name) = &item.name else {
                 continue;
             };
-            if words::find(&item.word.text, false).is_none() {
+            let spec = words::find(&item.word.text, false);
+            if spec.is_none_or(|spec| name.refused_index(spec).is_some()) {
                 self.broken.insert(name.word.text.clone());
             }
             self.later.insert(name.word.text.clone());
@@ -73,10 +74,11 @@ impl<'a> Resolver<'a> {
             self.add_instance("world", item, 0, None);
             return;
         }
-        let Some(name) = &item.name else {
+        let given = item.name.as_ref();
+        let Some(name) = given.filter(|name| name.refused_index(spec).is_none()) else {
             return;
         };
-        self.reserved(name);
+        let is_reserved = self.reserved(name);
         if spec.word == "table" && words::reserved_table(&name.word.text) {
             let (at, word) = (name.word.at.into(), &name.word.text);
             self.messages.push(say_syntax::reserved_name(at, word));
@@ -104,7 +106,9 @@ impl<'a> Resolver<'a> {
                 } else {
                     (at, first)
                 };
-                self.messages.push(say::twice(second, &label, first));
+                if !is_reserved {
+                    self.messages.push(say::twice(second, &label, first));
+                }
                 self.broken.insert(name.word.text.clone());
                 continue;
             }
@@ -212,14 +216,16 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    fn reserved(&mut self, name: &NameSyntax<'_>) {
+    /// Tells of a name that cannot be one, and whether it is that.
+    fn reserved(&mut self, name: &NameSyntax<'_>) -> bool {
         let at = name.word.at.into();
         let report = match words::reserved(&name.word.text) {
-            None => return,
+            None => return false,
             Some(Reserved::Language) => say_syntax::reserved_name(at, &name.word.text),
             Some(Reserved::Rust) => say::rust_as_name(at, &name.word.text),
         };
         self.messages.push(report);
+        true
     }
 
     /// How many things there are so far.

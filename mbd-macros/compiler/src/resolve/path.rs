@@ -6,7 +6,7 @@ use super::names::{Members, NameEntry};
 use super::value::angle_of;
 use super::{MayDependOn, Named, ResolvedSoFar, Resolver, Scope, Typed, fold};
 use crate::lexeme::Region;
-use crate::messages::{LexemeMessage, resolve as say};
+use crate::messages::{LexemeMessage, check as say_check, resolve as say};
 use crate::syntax::expression::{self, PathStep};
 use crate::syntax::{ValueSyntax, quantities};
 use crate::units;
@@ -646,13 +646,10 @@ impl Resolver<'_> {
                 Named::Body(body) => {
                     let frame = match rest.first() {
                         Some(step) => self.body_frame(body, step, scope)?,
-                        // A body without frames of its own has no other place that could be meant.
-                        None => match self.frame_words(body).first() {
-                            Some(own) if own != "com" => {
-                                return self.fail(say::frame_wanted(value.at, word, own));
-                            }
-                            _ => 0,
-                        },
+                        None => {
+                            self.warn_of_body_as_place(body, (value.at, word));
+                            0
+                        }
                     };
                     let after = rest.get(1..).unwrap_or_default();
                     (Place::Body(body, frame), after)
@@ -664,6 +661,16 @@ impl Resolver<'_> {
         match place.1.first() {
             None => Some(place.0),
             Some(extra) => self.fail(say::after_place(extra.word.at.into(), &extra.word.text)),
+        }
+    }
+
+    /// A body stands for its centre of mass, as in a load; where it has frames of its own, one of them may be meant.
+    fn warn_of_body_as_place(&mut self, body: usize, (at, word): (Region, &str)) {
+        let mut frames = self.frame_words(body);
+        frames.retain(|frame| frame != "com");
+        if !frames.is_empty() {
+            let report = say_check::body_as_place(at, word, &frames);
+            self.warnings.push(report);
         }
     }
 

@@ -215,7 +215,10 @@ fn rest<'a>(
     messages: &mut Messages,
 ) -> Result<(), LexemeMessage> {
     if spec.named {
-        item.name = Some(name(cursor, spec)?);
+        let name = item.name.insert(name(cursor, spec)?);
+        if let Some(report) = name.refused_index(spec) {
+            return Err(report);
+        }
     }
     loop {
         if ends(cursor, inside) {
@@ -270,6 +273,23 @@ fn unfit(
         (".", Some(name)) if ["output", "metric", "let"].contains(&spec.word) => {
             say::shown_without_name(name.word.at.into(), spec, &name.word.text)
         }
+        // `spring NAME on pin.angle`
+        ("on" | "at", Some(_)) if ["line", "spring"].contains(&spec.word) => {
+            let mut behind = *cursor;
+            behind.take();
+            let joint = behind.word();
+            behind.group(Bracket::Square);
+            let coordinate = behind.sign('.').and_then(|_| behind.word());
+            match joint.filter(|_| behind.peek_word().is_none()) {
+                Some(joint) => say::along_a_coordinate(
+                    cursor.here(),
+                    spec,
+                    &joint.text,
+                    coordinate.as_ref().map(|word| word.text.as_str()),
+                ),
+                None => say::form(cursor.here(), spec, &found),
+            }
+        }
         (found, _) => say::form(cursor.here(), spec, found),
     }
 }
@@ -279,17 +299,19 @@ fn name<'a>(
     cursor: &mut Cursor<'a>,
     spec: &'static ItemWord,
 ) -> Result<NameSyntax<'a>, LexemeMessage> {
-    let is_clause = cursor
-        .peek_word()
-        .is_some_and(|word| spec.clauses.iter().any(|clause| clause.sign == word));
+    // `param in = …` has a name, though none that can be, which is told of every name; `load on body` has none.
+    let mut behind = *cursor;
+    let is_clause = clause(&mut behind, spec).is_some()
+        && !matches!(
+            behind.peek().map(|lexeme| &lexeme.kind),
+            Some(LexemeKind::Sign('=' | ':' | ';') | LexemeKind::Open(..))
+        )
+        && clause(&mut behind, spec).is_none();
     let word = match cursor.word() {
         Some(word) if !is_clause => word,
         _ => return Err(say::no_name(cursor.before(), spec)),
     };
     let index = cursor.group(Bracket::Square);
-    if let (Some(index), false) = (index, spec.repeats) {
-        return Err(say::not_repeated(index.at, spec, &word.text));
-    }
     Ok(NameSyntax { word, index })
 }
 

@@ -14,6 +14,7 @@ pub use cursor::Cursor;
 pub use model::{begins_with_item, model};
 
 use crate::lexeme::{Lexeme, LexemeIndex, Region};
+use crate::messages::{LexemeMessage, syntax as say};
 
 /// A word with its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +41,14 @@ pub struct NameSyntax<'a> {
     pub word: Word,
     /// What stands in its brackets: `i in 0..3`, or an index.
     pub index: Option<ValueSyntax<'a>>,
+}
+
+impl NameSyntax<'_> {
+    /// The report of an index where the name of an item stands once.
+    pub fn refused_index(&self, spec: &words::ItemWord) -> Option<LexemeMessage> {
+        let index = self.index.filter(|_| !spec.repeats)?;
+        Some(say::not_repeated(index.at, spec, &self.word.text))
+    }
 }
 
 /// The sign of a clause and its value.

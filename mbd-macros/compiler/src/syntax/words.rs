@@ -461,10 +461,10 @@ pub enum Reserved {
 /// Whether and why a word cannot be the name of an item.
 pub fn reserved(word: &str) -> Option<Reserved> {
     let language = OTHER_RESERVED.contains(&word);
-    if is_unfit(word) {
-        Some(Reserved::Rust)
-    } else if language {
+    if language {
         Some(Reserved::Language)
+    } else if is_unfit(word) {
+        Some(Reserved::Rust)
     } else {
         None
     }

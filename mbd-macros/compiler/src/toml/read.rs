@@ -493,7 +493,10 @@ impl ItemDraft {
         if let (Some(piece), Some(spec)) = (&self.name, self.spec) {
             let value = piece.value(lexemes);
             match name(value, spec) {
-                Ok(name) => item.name = Some(name),
+                Ok(name) => {
+                    reports.extend(name.refused_index(spec));
+                    item.name = Some(name);
+                }
                 Err(report) => reports.push(report),
             }
         }
@@ -532,9 +535,6 @@ fn name<'a>(
     let mut cursor = Cursor::new(value);
     let word = cursor.word().ok_or_else(|| say::no_name(value.at, spec))?;
     let index = cursor.group(crate::lexeme::Bracket::Square);
-    if let (Some(index), false) = (index, spec.repeats) {
-        return Err(say::form(index.at, spec, "["));
-    }
     cursor.finish("the end of the name")?;
     Ok(NameSyntax { word, index })
 }

@@ -371,6 +371,19 @@ impl<'a, S: Real> Evaluation<'a, S> {
     }
 }
 
+/// A declared input, `number` one of those of all by its place.
+pub(super) fn declared_input<S: Real>(
+    (scene, layout): (&Scene, &Layout),
+    index: usize,
+    number: impl Fn(usize) -> Option<S>,
+) -> Option<Value<S>> {
+    let at = layout.input_at(InputSource::Input(index))?;
+    Some(match scene.inputs.get(index)?.components {
+        1 => Value::Scalar(number(at)?),
+        _ => Value::Vector(Vector3::new(number(at)?, number(at + 1)?, number(at + 2)?)),
+    })
+}
+
 impl<S: Real> Context<S> for Evaluation<'_, S> {
     fn scene(&self) -> &Scene {
         self.scene
@@ -395,10 +408,9 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
     }
 
     fn input(&self, index: usize) -> Option<Value<S>> {
-        let at = self.layout.input_at(InputSource::Input(index))?;
-        Some(match self.scene.inputs.get(index)?.components {
-            1 => Value::Scalar(self.at.inputs.get(at).copied()?),
-            _ => Value::Vector(vector(self.at.inputs, at)),
+        let inputs = self.at.inputs;
+        declared_input((self.scene, self.layout), index, |at| {
+            inputs.get(at).copied()
         })
     }
 

@@ -33,3 +33,4 @@ pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, JointForceNumbers, LineNumbers, Numbers,
     OblateNumbers, constant, start_of, starts,
 };
+pub use winding::free_length;

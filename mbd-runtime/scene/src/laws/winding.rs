@@ -10,9 +10,9 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::evaluation::Evaluation;
+use crate::laws::evaluation::{Evaluation, declared_input};
 use crate::laws::formula::{Context, Value, of_let, scalar, vector};
-use crate::{Dual, Formula, Real, Scene};
+use crate::{At, Dual, Float, Formula, Layout, Line, Real, Scene};
 
 /// A number with its rate.
 type WithRate<S> = Dual<S, 1>;
@@ -52,6 +52,61 @@ impl<S: Real> Context<WithRate<S>> for Winding<'_, '_, S> {
     fn time(&self) -> Option<WithRate<S>> {
         Some(Dual::variable(self.0.at.time, 0))
     }
+}
+
+/// What a free length depends on, without bodies: in `f64` whatever the scalar of the run.
+struct Driven<'a, T> {
+    scene: &'a Scene,
+    layout: &'a Layout,
+    params: &'a [T],
+    at: &'a At<'a, T>,
+}
+
+impl<T: Float> Context<f64> for Driven<'_, T> {
+    fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    fn param(&self, index: usize) -> Option<f64> {
+        self.params.get(index).map(|x| x.to_f64())
+    }
+
+    fn named(&self, index: usize) -> Option<Value<f64>> {
+        of_let(index, self)
+    }
+
+    fn input(&self, index: usize) -> Option<Value<f64>> {
+        let inputs = self.at.inputs;
+        declared_input((self.scene, self.layout), index, |at| {
+            inputs.get(at).map(|x| x.to_f64())
+        })
+    }
+
+    fn state(&self, index: usize) -> Option<f64> {
+        let own = self.at.state.get(self.layout.states() + index);
+        own.map(|x| x.to_f64())
+    }
+
+    fn time(&self) -> Option<f64> {
+        Some(self.at.time.to_f64())
+    }
+}
+
+/// The free length of a line at a time, for params, inputs and declared states [m], without a look at bodies.
+#[must_use]
+pub fn free_length<T: Float>(
+    (scene, layout): (&Scene, &Layout),
+    params: &[T],
+    at: &At<'_, T>,
+    line: &Line,
+) -> f64 {
+    let driven = Driven {
+        scene,
+        layout,
+        params,
+        at,
+    };
+    scalar(line.free_length_and_rate().0, &driven)
 }
 
 impl<S: Real> Evaluation<'_, S> {

@@ -174,12 +174,14 @@ pub enum LinearisationError {
     },
     /// A number that was given is not finite.
     Given {
-        /// Which list it is in.
-        what: &'static str,
+        /// What it was given for: the name of a coordinate, of the state or an input, `nodes`, `time`.
+        name: String,
+        /// The number.
+        value: f64,
     },
-    /// The inputs are those of another model.
+    /// The inputs cannot be used: they are those of another model, or what supplies them gives no numbers.
     Inputs(
-        /// Whose they are.
+        /// Why.
         Box<StepError>,
     ),
     /// Nodes have no balance there.
@@ -235,8 +237,8 @@ impl fmt::Display for LinearisationError {
                 f,
                 "{got} numbers were given as {what}, and this scene has {expected}"
             ),
-            LinearisationError::Given { what } => {
-                write!(f, "a number that was given as {what} is not finite")
+            LinearisationError::Given { name, value } => {
+                write!(f, "`{name}` cannot be {value}: give a finite number")
             }
             LinearisationError::Inputs(cause) | LinearisationError::Nodes(cause) => {
                 write!(f, "{cause}")

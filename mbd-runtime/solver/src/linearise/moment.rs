@@ -7,7 +7,7 @@ use mbd_scene::{At, Float, JointStart, Layout, Model, Quantity, Scene, Variable,
 use nalgebra::DMatrix;
 
 use super::{Linearisation, LinearisationError};
-use crate::columns::state_names;
+use crate::columns::{input_name, state_names};
 use crate::displace::displace;
 use crate::generic::Generic;
 use crate::laws::{numbers_of, params_of};
@@ -32,23 +32,7 @@ impl SceneMoment {
         (time, state, inputs): (f64, &[f64], &[f64]),
     ) -> Result<Self, LinearisationError> {
         let (scene, layout) = (model.scene(), model.layout());
-        if !time.is_finite() {
-            return Err(LinearisationError::Given { what: "time" });
-        }
-        for (what, got, expected) in [("state", state, layout.nx()), ("inputs", inputs, layout.ni)]
-        {
-            if got.len() != expected {
-                let got = got.len();
-                return Err(LinearisationError::Length {
-                    what,
-                    got,
-                    expected,
-                });
-            }
-            if got.iter().any(|x| !x.is_finite()) {
-                return Err(LinearisationError::Given { what });
-            }
-        }
+        check_lists((scene, layout), (time, state, inputs))?;
         let (params, numbers) = (params_of(model.params()), numbers_of(model));
         let generic = Arc::new(Generic {
             scene: Arc::new(scene.clone()),
@@ -178,6 +162,48 @@ impl SceneMoment {
     /// Node unknowns of the last balance.
     pub(crate) fn nodes(&self) -> &[f64] {
         self.system.nodes.nodes()
+    }
+}
+
+/// Refuses a time, a state and inputs that are no moment of a scene: lists of another length, numbers that are not finite.
+pub(crate) fn check_lists(
+    (scene, layout): (&Scene, &Layout),
+    (time, state, inputs): (f64, &[f64], &[f64]),
+) -> Result<(), LinearisationError> {
+    for (what, got, expected) in [
+        ("state", state.len(), layout.nx()),
+        ("inputs", inputs.len(), layout.ni),
+    ] {
+        if got != expected {
+            return Err(LinearisationError::Length {
+                what,
+                got,
+                expected,
+            });
+        }
+    }
+    check_given([("time", time)])?;
+    let all = || state.iter().chain(inputs);
+    match all().all(|x| x.is_finite()) {
+        true => Ok(()),
+        false => {
+            let names = state_names(scene, layout).into_iter().map(|own| own.name);
+            let names = names.chain((0..layout.ni).map(|at| input_name(scene, layout, at)));
+            check_given(names.zip(all().copied()))
+        }
+    }
+}
+
+/// Refuses the first number that is not finite, of some with what they were given for.
+pub(crate) fn check_given<N: Into<String>>(
+    given: impl IntoIterator<Item = (N, f64)>,
+) -> Result<(), LinearisationError> {
+    match given.into_iter().find(|(_, value)| !value.is_finite()) {
+        None => Ok(()),
+        Some((name, value)) => Err(LinearisationError::Given {
+            name: name.into(),
+            value,
+        }),
     }
 }
 

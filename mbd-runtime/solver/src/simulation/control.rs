@@ -8,6 +8,27 @@ use crate::error::{RunError, StepError};
 use crate::supply::{Law, Sampler, check_model, check_numbers, check_supplied};
 use crate::trajectory::resolution;
 
+/// More samples of a controller than this are no run that ends.
+const MOST_SAMPLES: f64 = 1e9;
+
+/// Refuses a sampling period that is none, that time does not resolve, or that asks for too many samples from one time to another [s].
+fn check_period(period: f64, [from, to]: [f64; 2]) -> Result<(), StepError> {
+    let (samples, resolved) = ((to - from) / period, resolution(from).max(resolution(to)));
+    let why = if !(period > 0.0 && period.is_finite()) {
+        String::new()
+    } else if period <= resolved {
+        format!(" (time resolves {resolved:.1e} s here)")
+    } else if samples > MOST_SAMPLES {
+        format!(" ({samples:.1e} samples until {to} s, of at most {MOST_SAMPLES:.0e})")
+    } else {
+        return Ok(());
+    };
+    Err(StepError::InvalidInput {
+        slot: format!("sampling period{why}"),
+        value: period,
+    })
+}
+
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::set_inputs`] does.
     pub(crate) fn give_inputs(
@@ -42,13 +63,7 @@ impl<T: Float> Simulation<T> {
                 });
             }
             match every {
-                Some(period) if !(period > 0.0 && period.is_finite()) => {
-                    Err(StepError::InvalidInput {
-                        slot: "sampling period".into(),
-                        value: period,
-                    })
-                }
-                Some(_) => Ok(()),
+                Some(period) => check_period(period, [self.time; 2]),
                 None => differentiable(&self.options),
             }
         });
@@ -65,6 +80,12 @@ impl<T: Float> Simulation<T> {
             }),
         }
         Ok(())
+    }
+
+    /// Whether every controller can be asked at each of its samples until a time [s].
+    pub(super) fn check_periods(&self, until: f64) -> Result<(), StepError> {
+        let mut periods = self.samplers.iter().map(|sampler| sampler.period);
+        periods.try_for_each(|period| check_period(period, [self.time, until]))
     }
 
     /// The numbers of the inputs that are held, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).

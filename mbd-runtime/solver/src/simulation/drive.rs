@@ -98,6 +98,8 @@ impl<T: Float> Simulation<T> {
                 value: until,
             }));
         }
+        let periods = self.check_periods(until);
+        periods.map_err(|cause| self.failed(cause))?;
         self.changes.stop = None;
         self.stays = false;
         self.enter()?;

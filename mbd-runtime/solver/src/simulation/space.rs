@@ -9,7 +9,7 @@ impl<T: Float> Simulation<T> {
     /// What [`Simulation::linearise`] does.
     pub(crate) fn space_here(&mut self, along: &[&str]) -> Result<StateSpace, LinearisationError> {
         let supplied = self.system.supply(self.time, &self.state);
-        supplied.map_err(|_| LinearisationError::Given { what: "inputs" })?;
+        supplied.map_err(|cause| LinearisationError::Inputs(Box::new(cause)))?;
         let state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
         let inputs = wide(&self.system.inputs);

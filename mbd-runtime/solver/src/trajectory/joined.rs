@@ -139,6 +139,8 @@ impl Joined {
             statistics: Statistics::default(),
             columns: vec![Vec::new(); self.names.len()],
             names: self.names.clone(),
+            // What a model has not is no number by design: the parts tell.
+            outputs: 0..0,
         };
         for ((model, part), phase) in parts.iter().zip(1_u32..) {
             let (before, rows) = (joined.len(), part.len());

@@ -43,23 +43,14 @@ pub struct TrimProblem {
 }
 
 impl TrimProblem {
-    /// All numbers that were given, each with what it was given for.
+    /// All numbers that were given beside time, state and inputs, each with what it was given for.
     pub(super) fn numbers(&self) -> impl Iterator<Item = (&str, f64)> {
-        let lists = [
-            ("state", &self.state),
-            ("nodes", &self.nodes),
-            ("inputs", &self.given),
-        ];
-        let lists = lists.into_iter().flat_map(|(name, list)| {
-            let numbers = list.iter().flatten();
-            numbers.map(move |value| (name, *value))
-        });
+        let nodes = self.nodes.iter().flatten().map(|value| ("nodes", *value));
         let named = [&self.inputs, &self.rates, &self.guesses];
         let named = named.into_iter().flatten();
         let fixed = self.fixed.iter();
         let fixed = fixed.filter_map(|(name, value)| Some((name.as_str(), (*value)?)));
-        std::iter::once(("time", self.time))
-            .chain(lists)
+        nodes
             .chain(named.map(|(name, value)| (name.as_str(), *value)))
             .chain(fixed)
     }
@@ -116,19 +107,12 @@ pub enum TrimError {
         /// The name.
         name: String,
     },
-    /// A number that was given is not finite.
-    Given {
-        /// What it was given for: the name of a coordinate or an input, `state`, `nodes`, `inputs`, `time`.
-        name: String,
-        /// The number.
-        value: f64,
-    },
     /// The joints cannot be closed with the coordinates where they are wanted.
     Open {
         /// What is left [m or 1].
         gap: f64,
     },
-    /// No derivatives, or a name that is not known.
+    /// No derivatives, a name that is not known, or a number that was given and is not finite.
     Linearisation(
         /// Why.
         LinearisationError,
@@ -171,9 +155,6 @@ impl std::fmt::Display for TrimError {
                 f,
                 "`{name}` is a turn in space, which no single number sets: give the attitude with `state`, and `hold` it"
             ),
-            TrimError::Given { name, value } => {
-                write!(f, "`{name}` cannot be {value}: give a finite number")
-            }
             TrimError::Open { gap } => write!(
                 f,
                 "the joints stay open by {gap:.1e} with these coordinates: fix fewer of them, or others"

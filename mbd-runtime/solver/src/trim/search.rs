@@ -7,7 +7,7 @@ use super::{TrimError, TrimProblem, Trimmed};
 use crate::columns::Name;
 use crate::compiled::Scalar;
 use crate::linearise::chart::{Chart, MinimalCoordinate, input_names, known, with_unit};
-use crate::linearise::moment::SceneMoment;
+use crate::linearise::moment::{SceneMoment, check_given, check_lists};
 use crate::linearise::{LinearisationError, StateSpace, motors_follow};
 use crate::simulation::start::declared_start;
 
@@ -41,10 +41,7 @@ pub(crate) fn find<T: Scalar>(
     model: &dyn Model<T>,
     asked: &TrimProblem,
 ) -> Result<Trimmed, TrimError> {
-    if let Some((name, value)) = asked.numbers().find(|(_, value)| !value.is_finite()) {
-        let name = name.to_owned();
-        return Err(TrimError::Given { name, value });
-    }
+    check_given(asked.numbers())?;
     let (scene, layout) = (model.scene(), model.layout());
     let inputs = input_names(scene, layout);
     let place_of = |name: &str| {
@@ -76,9 +73,10 @@ pub(crate) fn find<T: Scalar>(
         layout.quaternions().for_each(|at| state[at] = 1.0);
         state
     });
+    check_lists((scene, layout), (asked.time, &state, &given))?;
     // A declared start belongs to the declared inputs; what follows them goes on from there.
     let first = match asked.state {
-        None if given.len() == layout.ni => held(),
+        None => held(),
         _ => given.clone(),
     };
     let at = (asked.time, &state[..], &first[..]);

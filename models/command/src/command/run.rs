@@ -16,8 +16,8 @@ use super::list;
 use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 use crate::run::{
-    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, phases_json,
-    publish, publish_gltf, publish_phases, summary_json, warning, windows,
+    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, not_finite,
+    phases_json, publish, publish_gltf, publish_phases, summary_json, warning, windows,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -196,6 +196,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             &segment.plan,
             &segment.outcome,
         ));
+        warnings.extend(undefined(&segment.outcome));
         warnings.extend(doubt);
     }
     let told = if args.json {
@@ -224,6 +225,11 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             first.scene.name
         ))),
     }
+}
+
+/// The warning of outputs that have no finite value somewhere.
+fn undefined(outcome: &RunOutcome) -> Option<String> {
+    not_finite(&outcome.trajectory).map(|told| format!("warning: {told}"))
 }
 
 /// How each of several scenes is flown.
@@ -268,7 +274,8 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
         .then(|| "warning: nothing of this scene has a place: no motion.glb is written".to_owned());
     let warning = warning(&scene, &plan, &outcome);
     let doubt = doubt(&scene, &plan, &outcome);
-    let warning = warning.into_iter().chain(doubt.clone()).chain(unmoved);
+    let warning = warning.into_iter().chain(undefined(&outcome));
+    let warning = warning.chain(doubt.clone()).chain(unmoved);
     // An event may have ended it before.
     let end = plan.until.min(outcome.time);
     let short = match outcome.error {

@@ -17,7 +17,7 @@ pub use outcome::{RunOutcome, fly, fly_model};
 pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{publish_phases, summary as phases_json};
-pub use quality::Quality;
+pub use quality::{Quality, not_finite};
 pub use start::warning;
 pub use summary::summary_json;
 

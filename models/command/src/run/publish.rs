@@ -11,6 +11,7 @@ use mbd_runtime::{Layout, Trajectory};
 
 use super::metrics::{metrics, windows};
 use super::outcome::RunOutcome;
+use super::quality::not_finite;
 use super::summary::{summary_json, table};
 use crate::describe;
 
@@ -47,6 +48,9 @@ pub fn publish(
     if !metrics.is_empty() {
         let short = windows(scene, plan.until.min(outcome.time)).into_iter();
         report = report.table(&short.fold(metrics.clone(), ReportTable::note));
+    }
+    if let Some(text) = not_finite(&outcome.trajectory) {
+        report = report.paragraph(&text);
     }
     if let Some(text) = not_unique(scene) {
         report = report.paragraph(&text);

@@ -23,6 +23,35 @@ impl Quality {
     }
 }
 
+/// The most columns that a sentence names.
+const NAMED: usize = 3;
+
+/// One sentence where outputs have no finite value in rows of a history; `None` where all have.
+#[must_use]
+pub fn not_finite(trajectory: &Trajectory) -> Option<String> {
+    let all = trajectory.not_finite();
+    let named = all.iter().take(NAMED).map(|it| {
+        let rows = trajectory.len();
+        let from = match it.rows {
+            1 => format!("at {} s", it.time),
+            count => format!("in {count} of {rows} rows, from {} s on", it.time),
+        };
+        format!("`{}` is no finite number {from}", it.name)
+    });
+    let named: Vec<String> = named.collect();
+    let others = match all.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        1 => ", and one column more".to_owned(),
+        others => format!(", and {others} columns more"),
+    };
+    (!named.is_empty()).then(|| {
+        format!(
+            "{}{others}: look there for a division by zero, a root or a logarithm; `if(…, …, …)` gives a value where there is none",
+            named.join(", ")
+        )
+    })
+}
+
 /// The largest size in a column; not a number, if one is not.
 fn largest(column: &[f64]) -> f64 {
     column.iter().fold(0.0, |most, x| {

@@ -59,12 +59,21 @@ struct RunNumbers<'a> {
     rows_regularised: u64,
     lost_digits: u64,
     undetermined_rows: u64,
+    not_finite: Vec<NotFiniteColumn<'a>>,
     wall_s: f64,
     wall_s_per_s: f64,
     params: BTreeMap<&'a str, f64>,
     metrics: BTreeMap<String, Option<f64>>,
     last: BTreeMap<String, f64>,
     events: &'a [(f64, String)],
+}
+
+/// An output that is infinite or not a number in some rows of the history.
+#[derive(Debug, Serialize)]
+struct NotFiniteColumn<'a> {
+    column: &'a str,
+    from_s: f64,
+    rows: usize,
 }
 
 /// The quantity that is off most, by a second, finer run.
@@ -195,6 +204,15 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
         rows_regularised: statistics.rows_regularised,
         lost_digits: statistics.lost_digits,
         undetermined_rows: trajectory.undetermined,
+        not_finite: trajectory
+            .not_finite()
+            .into_iter()
+            .map(|it| NotFiniteColumn {
+                column: it.name,
+                from_s: it.time,
+                rows: it.rows,
+            })
+            .collect(),
         wall_s: outcome.wall_s,
         wall_s_per_s: per_second(outcome.wall_s),
         params: scene

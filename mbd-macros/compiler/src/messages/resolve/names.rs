@@ -313,16 +313,6 @@ fn by_another_name(owner: &str, word: &str, known: &[&str]) -> Option<String> {
     }
 }
 
-/// `frame`: one of its own.
-pub fn frame_wanted(at: Region, body: &str, frame: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "`{body}` is a body, and here stands a place on it: `{body}.com`, its centre of mass, or a frame of it, such as `{body}.{frame}`"
-        ),
-    )
-}
-
 pub fn frame_of_a_body(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,

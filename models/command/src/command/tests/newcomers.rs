@@ -9,7 +9,44 @@ type Scene = (&'static str, &'static str, &'static [Mistake]);
 /// What to write, what was written, what is said.
 type Mistake = (&'static str, &'static str, &'static str);
 
-const SCENES: [Scene; 18] = [
+const SCENES: [Scene; 20] = [
+    (
+        "winch.mbd",
+        include_str!("../../../../../tests/newcomers/winch.mbd"),
+        &[
+            (
+                "    body rotor {",
+                "    world { frame top at [0, 0, 11] m }\n    body rotor {",
+                "all frames of the world stand in one `world { … }`",
+            ),
+            (
+                "param payload =",
+                "param payload[i in 0..2] =",
+                "a `param` has no index: write `param payload`",
+            ),
+            (
+                "param R = 0.4 ohm;",
+                "param R = 0.4 ohm;\n    param in = 2 m;",
+                "`in` is a word of the language",
+            ),
+        ],
+    ),
+    (
+        "booms.mbd",
+        include_str!("../../../../../tests/newcomers/booms.mbd"),
+        &[
+            (
+                "diag(0.03, 0.03, 0.05)",
+                "diag(0.02, 0.02, 0.05)",
+                "no rigid body has these principal moments",
+            ),
+            (
+                "    event release",
+                "    spring hold on deploy[0].angle { stiffness: 2 N*m/rad }\n    event release",
+                "what acts along a coordinate of `deploy` are fields of that joint",
+            ),
+        ],
+    ),
     (
         "door_closer.mbd",
         include_str!("../../../../../tests/newcomers/door_closer.mbd"),

@@ -331,3 +331,28 @@ fn a_number_without_a_unit_in_the_settings_is_told_with_its_line_where_it_is_sel
         }
     }
 }
+
+#[test]
+fn an_output_that_is_no_number_is_told_and_the_run_goes_on() {
+    let folder = Folder::new("no_number");
+    let out = folder.0.join("out").display().to_string();
+    let file = folder.file(
+        "stone.mbd",
+        "model Stone { gravity: [0, 0, -10] m/s^2; point stone { mass: 1 kg }
+            output ratio = stone.velocity.z / stone.position.x;
+            output way = stone.velocity / norm(stone.velocity);
+            output speed = norm(stone.velocity); }
+         [run]\nuntil = \"1 s\"\nevery = \"0.1 s\"\n",
+    );
+    let told = run(&["run", &file, "--out", &out]).unwrap();
+    for said in [
+        "warning: `ratio` is no finite number in 11 of 11 rows, from 0 s on, `way.x` is no finite number at 0 s",
+        "and one column more",
+    ] {
+        assert!(told.contains(said), "{told}");
+    }
+    assert!(!told.contains("`speed` is no"), "{told}");
+    let read = |name: &str| std::fs::read_to_string(format!("{out}/{name}")).unwrap();
+    assert!(read("report.html").contains("is no finite number in 11 of 11 rows"));
+    assert!(read("summary.json").contains("\"column\": \"ratio\""));
+}
