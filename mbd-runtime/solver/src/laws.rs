@@ -1,6 +1,8 @@
 //! The laws of a scene on numbers, whatever model runs: for the few states at which a run needs what a compiled model may not have been
 //! asked to emit. In `f64` whatever the scalar of the run.
 
+use std::sync::Arc;
+
 use mbd_scene::Scratch;
 use mbd_scene::laws::Numbers;
 use mbd_scene::{Arguments, At, Float, Layout, Model, Quantity, Scene, double};
@@ -8,7 +10,7 @@ use mbd_scene::{Arguments, At, Float, Layout, Model, Quantity, Scene, double};
 /// Numbers and scratch of one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Laws {
-    numbers: Numbers<f64>,
+    numbers: Arc<Numbers<f64>>,
     scratch: Scratch<f64>,
     arguments: Arguments<f64>,
 }
@@ -27,14 +29,14 @@ impl Laws {
     /// Those of the scene of a model, with its parameters.
     pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
         Laws {
-            numbers: numbers_of(model),
+            numbers: Arc::new(numbers_of(model)),
             scratch: double::scratch(model.layout()),
             arguments: Arguments::default(),
         }
     }
 
     /// The numbers of the scene.
-    pub(crate) fn numbers(&self) -> &Numbers<f64> {
+    pub(crate) fn numbers(&self) -> &Arc<Numbers<f64>> {
         &self.numbers
     }
 

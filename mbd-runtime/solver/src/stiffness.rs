@@ -1,15 +1,16 @@
 //! How stiffly lines, springs and stops hold a body or a point with mass: what the rates of a scene and the resolution of its forces follow from.
 
+use std::sync::Arc;
+
 use mbd_scene::laws::{GravityNumbers, Numbers};
 use mbd_scene::{Float, Joint, Model, Part, Place, StopSlots};
 
-use crate::laws::numbers_of;
 use crate::moving::Moving;
 use crate::unilateral::is_node_line;
 
 /// Everything that acts between two places with a stiffness.
 pub(crate) struct Stiffness {
-    numbers: Numbers<f64>,
+    numbers: Arc<Numbers<f64>>,
     lines: Vec<ElasticElement>,
     /// Per body, then per point, the lines that end on it, each once.
     lines_of: Vec<Vec<usize>>,
@@ -34,10 +35,9 @@ struct SprungCoordinate {
 }
 
 impl Stiffness {
-    /// That of a model, for its parameters.
-    pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
+    /// That of a model, for its parameters; `numbers`: those of its scene with them.
+    pub(crate) fn new<T: Float>(model: &dyn Model<T>, numbers: Arc<Numbers<f64>>) -> Self {
         let scene = model.scene();
-        let numbers = numbers_of(model);
         let lines = scene.lines.iter().zip(model.lines());
         let lines = lines
             .enumerate()

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use mbd_scene::laws::Numbers;
 use mbd_scene::{At, Float, Model, Quantity, Work};
 
 use crate::columns::{line_name, node_name};
@@ -306,6 +307,12 @@ impl<T: Float> System<T> {
         Ok(())
     }
 
+    /// The numbers of the scene with its params.
+    pub(crate) fn numbers(&mut self) -> &Arc<Numbers<f64>> {
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        laws.numbers()
+    }
+
     /// A quantity at the stage that was evaluated last by the laws themselves, not by the model, which may not have been asked for it.
     #[cold]
     pub(crate) fn by_laws(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [f64]) {
@@ -443,7 +450,7 @@ impl<T: Float> System<T> {
             mbd_scene::commands(scene, layout, numbers, at, scratch, &mut commands.now);
         });
         if let Some(span) = span {
-            let known = (self.model.scene(), laws.numbers());
+            let known = (self.model.scene(), &**laws.numbers());
             commands.check::<T>(known, (time, span))?;
         }
         std::mem::swap(&mut commands.last, &mut commands.now);
@@ -465,7 +472,8 @@ impl<T: Float> System<T> {
         laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
             mbd_scene::masses(scene, layout, numbers, at, scratch, &mut masses);
         });
-        Ok(watch::weights(&*self.model, &masses, step))
+        let numbers = laws.numbers().clone();
+        Ok(watch::weights((&*self.model, numbers), &masses, step))
     }
 
     /// Whether the modes of elements are kept between located events, or decided at every stage.

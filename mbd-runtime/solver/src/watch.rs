@@ -14,7 +14,9 @@
 //! [balance](crate::balance) of energy.
 
 use std::fmt;
+use std::sync::Arc;
 
+use mbd_scene::laws::Numbers;
 use mbd_scene::{Float, Model};
 use serde::{Deserialize, Serialize};
 
@@ -146,7 +148,11 @@ impl fmt::Display for Instability {
 }
 
 /// The weights of the norm above for steps of a size [s], one a coordinate of the state, from the diagonal of the mass matrix.
-pub(crate) fn weights<T: Float>(model: &dyn Model<T>, masses: &[f64], step: f64) -> Vec<T> {
+pub(crate) fn weights<T: Float>(
+    (model, numbers): (&dyn Model<T>, Arc<Numbers<f64>>),
+    masses: &[f64],
+    step: f64,
+) -> Vec<T> {
     let layout = model.layout();
     let mass = |v: usize| masses.get(v).copied().unwrap_or(0.0);
     // Its inertia, the mean of its moments; in a plane there is one.
@@ -154,7 +160,7 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, masses: &[f64], step: f64)
         let own = part.speeds().skip(part.velocity.len());
         own.map(mass).sum::<f64>() / part.spin.len() as f64
     };
-    let stiffness = Stiffness::new(model);
+    let stiffness = Stiffness::new(model, numbers);
     let mut frequency = step.powi(-2);
     let mut lightest = f64::INFINITY;
     for owner in moving(layout) {

@@ -5,7 +5,6 @@ use mbd_scene::Float;
 use super::chain::{HeldRows, RowStrategy};
 use super::limits::{LOSS, RATIO, TOO_MUCH};
 use crate::error::StepError;
-use crate::laws::numbers_of;
 use crate::system::System;
 
 impl<T: Float> System<T> {
@@ -22,10 +21,11 @@ impl<T: Float> System<T> {
     ) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         let (nq, nv) = (self.model.layout().nq, self.model.layout().nv);
+        if self.model.layout().nc == 0 || self.fallback.now.strategy != RowStrategy::Emitted {
+            return Ok(());
+        }
         let ratio = self.mass_ratio();
-        let even = ratio.is_nan() || ratio <= RATIO;
-        if self.model.layout().nc == 0 || self.fallback.now.strategy != RowStrategy::Emitted || even
-        {
+        if ratio.is_nan() || ratio <= RATIO {
             return Ok(());
         }
         let mut rows = std::mem::take(&mut self.fallback.spare);
@@ -90,8 +90,8 @@ impl<T: Float> System<T> {
     }
 
     /// The largest mass of a body or a point over the smallest.
-    fn mass_ratio(&self) -> f64 {
-        let numbers = numbers_of(&*self.model);
+    fn mass_ratio(&mut self) -> f64 {
+        let numbers = self.numbers();
         let bodies = numbers.bodies.iter().map(|body| body.mass);
         let points = numbers.points.iter().map(|(mass, _)| *mass);
         let masses = bodies.chain(points.filter(|mass| *mass > 0.0));

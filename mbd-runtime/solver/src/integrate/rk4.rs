@@ -30,5 +30,6 @@ pub(crate) const RK4: Tableau<5, 5, 4> = Tableau {
     embedded: 3,
     dense_order: 3,
     alike: [1, 2],
+    stable: 2.785_293_563_405_281,
 }
 .checked();

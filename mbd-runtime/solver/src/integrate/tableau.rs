@@ -29,11 +29,14 @@ pub(crate) struct Tableau<const S: usize, const N: usize, const D: usize> {
     pub dense_order: usize,
     /// Two stages at the same time, by index: they show how stiff the system is.
     pub alike: [usize; 2],
+    /// |hλ| on the negative real axis up to which a step does not grow: where R(hλ) first leaves ±1.
+    pub stable: f64,
 }
 
 impl<const S: usize, const N: usize, const D: usize> Tableau<S, N, D> {
     /// The same tableau, after checking that it is explicit, that rows sum to c, that step, embedded step and interpolant have the orders they
-    /// claim, that the interpolant ends at the step, and that the stages which are said to be at the same time are. A violation stops the build.
+    /// claim, that the interpolant ends at the step, that the stages which are said to be at the same time are, and that steps begin to grow where it is
+    /// said. A violation stops the build.
     pub(crate) const fn checked(self) -> Self {
         assert!(
             S >= 2 && N >= S && N <= MOST_TERMS,
@@ -92,24 +95,25 @@ impl<const S: usize, const N: usize, const D: usize> Tableau<S, N, D> {
             one < other && other < S && self.c[one] == self.c[other],
             "stages that are compared are at the same time"
         );
+        let (at, beyond) = (
+            self.growth(-self.stable),
+            self.growth(-1.000_001 * self.stable),
+        );
+        assert!(
+            (at.abs() - 1.0).abs() < 1e-9 && beyond.abs() > 1.0,
+            "steps do not begin to grow where it is said"
+        );
         self
     }
 
-    /// |hλ| on the negative real axis up to which a step does not grow: where the stability polynomial R(hλ) = x⁺/x of ẋ = λx first leaves ±1.
-    pub(crate) fn stable(&self) -> f64 {
-        let mut size = 0.0;
-        loop {
-            size += 1e-3;
-            let mut stages = [0.0; N];
-            for i in 0..S {
-                let sum = weighted(&self.a[i], &stages).0;
-                stages[i] = -size * (1.0 + sum);
-            }
-            let end = 1.0 + weighted(&self.a[S - 1], &stages).0;
-            // R has degree S − 1 at most: it leaves for good.
-            if end.abs() > 1.0 + 1e-9 {
-                return size;
-            }
+    /// R(z) = x⁺/x of ẋ = λx for a step with hλ = z.
+    pub(crate) const fn growth(&self, z: f64) -> f64 {
+        let mut stages = [0.0; N];
+        let mut i = 0;
+        while i < S {
+            stages[i] = z * (1.0 + weighted(&self.a[i], &stages).0);
+            i += 1;
         }
+        1.0 + weighted(&self.a[S - 1], &stages).0
     }
 }

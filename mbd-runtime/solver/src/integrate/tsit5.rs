@@ -32,5 +32,6 @@ pub(crate) const TSIT5: Tableau<7, 7, 4> = Tableau {
     embedded: 4,
     dense_order: 4,
     alike: [5, 6],
+    stable: 3.506_846_993_804_947,
 }
 .checked();

@@ -53,5 +53,6 @@ pub(crate) const VERN7: Tableau<11, 16, 7> = Tableau {
     embedded: 6,
     dense_order: 6,
     alike: [8, 9],
+    stable: 4.640_024_335_337_587,
 }
 .checked();

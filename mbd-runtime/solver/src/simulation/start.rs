@@ -62,7 +62,7 @@ impl<T: Float> Simulation<T> {
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
-        let stiffness = Stiffness::new(&*model);
+        let stiffness = Stiffness::new(&*model, system.numbers().clone());
         let resolution = Resolution::new(model.layout(), &stiffness, scales);
         let fixed = options.method.fixed_step().is_some();
         let length = system.length();
