@@ -55,6 +55,16 @@ model! {
     }
 }
 
+model! {
+    /// A mass that is pushed.
+    pub model Pushed<T> {
+        gravity: none;
+        input push: force = 1 N;
+        point mass { mass: 1.0 kg }
+        load thrust on mass = push * [1.0, 0.0, 0.0];
+    }
+}
+
 /// The end of a run of RK4 alone.
 fn alone(model: &dyn Model<f64>, start: &[f64], step: f64, until: f64) -> Vec<f64> {
     let mut run = Simulation::new(model, Options::rk4(step)).expect("offered");
@@ -129,11 +139,8 @@ fn a_chain_in_a_lane_swings_as_it_does_alone() {
         .map(|lane| (0..8).map(|at| 0.1 * (lane + at) as f64 - 0.3).collect())
         .collect();
     let one = Chain::<f64>::new(ChainParams::default()).expect("params");
-    let rates = |_: f64, x: &[Lanes8], out: &mut [Lanes8]| {
-        let state = ChainState::from_slice(x).expect("a state");
-        out.copy_from_slice(&chains.derivative(&state).to_vec());
-    };
-    let mut run = LockStep::new(one.layout(), 1e-3, beside(&starts), rates).expect("an open tree");
+    let mut run =
+        LockStep::of_model(chains, one.layout(), 1e-3, beside(&starts)).expect("an open tree");
     run.run(0.5);
     for (lane, start) in starts.iter().enumerate() {
         let chain = Chain::new(ChainParams {
@@ -219,5 +226,11 @@ fn what_cannot_be_run_in_lock_step_is_refused_with_its_reason() {
         "{refused}"
     );
     let start = vec![Lanes4::from_f64(0.0); 6];
-    assert!(LockStep::new(stone.layout(), -1.0, start, nothing).is_err());
+    assert!(LockStep::new(stone.layout(), -1.0, start.clone(), nothing).is_err());
+    let pushed = Pushed::<f64>::new(PushedParams::default()).expect("no params");
+    let over_lanes = Pushed::<Lanes4>::unchecked(PushedParams::default());
+    let refused = LockStep::of_model(over_lanes, pushed.layout(), 0.01, start)
+        .err()
+        .expect("an input");
+    assert!(refused.to_string().contains("inputs"), "{refused}");
 }

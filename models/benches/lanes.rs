@@ -75,8 +75,8 @@ fn trajectories<L: Lanes>(criterion: &mut Criterion, name: &str) {
     group.throughput(Throughput::Elements(L::WIDTH as u64));
     group.bench_function(name, |b| {
         b.iter(|| {
-            let rates = |_: f64, x: &[L], out: &mut [L]| rates(&chain, x, out);
-            let mut run = LockStep::new(&layout, STEP, start(), rates).expect("an open tree");
+            let mut run =
+                LockStep::of_model(chain.clone(), &layout, STEP, start()).expect("an open tree");
             (0..STEPS).for_each(|_| run.step());
             run.state()[0]
         });

@@ -2,9 +2,9 @@
 
 use std::convert::Infallible;
 
-use mbd_scene::{Layout, Quantity};
+use mbd_scene::{At, Layout, Quantity};
 
-use super::Lanes;
+use super::{Equations, Lanes};
 use crate::error::StepError;
 use crate::integrate::{Explicit, RK4};
 use crate::trajectory::resolution;
@@ -33,11 +33,7 @@ use crate::trajectory::resolution;
 /// let stones = Stone::unchecked(StoneParams { mass: masses });
 /// let layout = Stone::<f64>::new(StoneParams::default())?.layout().clone();
 /// let start = StoneState::<Lanes8>::at_origin().to_vec();
-/// let mut run = LockStep::new(&layout, 0.01, start, |_time, x, rates| {
-///     if let Some(state) = StoneState::from_slice(x) {
-///         rates.copy_from_slice(&stones.derivative(&state).to_vec());
-///     }
-/// })?;
+/// let mut run = LockStep::of_model(stones, &layout, 0.01, start)?;
 /// run.run(2.0);
 /// // The heavier falls faster.
 /// let speed = run.state()[5];
@@ -55,6 +51,40 @@ pub struct LockStep<L, F> {
     count: u64,
     state: Vec<L>,
     method: Explicit<L>,
+}
+
+impl<L: Lanes> LockStep<L, ()> {
+    /// Steps [s] of a generated model over lanes from a state at time zero, on one list that all evaluations share.
+    ///
+    /// # Errors
+    /// Those of [`LockStep::new`]; a model with inputs, which a closure can give.
+    pub fn of_model(
+        model: impl Equations<L>,
+        layout: &Layout,
+        step: f64,
+        start: Vec<L>,
+    ) -> Result<LockStep<L, impl FnMut(f64, &[L], &mut [L])>, StepError> {
+        if layout.ni > 0 {
+            return Err(StepError::Unsupported {
+                what: "a run in lock-step of a model with inputs".into(),
+                instead: "write its rates yourself, with the inputs: `LockStep::new`".into(),
+            });
+        }
+        let mut work = vec![L::zero(); model.room()];
+        LockStep::new(layout, step, start, move |time, state, rates| {
+            let at = At {
+                time: L::from_f64(time),
+                state,
+                nodes: &[],
+                effective: &[],
+                hold: &[],
+                ends: &[],
+                inputs: &[],
+                rows: &[],
+            };
+            model.evaluate(Quantity::Derivative, &at, &mut work, rates);
+        })
+    }
 }
 
 impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
