@@ -212,6 +212,8 @@ pub struct Simulation<T: Float> {
     /// Whether the state is still that of the declared start.
     as_declared: bool,
     started: bool,
+    /// Whether something is being done that asks closures of the caller; between calls: one of them panicked, and left the run in the middle of it.
+    under_way: bool,
     events: Vec<Occurrence>,
     /// What events changed.
     changes: Changes<T>,
@@ -363,8 +365,32 @@ impl<T: Float> Simulation<T> {
         found.ok_or_else(|| self.failed(no_output(why().into())))
     }
 
+    /// Does what may ask closures of the caller. Where one of them panics the run stays under way, and is refused from then on.
+    pub(crate) fn whole<R>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> Result<R, RunError>,
+    ) -> Result<R, RunError> {
+        self.check_whole()?;
+        self.under_way = true;
+        let outcome = act(self);
+        self.under_way = false;
+        outcome
+    }
+
+    /// Refuses a run that a panic left in the middle of something.
+    pub(crate) fn check_whole(&self) -> Result<(), RunError> {
+        match self.under_way {
+            true => Err(self.failed(StepError::Interrupted)),
+            false => Ok(()),
+        }
+    }
+
     /// What [`Simulation::evaluate`] does.
     pub(crate) fn look(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
+        self.whole(|run| run.look_now(what, out))
+    }
+
+    fn look_now(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
         let expected = self.system.model.layout().len(what);
         if out.len() != expected {
             return Err(self.failed(StepError::InvalidInput {

@@ -66,7 +66,7 @@ impl<T: Float> Simulation<T> {
             balance
         });
         self.good = if self.watched {
-            self.save()
+            self.kept()
         } else {
             Snapshot::default()
         };
@@ -407,7 +407,7 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         let good = std::mem::take(&mut self.good);
-        let back = self.continue_from(&good);
+        let back = self.take_up(&good);
         self.good = good;
         let time = self.time;
         self.events.retain(|event| event.time <= time);

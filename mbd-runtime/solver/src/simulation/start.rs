@@ -188,6 +188,7 @@ impl<T: Float> Simulation<T> {
             jumped: true,
             as_declared: true,
             started: false,
+            under_way: false,
             stale: false,
             left: Vec::with_capacity(layout.ni),
             samplers: Vec::new(),
@@ -361,7 +362,19 @@ impl<T: Float> Simulation<T> {
     }
 
     /// What [`Simulation::start`] does.
+    pub(crate) fn start_now(&mut self) -> Result<(), RunError> {
+        self.whole(Self::begin)
+    }
+
+    /// Begins to run, in whatever asks for a run that has begun.
     pub(crate) fn begin(&mut self) -> Result<(), RunError> {
+        let within = std::mem::replace(&mut self.under_way, true);
+        let begun = self.begin_now();
+        self.under_way = within;
+        begun
+    }
+
+    fn begin_now(&mut self) -> Result<(), RunError> {
         self.started = true;
         self.as_declared = false;
         self.joints_set.clear();
@@ -417,6 +430,8 @@ impl<T: Float> Simulation<T> {
                 instead: "these have no derivatives: hold inputs (`set_inputs`), sample them (`control_every`), declare what they follow in the model, or take an explicit method".into(),
             });
         }
+        let own = self.state.get(..self.system.nx).unwrap_or_default();
+        self.check_state(self.time, own)?;
         let set = self.state.clone();
         self.system.read_modes(self.time, &self.state)?;
         let assembled = self.system.assemble(self.time, &mut self.state);
