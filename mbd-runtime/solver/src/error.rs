@@ -420,6 +420,19 @@ step_errors! {
     format!("`{part}` is {distance:.1e} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0)),
     "let the origin go along with what moves (`origin: follows NAME;`), put the world origin near it (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
 
+    /// A time that has no digits left where formulas read it: in single precision, late.
+    LateTime {
+        /// When [s].
+        time: f64,
+        /// How far apart times are there that formulas tell apart [s].
+        apart: f64,
+        /// What that makes of accelerations and rates of states.
+        share: f64,
+    }
+    "late_time",
+    format!("at {time:.9} s formulas know the time to {apart:.1e} s, which alone makes {:.0} % of what follows it", 100.0 * share.min(1.0)),
+    "let time begin near zero, or run in double precision";
+
     /// A history has no room for the rows that are asked for; the state is the last accepted step, and the rows so far are kept.
     LongHistory {
         /// The rows that were asked for, as far as that is known: of every step, those that there are.

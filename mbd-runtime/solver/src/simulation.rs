@@ -18,7 +18,7 @@ use crate::linearise::output_names;
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
-use crate::rounding::Rounding;
+use crate::rounding::{Rounding, TimeRounding};
 use crate::supply::Sampler;
 use crate::system::System;
 use crate::unilateral::{Mode, report};
@@ -182,6 +182,9 @@ pub struct Simulation<T: Float> {
     length: f64,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
+    /// What rounding of time makes of what follows it, and whether anything does.
+    time_rounding: TimeRounding,
+    says_time: OnceCell<bool>,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,
     /// What tells the model from others, and its columns, once something asks for it.

@@ -494,7 +494,7 @@ fn damped_ropes_may_be_wound_by_what_their_lengths_are() {
     // Both ropes are as long as they are wound to be, under half the weight each.
     let state = EasedState::from_slice(run.state()).expect("its state");
     let depth = 5.0_f64.sqrt();
-    let [x, z] = [0, 2].map(|axis| state.load().position[axis]);
+    let [x, z] = state.load().position;
     assert!(x.abs() < 1e-6 && (z + depth).abs() < 1e-6, "{x} {z}");
     let free = 3.0 - 2.0 * 9.81 / 2.0 * 3.0 / depth / 500.0;
     for paid in [state.left_paid(), state.right_paid()] {

@@ -28,7 +28,7 @@ use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
 use crate::origin::MovingOrigin;
 use crate::rearm::Rearmed;
-use crate::rounding::Rounding;
+use crate::rounding::{Rounding, TimeRounding};
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
@@ -180,6 +180,8 @@ impl<T: Float> Simulation<T> {
             rounding,
             length: scales.length,
             rounded: 0.0,
+            time_rounding: TimeRounding::default(),
+            says_time: OnceCell::new(),
             bodies: vec![T::zero(); bodies],
             origin: 0.0,
             count: 0,
@@ -475,7 +477,9 @@ impl<T: Float> Simulation<T> {
         self.begin_balance();
         self.begin_momentum();
         self.rounded = 0.0;
-        self.watch_rounding()
+        self.time_rounding = TimeRounding::default();
+        self.watch_rounding()?;
+        self.watch_time()
     }
 }
 
