@@ -469,12 +469,22 @@ model! {
     model Eased {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         planar: xz;
-        state left_paid = 2.4 m { rate: 2 /s * (3 m - left.length) + 0 /s * right.stretch }
-        state right_paid = 2.4 m { rate: if(left.length < 4 m, 2 /s * (3 m - right.length), 0 m/s) }
+        state left_paid = 2.4 m { rate: 2 / s * (3 m - left.length) + 0 / s * right.stretch }
+        state right_paid = 2.4 m {
+            rate: if(left.length < 4 m, 2 / s * (3 m - right.length), 0 m/s),
+        }
         world { frame a at [-2.0, 0.0, 0.0] m, frame b at [2.0, 0.0, 0.0] m }
         point load { mass: 2.0 kg, start at [0.1, 0.0, -1.5] m }
-        line left from world.a to load { free_length: left_paid, stiffness: 500 N/m, damping: 60 N*s/m }
-        line right from world.b to load { free_length: right_paid, stiffness: 500 N/m, damping: 60 N*s/m }
+        line left from world.a to load {
+            free_length: left_paid,
+            stiffness: 500 N/m,
+            damping: 60 N*s/m,
+        }
+        line right from world.b to load {
+            free_length: right_paid,
+            stiffness: 500 N/m,
+            damping: 60 N*s/m,
+        }
         load air on load = -4 N*s/m * load.velocity;
     }
 }

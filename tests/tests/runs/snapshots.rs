@@ -13,7 +13,11 @@ model! {
         input push: force = 0 N;
         param k = 5 N/m in 1 N/m ..= 100 N/m;
         state seen = 0 m { rate: (cart.position.x - seen) / (20 ms) }
-        body cart { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame eye at [0.1, 0.0, 0.0] m }
+        body cart {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame eye at [0.1, 0.0, 0.0] m,
+        }
         body wheel { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
         point bob { mass: 0.3 kg, start at [0.4, 0.0, -0.5] m }
         point knot;
