@@ -60,7 +60,7 @@ doors! {
     fn follow(run: &mut Simulation<Self>, course: &mut Course, trajectory: &mut Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Option<Stop>, RunError> = Simulation::follow;
     fn together(model: &dyn Model<Self>, width: usize) -> Option<Box<dyn Together<Self>>> = crate::lanes::together;
     fn take_step(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::take_step;
-    fn begin(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::begin;
+    fn begin(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::start_now;
     fn look_at_output(run: &mut Simulation<Self>, name: &str) -> Result<Self, RunError> = Simulation::look_at_output;
     fn look(run: &mut Simulation<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = Simulation::look;
     fn give_state(run: &mut Simulation<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = Simulation::give_state;

@@ -119,6 +119,8 @@ pub enum Collapse {
     ErrorTest,
     /// An event could not be located.
     Event,
+    /// The first trial was as short already: time has not the digits for it.
+    Resolution,
 }
 
 /// Stiffness met by an explicit method: its stability bounds the steps, not their error.
@@ -249,6 +251,11 @@ step_errors! {
     }
     "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
 
+    /// A closure of the caller, a controller or what watches the run, panicked in an earlier call: what the run remembers is that of the middle of a
+    /// step, and nothing goes on from there.
+    Interrupted
+    "interrupted", "a run in which a closure of the caller panicked does not go on".to_owned(), "make a new simulation and restore a snapshot from before into it; a closure that may fail gives NaN, which ends the run with an error";
+
     /// An output that was asked for by its name, and has no number.
     NoOutput {
         /// The name that was given.
@@ -348,10 +355,14 @@ step_errors! {
         cause: Collapse,
     }
     "step_underflow",
-    format!("at {time:.9} s the step shrank to {step_size:.3e} s: {cause} (`{block}`)"),
+    match cause {
+        Collapse::Resolution => format!("at {time:.9} s the next step is {step_size:.3e} s: {cause} (`{block}`)"),
+        Collapse::ErrorTest | Collapse::Event => format!("at {time:.9} s the step shrank to {step_size:.3e} s: {cause} (`{block}`)"),
+    },
     match cause {
         Collapse::ErrorTest => "loosen the tolerance, or look for a jump in a load and declare it as an event",
         Collapse::Event => "look for a load without a limit near this time",
+        Collapse::Resolution => "take a longer step, let time begin near zero, or look for a number that is far too large",
     };
 
     /// A line or a stop switches, or an event acts, without end.
@@ -408,6 +419,19 @@ step_errors! {
     "lost_digits",
     format!("`{part}` is {distance:.1e} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0)),
     "let the origin go along with what moves (`origin: follows NAME;`), put the world origin near it (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
+
+    /// A time that has no digits left where formulas read it: in single precision, late.
+    LateTime {
+        /// When [s].
+        time: f64,
+        /// How far apart times are there that formulas tell apart [s].
+        apart: f64,
+        /// What that makes of accelerations and rates of states.
+        share: f64,
+    }
+    "late_time",
+    format!("at {time:.9} s formulas know the time to {apart:.1e} s, which alone makes {:.0} % of what follows it", 100.0 * share.min(1.0)),
+    "let time begin near zero, or run in double precision";
 
     /// A history has no room for the rows that are asked for; the state is the last accepted step, and the rows so far are kept.
     LongHistory {
@@ -567,6 +591,7 @@ impl fmt::Display for Collapse {
         f.write_str(match self {
             Collapse::ErrorTest => "the error test did not pass",
             Collapse::Event => "an event could not be located",
+            Collapse::Resolution => "time does not resolve it",
         })
     }
 }

@@ -6,6 +6,12 @@
 //! ε |p|         against   the longest arm of the joints                                                          (2)
 //! ```
 //!
+//! ```text
+//! |f(t + ε t) − f(t)|   against   |f(t)|                 what formulas of time make of accelerations and rates of states             (3)
+//! ```
+//!
+//! Time is kept in double precision, and rounded to the scalar where a formula reads it. Both sides of (3) are the largest so far.
+//!
 //! p is measured from where the state is measured from: where the origin follows something only what ends in the world, and what joints carry from
 //! there, has the distance to it.
 //! ε of the scalar, |p| the largest coordinate of a body, one that a joint of the tree carries included, ΣK of what holds it, m the largest mass that it is tied to, V and L the scales of the run: a
@@ -17,6 +23,11 @@ use mbd_scene::{Directions, Float, Joint, Layout, Part, Place};
 use crate::integrate::Scales;
 use crate::moving::{Moving, Owners, moving};
 use crate::stiffness::Stiffness;
+
+/// Below this what is between two times that formulas tell apart is not looked at [s].
+const CLOSE: f64 = 1e-6;
+/// So many looks must agree before a run is refused by (3): where what follows time is near zero, one says too much.
+const LOOKS: u32 = 10;
 
 /// From this part of a on a run is refused, or ends: one digit is left.
 pub(crate) const REFUSED: f64 = 0.1;
@@ -54,6 +65,54 @@ pub(crate) struct Affected {
     pub distance: f64,
     /// What rounding makes, as a part of what matters.
     pub share: f64,
+}
+
+/// (3) so far, for quantities of different units each by itself.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TimeRounding {
+    /// The largest change and the largest rate of each.
+    most: Vec<[f64; 2]>,
+    looks: u32,
+}
+
+impl TimeRounding {
+    /// How far apart times are that formulas tell apart [s]; `None` where that is close enough for whatever moves.
+    pub(crate) fn coarseness<T: Float>(time: f64) -> Option<f64> {
+        let apart = T::EPSILON.to_f64() * time.abs();
+        (apart > CLOSE).then_some(apart)
+    }
+
+    /// Takes in the rates of every quantity at a time and at the next one.
+    pub(crate) fn see<'a, T: Float>(&mut self, rates: impl Iterator<Item = [&'a [T]; 2]>) {
+        for (index, [here, next]) in rates.enumerate() {
+            let squares = here.iter().zip(next).map(|(here, next)| {
+                let (rate, change) = (here.to_f64(), (*next - *here).to_f64());
+                [change * change, rate * rate]
+            });
+            let sums = squares.fold([0.0; 2], |sum, new| [sum[0] + new[0], sum[1] + new[1]]);
+            if self.most.len() <= index {
+                self.most.push([0.0; 2]);
+            }
+            if let Some(most) = self.most.get_mut(index)
+                && sums.iter().all(|sum| sum.is_finite())
+            {
+                *most = [0, 1].map(|at| most[at].max(sums[at].sqrt()));
+            }
+        }
+        self.looks = self.looks.saturating_add(1);
+    }
+
+    /// What rounding of time makes, as a part of what there is.
+    pub(crate) fn share(&self) -> f64 {
+        let changed = self.most.iter().filter(|[change, _]| *change > 0.0);
+        let shares = changed.map(|[change, rate]| change / rate.max(*change));
+        shares.fold(0.0, f64::max)
+    }
+
+    /// Whether the run is refused for it: after enough looks, or at once.
+    pub(crate) fn is_refused(&self, at_once: bool) -> bool {
+        (at_once || self.looks >= LOOKS) && self.share() >= REFUSED
+    }
 }
 
 impl Rounding {

@@ -18,7 +18,7 @@ use crate::linearise::output_names;
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
-use crate::rounding::Rounding;
+use crate::rounding::{Rounding, TimeRounding};
 use crate::supply::Sampler;
 use crate::system::System;
 use crate::unilateral::{Mode, report};
@@ -182,6 +182,9 @@ pub struct Simulation<T: Float> {
     length: f64,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
+    /// What rounding of time makes of what follows it, and whether anything does.
+    time_rounding: TimeRounding,
+    says_time: OnceCell<bool>,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,
     /// What tells the model from others, and its columns, once something asks for it.
@@ -212,6 +215,8 @@ pub struct Simulation<T: Float> {
     /// Whether the state is still that of the declared start.
     as_declared: bool,
     started: bool,
+    /// Whether something is being done that asks closures of the caller; between calls: one of them panicked, and left the run in the middle of it.
+    under_way: bool,
     events: Vec<Occurrence>,
     /// What events changed.
     changes: Changes<T>,
@@ -363,8 +368,32 @@ impl<T: Float> Simulation<T> {
         found.ok_or_else(|| self.failed(no_output(why().into())))
     }
 
+    /// Does what may ask closures of the caller. Where one of them panics the run stays under way, and is refused from then on.
+    pub(crate) fn whole<R>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> Result<R, RunError>,
+    ) -> Result<R, RunError> {
+        self.check_whole()?;
+        self.under_way = true;
+        let outcome = act(self);
+        self.under_way = false;
+        outcome
+    }
+
+    /// Refuses a run that a panic left in the middle of something.
+    pub(crate) fn check_whole(&self) -> Result<(), RunError> {
+        match self.under_way {
+            true => Err(self.failed(StepError::Interrupted)),
+            false => Ok(()),
+        }
+    }
+
     /// What [`Simulation::evaluate`] does.
     pub(crate) fn look(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
+        self.whole(|run| run.look_now(what, out))
+    }
+
+    fn look_now(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
         let expected = self.system.model.layout().len(what);
         if out.len() != expected {
             return Err(self.failed(StepError::InvalidInput {

@@ -313,6 +313,20 @@ impl<T: Float> System<T> {
         laws.numbers()
     }
 
+    /// A quantity at the stage that was evaluated last, with what was supplied there, if formulas read another time.
+    #[cold]
+    pub(crate) fn at_another_time(
+        &mut self,
+        what: Quantity,
+        time: f64,
+        state: &[T],
+        out: &mut [T],
+    ) {
+        let state = state.get(..self.nx).unwrap_or_default();
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        self.model.evaluate(what, &at, &mut self.work, out);
+    }
+
     /// A quantity at the stage that was evaluated last by the laws themselves, not by the model, which may not have been asked for it.
     #[cold]
     pub(crate) fn by_laws(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [f64]) {

@@ -94,7 +94,11 @@ impl Watch {
     /// Records the balance of energy, `steps` after the last look at it; true when the run made or lost too much, and goes on to.
     pub(crate) fn sees_energy(&mut self, excess: f64, steps: u64) -> bool {
         let is_over = excess.is_nan() || excess.abs() > ENERGY;
-        self.over = if is_over { self.over + steps } else { 0 };
+        self.over = if is_over {
+            self.over.saturating_add(steps)
+        } else {
+            0
+        };
         self.over >= PERSISTS || !excess.is_finite()
     }
 }

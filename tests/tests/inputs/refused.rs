@@ -1,8 +1,8 @@
 //! What a program gives that cannot be used: refused by its name, and nothing is written.
 
 use mbd_runtime::{
-    Content, LinearisationError, Options, ParamError, RunError, Sampling, Simulation, StepError,
-    Trajectory, TrimError, inverse_dynamics, linearise, model, trim,
+    Collapse, Content, LinearisationError, Options, ParamError, RunError, Sampling, Simulation,
+    StepError, Trajectory, TrimError, inverse_dynamics, linearise, model, trim,
 };
 
 model! {
@@ -250,5 +250,46 @@ model! {
         output way = stone.velocity / norm(stone.velocity);
         output speed = norm(stone.velocity);
         output ratio = 1 / stone.position.x;
+    }
+}
+
+#[test]
+fn a_declared_start_beyond_single_precision_is_refused_by_its_name() {
+    let generic = mbd_runtime::Generic::<f32>::with_defaults(tests::declared::read(
+        "model Far { gravity: none; point stone { mass: 1 kg, start at [1e39, 0, 0] m } }",
+    ));
+    let far = generic.expect("no params");
+    let mut run = Simulation::new(&far, Options::rk4(1e-3)).expect("options that fit");
+    let cause = cause(run.run(0.1));
+    assert!(
+        matches!(&cause, StepError::InvalidInput { slot, value } if slot == "stone.x" && value.is_infinite()),
+        "{cause}"
+    );
+}
+
+#[test]
+fn a_step_that_time_does_not_resolve_is_told_as_that() {
+    for step in [1e-50, 1e-4] {
+        let mut run = Simulation::new(&door(), Options::rk4(step)).expect("options that fit");
+        if step > 1e-10 {
+            let rest = run.state().to_vec();
+            run.set_state(1e12, &rest).expect("a state");
+        }
+        let error = run.run(run.time() + 1.0).expect_err("no step");
+        assert!(
+            matches!(
+                error.cause,
+                StepError::StepCollapse {
+                    cause: Collapse::Resolution,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        let text = error.to_string();
+        assert!(
+            text.contains("time does not resolve it") && text.contains("take a longer step"),
+            "{text}"
+        );
     }
 }

@@ -463,3 +463,51 @@ fn an_input_that_is_no_length_is_told_where_it_is_given() {
         "{error}"
     );
 }
+
+model! {
+    /// A load between two ropes, each let out or drawn in by what the length or the stretch of the other, or its own, is.
+    model Eased {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        planar: xz;
+        state left_paid = 2.4 m { rate: 2 / s * (3 m - left.length) + 0 / s * right.stretch }
+        state right_paid = 2.4 m {
+            rate: if(left.length < 4 m, 2 / s * (3 m - right.length), 0 m/s),
+        }
+        world { frame a at [-2.0, 0.0, 0.0] m, frame b at [2.0, 0.0, 0.0] m }
+        point load { mass: 2.0 kg, start at [0.1, 0.0, -1.5] m }
+        line left from world.a to load {
+            free_length: left_paid,
+            stiffness: 500 N/m,
+            damping: 60 N*s/m,
+        }
+        line right from world.b to load {
+            free_length: right_paid,
+            stiffness: 500 N/m,
+            damping: 60 N*s/m,
+        }
+        load air on load = -4 N*s/m * load.velocity;
+    }
+}
+
+#[test]
+fn damped_ropes_may_be_wound_by_what_their_lengths_are() {
+    let model = Eased::new(EasedParams::default()).expect("no params");
+    agrees(&model);
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-9)
+    };
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    run.run(30.0).expect("it comes to rest");
+    let missed = run.imbalance().expect("a balance").relative();
+    assert!(missed < 1e-6, "{missed}");
+    // Both ropes are as long as they are wound to be, under half the weight each.
+    let state = EasedState::from_slice(run.state()).expect("its state");
+    let depth = 5.0_f64.sqrt();
+    let [x, z] = state.load().position;
+    assert!(x.abs() < 1e-6 && (z + depth).abs() < 1e-6, "{x} {z}");
+    let free = 3.0 - 2.0 * 9.81 / 2.0 * 3.0 / depth / 500.0;
+    for paid in [state.left_paid(), state.right_paid()] {
+        assert!((paid - free).abs() < 1e-6, "{paid} {free}");
+    }
+}

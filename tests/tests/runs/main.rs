@@ -13,6 +13,7 @@ mod metrics;
 mod origin;
 mod precision;
 mod sampled_outputs;
+mod snapshots;
 mod time_jumps;
 mod told_events;
 mod too_long;

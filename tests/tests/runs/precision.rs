@@ -1,7 +1,7 @@
 //! One declaration in single and in double precision: what `f32` costs in accuracy is measured, stated and bounded.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{Generic, Options, Quantity, Scalar, Simulation};
+use mbd_runtime::{Generic, Options, Quantity, RunError, Scalar, Simulation, StepError, model};
 use mbd_scene::Model;
 use models::parachute::scene::{
     ParachuteMass, ParachuteMassParams, ParachuteStatic, ParachuteStepwise, SceneInstant as Start,
@@ -126,4 +126,87 @@ fn the_error_of_single_precision_grows_with_the_distance_from_the_origin() {
     let far = error_of_f32(&double, &single, 0.01, 600);
     assert!(far[0] > near[0], "{far:?} {near:?}");
     assert!(far[1] <= 500.0, "{far:?}");
+}
+
+model! {
+    /// A point that is shaken in time; another that turns, whatever the time is.
+    pub model Shaken<T> {
+        gravity: none;
+        input push: force = 0 N;
+        state phase = 0 rad { rate: 20 rad/s }
+        point bob { mass: 1 kg }
+        load by_time on bob = [1 N * sin(20 rad/s * time), 0 N, push];
+    }
+}
+
+model! {
+    /// The same without a formula of time.
+    pub model Turning<T> {
+        gravity: none;
+        input push: force = 0 N;
+        state phase = 0 rad { rate: 20 rad/s }
+        point bob { mass: 1 kg }
+        load by_state on bob = [1 N * sin(phase), 0 N, push];
+    }
+}
+
+/// How far the first number of the state is after a second, from rest at a time, and what rounding the run tells.
+fn second_from<T: Scalar>(
+    model: &dyn Model<T>,
+    begin: f64,
+    options: Options,
+) -> Result<[f64; 2], RunError> {
+    let mut run = Simulation::<T>::new(model, options)?;
+    let rest = vec![T::zero(); run.state().len()];
+    run.set_state(begin, &rest)?;
+    run.run(begin + 1.0)?;
+    Ok([run.state()[0].to_f64(), run.rounding()])
+}
+
+#[test]
+fn late_in_single_precision_what_follows_time_is_told_and_then_refused() {
+    let double = Shaken::<f64>::new(ShakenParams::default()).expect("no params");
+    let single = Shaken::<f32>::new(ShakenParams::default()).expect("no params");
+    for options in [Options::rk4(1e-3), Options::tsit5(1e-5)] {
+        for begin in [0.0, 100.0, 1e3, 1e5, 1e6, 1e8] {
+            let [exact, rounding] = second_from(&double, begin, options).expect("double precision");
+            assert!(rounding < 1e-3, "{begin}: {rounding}");
+            match second_from(&single, begin, options) {
+                // What is told is as large as what is wrong.
+                Ok([x, rounding]) => {
+                    let wrong = ((x - exact).abs() / 0.05).min(1.0);
+                    assert!(
+                        wrong < 2.0 * rounding + 1e-3,
+                        "{begin}: {x} {exact} {rounding}"
+                    );
+                    // Ten steps are not enough to refuse it.
+                    let is_short = options.method.fixed_step().is_none();
+                    assert!(begin < 5e3 || is_short && rounding > 0.1, "{begin}");
+                }
+                Err(error) => {
+                    assert!(begin > 5e3, "{begin}: {error}");
+                    let told = matches!(error.cause, StepError::LateTime { .. });
+                    assert!(
+                        told && error.to_string().contains("begin near zero"),
+                        "{error}"
+                    );
+                }
+            }
+        }
+    }
+    // What no formula of time moves is as good as ever, also under a controller that follows time in double precision.
+    let turning = Turning::<f32>::new(TurningParams::default()).expect("no params");
+    let mut run = Simulation::<f32>::new(&turning, Options::rk4(1e-3)).expect("options that fit");
+    run.control(|now, inputs: &mut TurningInputs<f32>| {
+        inputs.push = (20.0 * (now.time - 1e8)).sin() as f32;
+    })
+    .expect("inputs of this model");
+    run.set_state(1e8, &[0.0; 7]).expect("a state");
+    run.run(1e8 + 1.0).expect("nothing reads time");
+    let [x, z] = [0, 2].map(|axis| f64::from(run.state()[axis]));
+    let exact = 1.0 / 20.0 - 20.0_f64.sin() / 400.0;
+    assert!(
+        (x - exact).abs() < 1e-4 && (z - exact).abs() < 1e-4,
+        "{x} {z} {exact}"
+    );
 }

@@ -242,13 +242,19 @@ impl<'a, S: Real> Evaluation<'a, S> {
         })
     }
 
-    /// Length, rate and tension of a line at this state.
-    pub fn line_motion(&self, index: usize) -> Option<LineMotion<S>> {
+    /// From the `from` end of a line to its `to` end [m].
+    fn between_ends(&self, index: usize) -> Option<Vector3<S>> {
         let declared = self.scene.lines.get(index)?;
-        let slots = self.layout.lines.get(index)?;
         S::section(&declared.name);
         let vector = self.position_of(declared.to)? - self.position_of(declared.from)?;
         S::section(&declared.name);
+        Some(vector)
+    }
+
+    /// Length, rate and tension of a line at this state.
+    pub fn line_motion(&self, index: usize) -> Option<LineMotion<S>> {
+        let slots = self.layout.lines.get(index)?;
+        let vector = self.between_ends(index)?;
         if let Some(effective) = slots.effective {
             let read = |item: usize| self.at.effective.get(2 * effective + item).copied();
             let (stiffness, free_length) = (read(0)?, read(1)?);
@@ -568,6 +574,13 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         Some(ends.rate(&coordinate))
     }
 
+    fn line_length(&self, index: usize) -> Option<[S; 2]> {
+        let vector = self.between_ends(index)?;
+        let free_length = self.element(index)?.numbers.free_length;
+        let geometry = line::geometry(&vector, free_length);
+        Some([geometry.length, geometry.stretch])
+    }
+
     fn line(&self, index: usize) -> Option<[S; 4]> {
         let motion = self.line_motion(index)?;
         let element = self.element(index)?;
@@ -578,8 +591,7 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
             true => motion.rate,
             false => self.rate(index, &motion.geometry.direction)?,
         };
-        let length = motion.geometry.length;
-        let stretch = length - element.numbers.free_length;
+        let [length, stretch] = self.line_length(index)?;
         // A mode lasts until its switch is located, where the pull has passed zero by the tolerance of that.
         let tension = match located {
             true => motion.tension.max(S::zero()),

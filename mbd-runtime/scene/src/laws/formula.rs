@@ -84,6 +84,10 @@ pub trait Context<S: Real> {
     fn reaction(&self, _joint: usize) -> Option<[Vector3<S>; 2]> {
         None
     }
+    /// Length and stretch of a line [m]. They ask for no rate, so that the rate of the state that winds a damped line may follow them.
+    fn line_length(&self, _line: usize) -> Option<[S; 2]> {
+        None
+    }
     /// Tension [N], length [m], stretch [m] and rate of the length [m/s] of a line.
     fn line(&self, _line: usize) -> Option<[S; 4]> {
         None
@@ -150,7 +154,6 @@ pub fn triple<S: Real>(formulas: &Triple, context: &dyn Context<S>) -> Vector3<S
 
 /// The value of a formula.
 pub fn value<S: Real>(formula: &Formula, context: &dyn Context<S>) -> Value<S> {
-    let line = |index: usize, item: usize| context.line(index).map(|numbers| Scalar(numbers[item]));
     let known = match formula {
         Formula::Number(x) => Some(Scalar(S::from_f64(*x))),
         Formula::Const(i) => context.scene().consts.get(*i).map(|c| constant(c.value)),
@@ -184,9 +187,9 @@ pub fn value<S: Real>(formula: &Formula, context: &dyn Context<S>) -> Value<S> {
             let reaction = context.reaction(*joint);
             reaction.map(|[_, torque]| Vector(torque))
         }
-        Formula::Tension(i) => line(*i, 0),
-        Formula::Length(i) => line(*i, 1),
-        Formula::Stretch(i) => line(*i, 2),
+        Formula::Tension(i) => context.line(*i).map(|[tension, ..]| Scalar(tension)),
+        Formula::Length(i) => context.line_length(*i).map(|[length, _]| Scalar(length)),
+        Formula::Stretch(i) => context.line_length(*i).map(|[_, stretch]| Scalar(stretch)),
         Formula::StretchRate(i) => context.stretch_rate(*i).map(Scalar),
         Formula::Coordinate(joint, index) => context.coordinate(*joint, *index).map(Scalar),
         Formula::CoordinateRate(joint, index) => {

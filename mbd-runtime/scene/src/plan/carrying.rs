@@ -77,7 +77,7 @@ impl Carrying {
         let normal = directions.plane?.normal();
         let mut points = RowSet::default();
         for (number, row) in rows.iter().enumerate() {
-            let moves = within(directions, &row.child()) > 0.0;
+            let moves = within(directions, row.child()) > 0.0;
             let turns = row.child().angular[normal] != 0.0;
             points.0 |= u8::from(moves) << number;
             if moves == turns {

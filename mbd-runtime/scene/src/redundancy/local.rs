@@ -58,7 +58,7 @@ impl Hold {
         let mut hold = Hold::default();
         for (index, row) in rows.rows().iter().enumerate() {
             let own = if parent { row.parent() } else { row.child() };
-            let mut rest = columns(&own, part, directions, length);
+            let mut rest = columns(own, part, directions, length);
             let whole = dot(&rest, &rest).sqrt();
             let mut mix = [0.0; 6];
             *mix.get_mut(index)? = 1.0;

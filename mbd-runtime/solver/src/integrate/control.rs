@@ -26,7 +26,8 @@ pub(crate) enum Verdict {
 pub(crate) struct Control {
     /// The step to try next [s].
     pub step: f64,
-    /// The largest step [s].
+    /// The largest step [s]: an option of the run, which no snapshot brings along. It may be infinite, which JSON cannot write.
+    #[serde(skip, default = "unbounded")]
     pub largest: f64,
     previous: f64,
     rejections: u32,
@@ -34,6 +35,11 @@ pub(crate) struct Control {
     exponent: f64,
     /// The power of the error before: 0.4 of explicit pairs, 0.3 of Rosenbrock methods.
     memory: f64,
+}
+
+/// A largest step that is none [s].
+fn unbounded() -> f64 {
+    f64::INFINITY
 }
 
 impl Control {
@@ -47,6 +53,32 @@ impl Control {
             exponent,
             memory,
         }
+    }
+
+    /// What a snapshot keeps.
+    pub(crate) fn saved(&self) -> Self {
+        Control {
+            largest: unbounded(),
+            ..self.clone()
+        }
+    }
+
+    /// Goes on with the steps of a snapshot, as far as the options of this run let it.
+    pub(crate) fn resume(&mut self, saved: &Self) {
+        *self = Control {
+            step: saved.step.min(self.largest),
+            largest: self.largest,
+            ..saved.clone()
+        };
+    }
+
+    /// Whether they are steps that can be made (they may have been read from a file).
+    pub(crate) fn check(&self) -> bool {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        [self.step, self.previous, self.exponent]
+            .into_iter()
+            .all(positive)
+            && self.memory.is_finite()
     }
 
     /// Goes on with the steps of another method.
@@ -100,7 +132,7 @@ impl Control {
 
     /// A trial that could not be evaluated: the step shrinks tenfold; three in a row and the cause is final.
     pub(crate) fn fail(&mut self, tried: f64, smallest: f64) -> Verdict {
-        self.failures += 1;
+        self.failures = self.failures.saturating_add(1);
         match self.reject(0.1 * tried, smallest) {
             Verdict::Rejected if self.failures >= MOST_FAILURES => {
                 self.failures = 0;
@@ -112,7 +144,7 @@ impl Control {
     }
 
     fn reject(&mut self, step: f64, smallest: f64) -> Verdict {
-        self.rejections += 1;
+        self.rejections = self.rejections.saturating_add(1);
         self.step = step;
         if self.rejections >= MOST_REJECTIONS || step < smallest {
             // A later call starts with a clean count.

@@ -45,7 +45,11 @@ impl StiffnessTest {
 
     /// Records a step of a stiff method with hρ over the limit of the explicit one; true when it is not needed any more.
     pub(crate) fn eases(&mut self, part: f64) -> bool {
-        self.easy = if part < EASY { self.easy + 1 } else { 0 };
+        self.easy = if part < EASY {
+            self.easy.saturating_add(1)
+        } else {
+            0
+        };
         self.easy >= WINDOW
     }
 }

@@ -207,6 +207,6 @@ fn differentiates<T: Float>(model: &dyn Model<T>) -> bool {
 }
 
 /// Whether anything in a scene is a formula of time. Its whole text leaves no formula out; a name with that word in it costs a pass of duals a step.
-fn says_time(scene: &Scene) -> bool {
+pub(crate) fn says_time(scene: &Scene) -> bool {
     format!("{scene:?}").contains(&format!("{:?}", Formula::Time))
 }

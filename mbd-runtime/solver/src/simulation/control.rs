@@ -72,12 +72,18 @@ impl<T: Float> Simulation<T> {
         self.stale = true;
         match every {
             None => self.system.controls.push(law),
-            Some(period) => self.samplers.push(Sampler {
-                period,
-                from: self.time,
-                next: 0,
-                law,
-            }),
+            Some(period) => {
+                self.samplers.push(Sampler {
+                    period,
+                    from: self.time,
+                    next: 0,
+                    law,
+                });
+                // A run that goes back does not go back to where it had fewer controllers.
+                if self.started && self.watched {
+                    self.good = self.kept();
+                }
+            }
         }
         Ok(())
     }

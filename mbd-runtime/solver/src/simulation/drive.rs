@@ -42,6 +42,10 @@ pub struct Course {
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::step`] does.
     pub(crate) fn take_step(&mut self) -> Result<(), RunError> {
+        self.whole(Self::step_now)
+    }
+
+    fn step_now(&mut self) -> Result<(), RunError> {
         self.enter()?;
         self.shown.forget();
         let steps = self.system.counters.steps;
@@ -102,7 +106,7 @@ impl<T: Float> Simulation<T> {
         periods.map_err(|cause| self.failed(cause))?;
         self.changes.stop = None;
         self.stays = false;
-        self.enter()?;
+        self.whole(Self::enter)?;
         self.chatter.window = 1e-3 * (until - self.time);
         Ok(Course {
             until,
@@ -113,6 +117,15 @@ impl<T: Float> Simulation<T> {
 
     /// Tries the next step on a course, at first what is due at its start; `None` where there is more to come.
     pub(crate) fn follow(
+        &mut self,
+        course: &mut Course,
+        trajectory: &mut Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Option<Stop>, RunError> {
+        self.whole(|run| run.follow_now(course, trajectory, go_on))
+    }
+
+    fn follow_now(
         &mut self,
         course: &mut Course,
         trajectory: &mut Option<&mut Trajectory>,
@@ -329,7 +342,7 @@ impl<T: Float> Simulation<T> {
     fn attempt(&mut self, step: f64) -> Result<bool, StepError> {
         let smallest = resolution(self.time);
         if step < smallest {
-            return Err(self.collapse(step, Collapse::ErrorTest));
+            return Err(self.collapse(step, Collapse::Resolution));
         }
         let tried = self.make_step(step);
         let swept = match &tried {

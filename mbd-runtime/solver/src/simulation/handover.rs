@@ -59,6 +59,8 @@ impl<T: Float> Simulation<T> {
         last: &mut Self,
         given: Given<'_, T>,
     ) -> Result<Handover, RunError> {
+        self.check_whole()?;
+        last.check_whole()?;
         if !last.started {
             last.begin()?;
         }

@@ -13,12 +13,17 @@ use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::origin::MovingOrigin;
 use crate::rearm::Rearmed;
+use crate::supply::{Sampler, check_numbers};
+use crate::trajectory::resolution;
 use crate::watch::Watch;
 
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
 ///
 /// The inputs that are held belong to it, and when each controller is called next. What functions of time and state and controllers remember does
 /// not: give the run they are restored into the same ones, in the same order.
+///
+/// It can be written by whatever `serde` writes, and read in another process. A format must give back numbers as they were: `serde_json` does with its
+/// feature `float_roundtrip`, and is off in the last digit without it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot<T> {
     scene: u64,
@@ -44,12 +49,18 @@ pub struct Snapshot<T> {
     held: (Vec<T>, bool),
     /// Per controller the first sample [s] and the number of the next.
     samples: Vec<(f64, u64)>,
+    /// Per controller the interval [s]; empty in a snapshot that was written before it was kept.
+    #[serde(default)]
+    periods: Vec<f64>,
     /// The params that events set, in the order of their declaration.
     params: Vec<T>,
     /// Per event whether it has acted.
     done: Vec<bool>,
     /// Work of the actions so far [J].
     action_work: f64,
+    /// Whether a closure of the caller had panicked.
+    #[serde(default)]
+    interrupted: bool,
     /// What the state is measured from, where the origin follows something.
     #[serde(default)]
     from: Option<MovingOrigin>,
@@ -66,6 +77,14 @@ impl<T> Snapshot<T> {
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::snapshot`] does.
     pub(crate) fn save(&self) -> Snapshot<T> {
+        Snapshot {
+            interrupted: self.under_way,
+            ..self.kept()
+        }
+    }
+
+    /// The same in the middle of what the run does.
+    pub(super) fn kept(&self) -> Snapshot<T> {
         let mut snapshot = Snapshot {
             scene: self.fingerprint(),
             ..Snapshot::default()
@@ -84,7 +103,7 @@ impl<T: Float> Simulation<T> {
         to.memory.copy_from(&self.system.memory);
         to.control = match &self.pace {
             Pace::Fixed(_) => None,
-            Pace::Adaptive(control, _) => Some(control.clone()),
+            Pace::Adaptive(control, _) => Some(control.saved()),
         };
         to.watch = self.watch;
         (to.stiffness, to.stiff) = (self.stiffness, self.method.is_stiff());
@@ -108,6 +127,67 @@ impl<T: Float> Simulation<T> {
         let samplers = self.samplers.iter();
         to.samples
             .extend(samplers.map(|sampler| (sampler.from, sampler.next)));
+        to.periods.clear();
+        let samplers = self.samplers.iter();
+        to.periods.extend(samplers.map(|sampler| sampler.period));
+    }
+
+    /// Refuses a snapshot of something else, and numbers that no run can have had: it may have been read from a file.
+    fn check_snapshot(&self, snapshot: &Snapshot<T>) -> Result<(), StepError> {
+        let same = "restore it into a simulation made with the same model, options and controllers";
+        let refuse = |what: &str, instead: &str| {
+            let (what, instead) = (what.to_owned(), instead.to_owned());
+            Err(StepError::Unsupported { what, instead })
+        };
+        let fits = snapshot.scene == self.fingerprint()
+            && snapshot.state.len() == self.state.len()
+            && snapshot.memory.check(self.system.model.layout()).is_ok()
+            && snapshot.sides.len() == self.margins.sides.len()
+            // One that was written before they were kept has none.
+            && (snapshot.rearmed.is_empty() || snapshot.rearmed.len() == self.margins.rearmed.len())
+            && snapshot.held.0.len() == self.system.held.len()
+            && snapshot.params.len() == self.changes.settable.len()
+            && snapshot.done.len() == self.changes.done.len()
+            && snapshot.samples.len() == self.samplers.len()
+            && snapshot.from.is_some() == self.system.following.is_some()
+            && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..))
+            && (self.method.has_both() || snapshot.stiff == self.method.is_stiff());
+        if !fits {
+            return refuse(
+                "a snapshot of another model or method, or of other controllers",
+                same,
+            );
+        }
+        if snapshot.watch_weights.is_empty() && self.system.nx > 0 {
+            let instead = "start the run before (`Simulation::start`), or make a new one";
+            return refuse("a snapshot of a run that had not started", instead);
+        }
+        if snapshot.interrupted {
+            return Err(StepError::Interrupted);
+        }
+        let kept = snapshot.periods.iter();
+        let own = self.samplers.iter().map(|sampler| &sampler.period);
+        if !snapshot.periods.is_empty() && !kept.eq(own) {
+            return refuse("a snapshot of controllers with other periods", same);
+        }
+        let state = snapshot.state.get(..self.system.nx).unwrap_or_default();
+        self.check_state(snapshot.time, state)?;
+        check_numbers(&*self.system.model, &snapshot.held.0)?;
+        let now = resolution(snapshot.time);
+        let due = |(sampler, (from, next)): (&Sampler<T>, &(f64, u64))| {
+            let left = from + *next as f64 * sampler.period - snapshot.time;
+            left >= -now && left <= sampler.period + now
+        };
+        let whole = snapshot.watch_weights.len() == self.system.nx
+            && self.samplers.iter().zip(&snapshot.samples).all(due)
+            && snapshot.control.as_ref().is_none_or(Control::check);
+        match whole {
+            true => Ok(()),
+            false => refuse(
+                "a snapshot that has been changed",
+                "take the one that was written",
+            ),
+        }
     }
 
     fn fingerprint(&self) -> u64 {
@@ -136,26 +216,13 @@ impl<T: Float> Simulation<T> {
 
     /// What [`Simulation::restore`] does.
     pub(crate) fn continue_from(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
-        let fits = snapshot.scene == self.fingerprint()
-            && snapshot.state.len() == self.state.len()
-            && snapshot.watch_weights.len() == self.system.nx
-            && snapshot.memory.check(self.system.model.layout()).is_ok()
-            && snapshot.sides.len() == self.margins.sides.len()
-            && snapshot.held.0.len() == self.system.held.len()
-            && snapshot.params.len() == self.changes.settable.len()
-            && snapshot.done.len() == self.changes.done.len()
-            && snapshot.samples.len() == self.samplers.len()
-            && snapshot.from.is_some() == self.system.following.is_some()
-            && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..))
-            && (self.method.has_both() || snapshot.stiff == self.method.is_stiff());
-        if !fits {
-            return Err(self.failed(StepError::Unsupported {
-                what: "a snapshot of another model or method, or of other controllers".into(),
-                instead:
-                    "restore it into a simulation made with the same model, options and controllers"
-                        .into(),
-            }));
-        }
+        self.whole(|run| run.take_up(snapshot))
+    }
+
+    /// The same in a run that goes back to where it was.
+    pub(super) fn take_up(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
+        let checked = self.check_snapshot(snapshot);
+        checked.map_err(|cause| self.failed(cause))?;
         self.take_up_params(&snapshot.params)
             .map_err(|cause| self.failed(cause))?;
         self.shown.forget();
@@ -165,8 +232,13 @@ impl<T: Float> Simulation<T> {
         self.changes.stop = None;
         self.system.action_work = snapshot.action_work;
         self.time = snapshot.time;
-        self.origin = snapshot.origin;
-        self.count = snapshot.count;
+        (self.origin, self.count) = (snapshot.origin, snapshot.count);
+        if let Pace::Fixed(size) = self.pace
+            && (self.origin + self.count as f64 * size - self.time).abs() > resolution(self.time)
+        {
+            // Steps of another size count from here.
+            (self.origin, self.count) = (self.time, 0);
+        }
         self.state.copy_from_slice(&snapshot.state);
         self.system.memory = snapshot.memory.clone();
         self.system.memory.make_room();
@@ -190,7 +262,7 @@ impl<T: Float> Simulation<T> {
         let saved = rearmed.zip(&snapshot.rearmed);
         saved.for_each(|(own, saved)| *own = *saved);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
-            *control = saved.clone();
+            control.resume(saved);
         }
         self.started = true;
         self.as_declared = false;

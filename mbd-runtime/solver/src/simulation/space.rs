@@ -8,8 +8,11 @@ use crate::linearise::{LinearisationError, StateSpace};
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::linearise`] does.
     pub(crate) fn space_here(&mut self, along: &[&str]) -> Result<StateSpace, LinearisationError> {
-        let supplied = self.system.supply(self.time, &self.state);
-        supplied.map_err(|cause| LinearisationError::Inputs(Box::new(cause)))?;
+        let supplied = self.whole(|run| {
+            let supplied = run.system.supply(run.time, &run.state);
+            supplied.map_err(|cause| run.failed(cause))
+        });
+        supplied.map_err(|error| LinearisationError::Inputs(Box::new(error.cause)))?;
         let state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
         let inputs = wide(&self.system.inputs);

@@ -8,7 +8,8 @@ use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
 use crate::columns::part_name;
 use crate::error::{RunError, Source, StepError};
 use crate::integrate::stiffness;
-use crate::rounding::REFUSED;
+use crate::linearise::says_time;
+use crate::rounding::{REFUSED, TimeRounding};
 use crate::system::WORKS;
 use crate::trajectory::Trajectory;
 use crate::watch::{Instability, NEGLIGIBLE, Watch};
@@ -66,7 +67,7 @@ impl<T: Float> Simulation<T> {
             balance
         });
         self.good = if self.watched {
-            self.save()
+            self.kept()
         } else {
             Snapshot::default()
         };
@@ -297,16 +298,74 @@ impl<T: Float> Simulation<T> {
 
     fn look_back_now(&mut self) -> Result<(), StepError> {
         self.watch_rounding()?;
+        self.watch_time()?;
+        self.judge_time()?;
         self.remember_good();
         Ok(())
     }
 
     /// The most that rounding of positions made so far of what accelerates a body or a point through lines, springs and stops, or of an arm of the
     /// joints, at the start and at every tenth step: far from the origin of the world differences of positions have few digits. A run
-    /// does not go beyond a tenth; from a thousandth on its forces have less than three digits.
+    /// does not go beyond a tenth; from a thousandth on its forces have less than three digits. So it is with what rounding of time makes of accelerations
+    /// where formulas read time: late in a run of single precision.
     #[must_use]
     pub fn rounding(&self) -> f64 {
-        self.rounded
+        self.rounded.max(self.time_rounding.share())
+    }
+
+    /// How far apart times are that formulas tell apart [s]; `None` where that is close enough, or nothing reads time.
+    fn time_apart(&self) -> Option<f64> {
+        let apart = TimeRounding::coarseness::<T>(self.time)?;
+        let scene = self.system.model.scene();
+        let says = self.says_time.get_or_init(|| says_time(scene));
+        says.then_some(apart)
+    }
+
+    /// Looks at what follows time, here and at the next time that its formulas tell apart.
+    pub(super) fn watch_time(&mut self) -> Result<(), StepError> {
+        let Some(apart) = self.time_apart() else {
+            return Ok(());
+        };
+        let layout = self.system.model.layout();
+        let what = Quantity::Derivative;
+        let (nodes, states) = (layout.nq + layout.nv, layout.states());
+        let each = (states..layout.nx()).map(|at| at..at + 1);
+        let parts: Vec<_> = [layout.nq..nodes, nodes..states]
+            .into_iter()
+            .chain(each)
+            .collect();
+        let mut here = vec![T::zero(); layout.len(what)];
+        let mut next = here.clone();
+        self.system
+            .at_end(what, self.time, &self.state, &mut here)?;
+        self.system
+            .at_another_time(what, self.time + apart, &self.state, &mut next);
+        self.time_rounding.see(
+            parts
+                .into_iter()
+                .map(|part| [&here, &next].map(|list| list.get(part.clone()).unwrap_or_default())),
+        );
+        Ok(())
+    }
+
+    /// Refuses a run in which rounding of time makes a tenth of what follows it: once that is sure, or where adaptive steps, which resolve what moves,
+    /// are shorter than what is between two times.
+    fn judge_time(&self) -> Result<(), StepError> {
+        let Some(apart) = self.time_apart() else {
+            return Ok(());
+        };
+        let stands = match &self.pace {
+            Pace::Fixed(_) => false,
+            Pace::Adaptive(control, _) => control.step < apart,
+        };
+        match self.time_rounding.is_refused(stands) {
+            true => Err(StepError::LateTime {
+                time: self.time,
+                apart,
+                share: self.time_rounding.share(),
+            }),
+            false => Ok(()),
+        }
     }
 
     pub(super) fn watch_rounding(&mut self) -> Result<(), StepError> {
@@ -388,6 +447,17 @@ impl<T: Float> Simulation<T> {
 
     #[cold]
     pub(super) fn unstable(&self, step_size: f64, what: Instability) -> StepError {
+        // Where formulas see time stand still over a step, or nearly so, a shorter one makes it worse.
+        if let (Instability::Energy(part), Some(apart)) = (what, self.time_apart())
+            && apart > 0.1 * step_size
+            && self.time_rounding.share() > 0.0
+        {
+            return StepError::LateTime {
+                time: self.time,
+                apart,
+                share: part.abs(),
+            };
+        }
         StepError::UnstableStep {
             time: self.time + step_size,
             step_size,
@@ -407,7 +477,7 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         let good = std::mem::take(&mut self.good);
-        let back = self.continue_from(&good);
+        let back = self.take_up(&good);
         self.good = good;
         let time = self.time;
         self.events.retain(|event| event.time <= time);

@@ -28,7 +28,7 @@ use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
 use crate::origin::MovingOrigin;
 use crate::rearm::Rearmed;
-use crate::rounding::Rounding;
+use crate::rounding::{Rounding, TimeRounding};
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
@@ -180,6 +180,8 @@ impl<T: Float> Simulation<T> {
             rounding,
             length: scales.length,
             rounded: 0.0,
+            time_rounding: TimeRounding::default(),
+            says_time: OnceCell::new(),
             bodies: vec![T::zero(); bodies],
             origin: 0.0,
             count: 0,
@@ -188,6 +190,7 @@ impl<T: Float> Simulation<T> {
             jumped: true,
             as_declared: true,
             started: false,
+            under_way: false,
             stale: false,
             left: Vec::with_capacity(layout.ni),
             samplers: Vec::new(),
@@ -361,7 +364,19 @@ impl<T: Float> Simulation<T> {
     }
 
     /// What [`Simulation::start`] does.
+    pub(crate) fn start_now(&mut self) -> Result<(), RunError> {
+        self.whole(Self::begin)
+    }
+
+    /// Begins to run, in whatever asks for a run that has begun.
     pub(crate) fn begin(&mut self) -> Result<(), RunError> {
+        let within = std::mem::replace(&mut self.under_way, true);
+        let begun = self.begin_now();
+        self.under_way = within;
+        begun
+    }
+
+    fn begin_now(&mut self) -> Result<(), RunError> {
         self.started = true;
         self.as_declared = false;
         self.joints_set.clear();
@@ -417,6 +432,8 @@ impl<T: Float> Simulation<T> {
                 instead: "these have no derivatives: hold inputs (`set_inputs`), sample them (`control_every`), declare what they follow in the model, or take an explicit method".into(),
             });
         }
+        let own = self.state.get(..self.system.nx).unwrap_or_default();
+        self.check_state(self.time, own)?;
         let set = self.state.clone();
         self.system.read_modes(self.time, &self.state)?;
         let assembled = self.system.assemble(self.time, &mut self.state);
@@ -460,7 +477,9 @@ impl<T: Float> Simulation<T> {
         self.begin_balance();
         self.begin_momentum();
         self.rounded = 0.0;
-        self.watch_rounding()
+        self.time_rounding = TimeRounding::default();
+        self.watch_rounding()?;
+        self.watch_time()
     }
 }
 

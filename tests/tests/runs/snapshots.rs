@@ -1,0 +1,262 @@
+//! Snapshots: written and read again, into other steps and controllers, changed by somebody, and of runs in which a closure of the caller panicked.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use mbd_runtime::{Method, Options, RunError, Simulation, Snapshot, StepError, model};
+use serde_json::{Value, json};
+
+model! {
+    /// A cart on a spring that carries a wheel; a knot between two lines, of which one lets go; latches.
+    model Cart {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input push: force = 0 N;
+        param k = 5 N/m in 1 N/m ..= 100 N/m;
+        state seen = 0 m { rate: (cart.position.x - seen) / (20 ms) }
+        body cart {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame eye at [0.1, 0.0, 0.0] m,
+        }
+        body wheel { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        point bob { mass: 0.3 kg, start at [0.4, 0.0, -0.5] m }
+        point knot;
+        line a from cart.eye to knot { free_length: 0.2 m, stiffness: 900 N/m }
+        line b from knot to bob { free_length: 0.2 m, stiffness: 900 N/m }
+        joint rail: prismatic from world to cart.com { axis: x, stiffness: k, start: 0.3 m }
+        joint turn: hinge from cart.eye to wheel.com { axis: z, start_rate: 3 rad/s }
+        load drive on cart = [push, 0.0, 0.0];
+        event far = rail.slide falls 0.1 m { set: k = 1.5 * k, acts: once }
+        event stuck = turn.angle rises 5 rad { lock: turn, acts: once }
+        event gone = time rises 2 s { detach: b }
+        event loose = time rises 3 s { free: turn }
+    }
+}
+
+/// A run with a controller at samples and a function of time.
+fn cart(options: Options, period: f64) -> Simulation<f64> {
+    let cart = Cart::new(CartParams::default()).expect("defaults");
+    let mut run = Simulation::new(&cart, options).expect("options that fit");
+    run.control_every(period, |sample, inputs: &mut CartInputs| {
+        inputs.push = (7.0 * sample.time).sin();
+    })
+    .expect("a period");
+    run.control(|now, inputs: &mut CartInputs| inputs.push += now.time.cos())
+        .expect("inputs of this model");
+    run
+}
+
+fn bits(run: &Simulation<f64>) -> Vec<u64> {
+    run.state().iter().map(|x| x.to_bits()).collect()
+}
+
+fn refused(result: Result<(), RunError>) -> String {
+    result.expect_err("it is refused").cause.to_string()
+}
+
+const METHODS: [fn() -> Options; 2] = [|| Options::rk4(2e-3), || Options::tsit5(1e-7)];
+
+#[test]
+fn a_snapshot_that_was_written_as_text_goes_on_to_the_bit() {
+    for options in METHODS {
+        // Before and after a parameter is set, an angle locked, a line detached, the angle freed; at samples and between them.
+        for time in [0.0, 0.37, 1.02, 1.9, 2.0, 2.51, 3.2] {
+            let mut whole = cart(options(), 0.05);
+            whole.run(time).expect("it runs");
+            let saved = whole.snapshot();
+            let text = serde_json::to_string(&saved).expect("numbers");
+            let read: Snapshot<f64> = serde_json::from_str(&text).expect("what was written");
+            assert_eq!(read, saved, "{time}");
+            let mut other = cart(options(), 0.05);
+            other.run(2.7).expect("it runs");
+            other.restore(&read).expect("of the same run");
+            whole.run(4.0).expect("it runs");
+            other.run(4.0).expect("it runs");
+            assert_eq!(bits(&whole), bits(&other), "{time}");
+        }
+    }
+}
+
+#[test]
+fn options_of_the_run_that_goes_on_are_its_own() {
+    // Steps of another size follow the time of the snapshot, not its count.
+    let mut coarse = cart(Options::rk4(2e-3), 0.05);
+    for _ in 0..5 {
+        coarse.step().expect("a step");
+    }
+    let mut fine = cart(Options::rk4(1e-3), 0.05);
+    fine.restore(&coarse.snapshot()).expect("of the same model");
+    fine.step().expect("a step");
+    assert!((fine.time() - 0.011).abs() < 1e-15, "{}", fine.time());
+    // The largest step is that of the options, too.
+    let mut free = cart(Options::tsit5(1e-4), 0.5);
+    free.run(0.3).expect("it runs");
+    let short = Options {
+        method: Method::Tsit5 {
+            rtol: 1e-4,
+            max_step: 1e-3,
+        },
+        ..Options::tsit5(1e-4)
+    };
+    let mut bound = cart(short, 0.5);
+    bound.restore(&free.snapshot()).expect("of the same model");
+    bound.step().expect("a step");
+    assert!(bound.time() <= 0.301 + 1e-12, "{}", bound.time());
+}
+
+#[test]
+fn a_snapshot_of_other_controllers_or_of_no_run_is_refused() {
+    let mut whole = cart(Options::rk4(2e-3), 0.05);
+    let fresh = whole.snapshot();
+    whole.run(1.0).expect("it runs");
+    let mut other = cart(Options::rk4(2e-3), 0.1);
+    let text = refused(other.restore(&whole.snapshot()));
+    assert!(text.contains("controllers with other periods"), "{text}");
+    let text = refused(whole.restore(&fresh));
+    assert!(text.contains("a run that had not started"), "{text}");
+    // Both are as they were.
+    other.run(1.0).expect("it runs");
+    whole.run(1.1).expect("it runs");
+}
+
+#[test]
+fn numbers_that_no_run_had_are_refused_or_harmless() {
+    for options in METHODS {
+        let mut whole = cart(options(), 0.05);
+        whole.run(1.02).expect("it runs");
+        let saved = serde_json::to_value(whole.snapshot()).expect("numbers");
+        let is_fixed = saved["control"].is_null();
+        let changed = |at: &str, to: Value| -> Snapshot<f64> {
+            let mut changed = saved.clone();
+            *changed.pointer_mut(at).expect(at) = to;
+            serde_json::from_value(changed).expect("still a snapshot")
+        };
+        let mut cases = vec![
+            ("/state/0", json!(1e300), "`cart.x` cannot be 1e300"),
+            ("/time", json!(1e300), "`time"),
+            ("/samples/0/1", json!(u64::MAX), "has been changed"),
+            ("/samples/0/0", json!(1e300), "has been changed"),
+            (
+                "/rearmed",
+                json!([{"time": null, "rounding": 0.0, "value": 0.0}]),
+                "another model",
+            ),
+            ("/watch_weights", json!([1.0]), "has been changed"),
+        ];
+        if !is_fixed {
+            cases.push(("/control/step", json!(-1.0), "has been changed"));
+            cases.push(("/control/previous", json!(0.0), "has been changed"));
+        }
+        for (at, to, words) in cases {
+            let mut run = cart(options(), 0.05);
+            let text = refused(run.restore(&changed(at, to)));
+            assert!(text.contains(words), "{at}: {text}");
+            run.run(0.1).expect("it is as it was");
+        }
+        // Counters.
+        let mut counters = vec!["/watch/over", "/watch/seen", "/count"];
+        if !is_fixed {
+            counters = vec![
+                "/stiffness/easy",
+                "/control/failures",
+                "/control/rejections",
+            ];
+        }
+        for at in counters {
+            let most = if is_fixed {
+                json!(u64::MAX)
+            } else {
+                json!(u32::MAX)
+            };
+            let mut run = cart(options(), 0.05);
+            run.restore(&changed(at, most)).expect("numbers");
+            run.run(1.5).expect(at);
+        }
+    }
+}
+
+/// The run of [`cart`] with closures of which one panics at a call from 0.45 s on.
+fn fragile(options: Options, panics: &'static str, after: usize) -> Simulation<f64> {
+    let cart = Cart::new(CartParams::default()).expect("defaults");
+    let mut run = Simulation::new(&cart, options).expect("options that fit");
+    let mut left = after;
+    run.control_every(0.05, move |sample, inputs: &mut CartInputs| {
+        inputs.push = (7.0 * sample.time).sin();
+        if panics == "controller" && sample.time > 0.45 {
+            assert!(left > 0, "a controller that gives up");
+            left -= 1;
+        }
+    })
+    .expect("a period");
+    let left = AtomicUsize::new(after);
+    run.control(move |now, inputs: &mut CartInputs| {
+        inputs.push += now.time.cos();
+        if panics == "function" && now.time > 0.45 {
+            let left = left.fetch_sub(1, Ordering::Relaxed);
+            assert!(left > 0, "a function that gives up");
+        }
+    })
+    .expect("inputs of this model");
+    run
+}
+
+#[test]
+fn a_run_in_which_a_closure_panicked_does_not_go_on_but_its_snapshots_do() {
+    for options in METHODS {
+        let mut whole = cart(options(), 0.05);
+        whole.run(1.5).expect("it runs");
+        for panics in ["controller", "function", "watch"] {
+            for after in [0, 1, 3, 8] {
+                let mut run = fragile(options(), panics, after);
+                run.run(0.4).expect("it runs");
+                let before = run.snapshot();
+                let panicked = catch_unwind(AssertUnwindSafe(|| {
+                    run.run_while(1.5, None, &mut |time| {
+                        assert!(panics != "watch" || time < 0.5, "a watch that gives up");
+                        true
+                    })
+                }));
+                assert!(panicked.is_err(), "{panics}");
+                // Whatever was under way: nothing goes on from there, and what it says is finite.
+                assert!(run.state().iter().all(|x| x.is_finite()));
+                let words = "a closure of the caller panicked";
+                for error in [
+                    run.run(1.5).map(|_| ()),
+                    run.step(),
+                    run.start(),
+                    run.restore(&before),
+                ] {
+                    let error = error.expect_err("it is interrupted");
+                    assert_eq!(error.cause, StepError::Interrupted, "{error}");
+                    assert!(error.to_string().contains(words), "{error}");
+                }
+                let mut other = cart(options(), 0.05);
+                assert!(refused(other.restore(&run.snapshot())).contains(words));
+                other.restore(&before).expect("of the same model");
+                other.run(1.5).expect("it runs");
+                assert_eq!(bits(&other), bits(&whole), "{panics}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_that_has_got_a_controller_goes_back_from_steps_that_are_too_long() {
+    let cart = Cart::new(CartParams::default()).expect("defaults");
+    let mut run = Simulation::new(&cart, Options::rk4(2e-3)).expect("options that fit");
+    run.run(0.01).expect("it runs");
+    // Feedback that grows by itself: the step is too long for it.
+    run.control_every(0.02, |sample, inputs: &mut CartInputs| {
+        inputs.push = -4e4 * sample.coordinates().rail_slide;
+    })
+    .expect("a period");
+    run.control(|now, inputs: &mut CartInputs| {
+        inputs.push -= 5e3 * now.coordinates().rail_slide_rate;
+    })
+    .expect("inputs of this model");
+    let error = run.run(1.0).expect_err("too long a step");
+    assert!(
+        matches!(error.cause, StepError::UnstableStep { .. }),
+        "{error}"
+    );
+}
