@@ -58,6 +58,10 @@ impl<L: Lanes> LockStep<L, ()> {
     ///
     /// # Errors
     /// Those of [`LockStep::new`]; a model with inputs, which a closure can give.
+    #[allow(
+        clippy::type_complexity,
+        reason = "a closure without a name, which no alias can stand for"
+    )]
     pub fn of_model(
         model: impl Equations<L>,
         layout: &Layout,
