@@ -1097,7 +1097,7 @@ const _: () = {
             .sqrt();
         let hanger_stretch = hanger_length - hanger_l;
         let hanger_pull = hanger_k * hanger_stretch;
-        let hanger_length_minus_half = hanger_length - half;
+        let hanger_stretch_2 = hanger_length - half;
         *out = [
             left_stay_length_minus_scaled,
             left_stay_pull,
@@ -1105,7 +1105,7 @@ const _: () = {
             right_stay_pull,
             back_stay_length_minus_scaled,
             back_stay_pull,
-            hanger_length_minus_half,
+            hanger_stretch_2,
             hanger_pull,
         ];
     }
