@@ -109,7 +109,7 @@ pub fn sin_cos_within<S: Real>(x: S, any: impl FnOnce(S::Mask) -> bool) -> (S, S
     let is_odd = || S::both(half.lt(size), size.lt(most));
     let sine_or = S::select(is_odd(), cosine, sine);
     let cosine_or = S::select(is_odd(), sine, cosine);
-    let signed = |x: S, turned: S| S::select(half.lt(turned), -x, x);
+    let signed = |x: S, by: S| S::select(half.lt(by), -x, x);
     let opposite = |x: S| S::select(most.lt(size), -x, x);
     (
         opposite(signed(
