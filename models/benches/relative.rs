@@ -109,16 +109,7 @@ fn stepping(model: &dyn Model<f64>) -> (Vec<f64>, impl FnMut()) {
 
 fn derivative<'a>(model: &'a dyn Model<f64>, state: &'a [f64]) -> impl FnMut() + 'a {
     let (mut work, mut out) = (model.work(), vec![0.0; model.layout().nx()]);
-    let at = At {
-        time: 0.0,
-        state,
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs: &[],
-        rows: &[],
-    };
+    let at = At::of_state(0.0, state, &[]);
     move || {
         model.evaluate(
             Quantity::Derivative,

@@ -210,16 +210,7 @@ mod tests {
             &order,
             &crate::program::TermPlaces::default(),
         );
-        let at = At {
-            time: 0.0,
-            state: &x,
-            nodes: &[],
-            effective: &[],
-            hold: &[],
-            ends: &[],
-            inputs: &[],
-            rows: &[],
-        };
+        let at = At::of_state(0.0, &x, &[]);
         let mut out = [0.0; 3];
         program.run(
             &at,

@@ -123,16 +123,7 @@ impl<T: Real> Interpreted<T> {
     pub fn unchecked(equations: Arc<SceneEquations>, params: &[T]) -> Self {
         let mut derived = vec![T::zero(); equations.derived.len];
         let mut registers = Registers::new(equations.derived.registers());
-        let nowhere = At {
-            time: T::zero(),
-            state: &[],
-            nodes: &[],
-            effective: &[],
-            hold: &[],
-            ends: &[],
-            inputs: &[],
-            rows: &[],
-        };
+        let nowhere = At::of_state(T::zero(), &[], &[]);
         equations
             .derived
             .run(&nowhere, params, &[], &mut registers, &mut derived);

@@ -253,16 +253,7 @@ fn the_system_is_solved_once_for_accelerations_multipliers_and_reactions() {
             solution.program.instructions.len()
         );
         let x = state(&equations.layout);
-        let at = At {
-            time: 0.0,
-            state: &x,
-            nodes: &[],
-            effective: &[],
-            hold: &[],
-            ends: &[],
-            inputs: &[],
-            rows: &[],
-        };
+        let at = At::of_state(0.0, &x, &[]);
         let run = |program: &Program| {
             let mut out = vec![0.0; program.len];
             let mut registers = Registers::new(program.registers());

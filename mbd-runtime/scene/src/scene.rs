@@ -343,19 +343,15 @@ impl Frame {
     #[must_use]
     pub fn moves(&self, scene: &Scene) -> bool {
         let mut all = self.position.iter();
-        self.turns(scene) || all.any(|formula| depends_on_time(scene, formula))
+        self.turns(scene) || all.any(|formula| scene.depends_on_time(formula))
     }
 
     /// Whether its axes depend on time.
     #[must_use]
     pub fn turns(&self, scene: &Scene) -> bool {
         let mut all = self.rotation.iter().flatten().flatten();
-        all.any(|formula| depends_on_time(scene, formula))
+        all.any(|formula| scene.depends_on_time(formula))
     }
-}
-
-fn depends_on_time(scene: &Scene, formula: &Formula) -> bool {
-    scene.contains(formula, |part| *part == Formula::Time)
 }
 
 /// A rigid body.

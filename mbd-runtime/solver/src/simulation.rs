@@ -184,7 +184,7 @@ pub struct Simulation<T: Float> {
     rounded: f64,
     /// What rounding of time makes of what follows it, and whether anything does.
     time_rounding: TimeRounding,
-    says_time: OnceCell<bool>,
+    reads_time: OnceCell<bool>,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,
     /// What tells the model from others, and its columns, once something asks for it.

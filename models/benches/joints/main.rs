@@ -236,16 +236,7 @@ fn compare(name: &str, generated: &dyn Model<f64>, place: impl Fn(usize) -> Pose
     );
     let start = (runs.0.snapshot(), runs.1.snapshot());
     let at_start = runs.0.state().to_vec();
-    let at = At {
-        time: 0.0,
-        state: &at_start,
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs: &[],
-        rows: &[],
-    };
+    let at = At::of_state(0.0, &at_start, &[]);
     let mut dense = Dense::new(&generic, &at);
     let (mut ours, mut laws) = (vec![0.0; at_start.len()], vec![0.0; at_start.len()]);
     let mut work = (generated.work(), generic.work(), generic.work());

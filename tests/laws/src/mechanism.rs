@@ -313,14 +313,8 @@ pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet>
 #[must_use]
 pub fn at<'a, S: Real>(state: &'a [S], inputs: &'a [S], rows: &'a [S]) -> At<'a, S> {
     At {
-        time: S::zero(),
-        state,
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs,
         rows,
+        ..At::of_state(S::zero(), state, inputs)
     }
 }
 

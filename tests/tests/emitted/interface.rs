@@ -140,14 +140,8 @@ fn typed_methods_give_the_numbers_of_the_trait() {
     let inputs = given.to_array();
     assert_eq!(KiteInputs::from_array(inputs), given);
     let at = mbd_runtime::At {
-        time: 0.5,
-        state: &x,
-        nodes: &[],
-        effective: &[],
         hold: &HOLD,
-        ends: &[],
-        inputs: &inputs,
-        rows: &[],
+        ..mbd_runtime::At::of_state(0.5, &x, &inputs)
     };
     let value = |what: Quantity| {
         let mut out = vec![0.0; kite.layout().len(what)];
@@ -349,14 +343,8 @@ fn a_quantity_that_is_not_emitted_says_so_loudly() {
     let weight = Weight::new(WeightParams::default()).expect("no parameters");
     let x = [0.0; 6];
     let at = mbd_runtime::At {
-        time: 0.0,
-        state: &x,
-        nodes: &[],
-        effective: &[],
         hold: &[0.0],
-        ends: &[],
-        inputs: &[],
-        rows: &[],
+        ..mbd_runtime::At::of_state(0.0, &x, &[])
     };
     let mut energy = [0.0; 6];
     weight.evaluate(Quantity::Energy, &at, &mut weight.work(), &mut energy);
@@ -369,14 +357,8 @@ fn slices_of_a_wrong_length_leave_the_result_untouched() {
     let x = state.to_vec();
     let inputs = breeze(0.0, &state).to_array();
     let at = mbd_runtime::At {
-        time: 0.0,
-        state: &x[1..],
-        nodes: &[],
-        effective: &[],
         hold: &HOLD,
-        ends: &[],
-        inputs: &inputs,
-        rows: &[],
+        ..mbd_runtime::At::of_state(0.0, &x[1..], &inputs)
     };
     let mut out = vec![7.0; 19];
     kite.evaluate(Quantity::Derivative, &at, &mut kite.work(), &mut out);

@@ -254,16 +254,7 @@ fn derivatives_through_rows_are_there_and_those_of_another_model_are_refused() {
     let mut run = Simulation::new(&door, Options::rk4(1e-2)).expect("options");
     run.start().expect("it hangs");
     let mut linear = Linearisation::new(door.layout());
-    let at = mbd_runtime::At {
-        time: 0.0,
-        state: run.state(),
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs: &[],
-        rows: &[],
-    };
+    let at = mbd_runtime::At::of_state(0.0, run.state(), &[]);
     linear
         .evaluate(&door, &at, &mut door.work())
         .expect("it hangs");

@@ -250,16 +250,7 @@ fn states_are_in_the_derivatives() {
     let cart = Cart::new(CartParams::default()).expect("defaults");
     let mut linear = Linearisation::new(cart.layout());
     let state = CartState::at_origin().to_vec();
-    let at = mbd_runtime::At {
-        time: 0.0,
-        state: &state,
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs: &[],
-        rows: &[],
-    };
+    let at = mbd_runtime::At::of_state(0.0, &state, &[]);
     linear
         .evaluate(&cart, &at, &mut cart.work())
         .expect("a smooth place");

@@ -154,28 +154,29 @@ impl<S: Real> Evaluation<'_, S> {
             Place::Body(body, frame) => {
                 let motion = self.motions.get(body)?;
                 let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
+                let own = Rotation::from(frame.rotation);
+                let (omega, outward, arm, frame) = match components {
+                    AngularVelocity::Body => (
+                        motion.omega_body,
+                        Rotation::Matrix(motion.rotation),
+                        frame.position,
+                        own,
+                    ),
+                    AngularVelocity::World => (
+                        motion.omega_world,
+                        Rotation::Identity,
+                        motion.arm(&frame.position),
+                        Rotation::Matrix(motion.rotation).after(&own),
+                    ),
+                };
                 Some(End {
                     position: motion.position,
                     velocity: motion.velocity,
-                    omega: match components {
-                        AngularVelocity::Body => motion.omega_body,
-                        AngularVelocity::World => motion.omega_world,
-                    },
-                    outward: match components {
-                        AngularVelocity::Body => Rotation::Matrix(motion.rotation),
-                        AngularVelocity::World => Rotation::Identity,
-                    },
-                    arm: match components {
-                        AngularVelocity::Body => frame.position,
-                        AngularVelocity::World => motion.arm(&frame.position),
-                    },
+                    omega,
+                    outward,
+                    arm,
                     reference: Vector3::zeros(),
-                    frame: match components {
-                        AngularVelocity::Body => frame.rotation.into(),
-                        AngularVelocity::World => {
-                            Rotation::Matrix(motion.rotation).after(&frame.rotation.into())
-                        }
-                    },
+                    frame,
                     prescribed: None,
                 })
             }

@@ -141,16 +141,7 @@ impl<'a> Configuration<'a> {
 
     /// Calls `look` with the evaluation of this configuration.
     fn look<R>(&self, look: impl FnOnce(&Evaluation<'_, f64>) -> R) -> R {
-        let at = At {
-            time: 0.0,
-            state: &self.state,
-            nodes: &[],
-            effective: &[],
-            hold: &[],
-            ends: &[],
-            inputs: &self.inputs,
-            rows: &[],
-        };
+        let at = At::of_state(0.0, &self.state, &self.inputs);
         look(&Evaluation {
             scene: self.scene,
             layout: self.layout,

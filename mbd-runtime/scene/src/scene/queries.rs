@@ -293,6 +293,19 @@ impl Scene {
         self.walk(formula, &mut |part| found |= test(part));
         found
     }
+
+    /// Whether a formula, or a `let` it names, reads time.
+    #[must_use]
+    pub fn depends_on_time(&self, formula: &Formula) -> bool {
+        self.contains(formula, |part| *part == Formula::Time)
+    }
+
+    /// Whether any formula at all reads time. The text of a scene leaves none out; a name with that word in it counts, too, and costs a look at what
+    /// does not change.
+    #[must_use]
+    pub fn reads_time(&self) -> bool {
+        format!("{self:?}").contains(&format!("{:?}", Formula::Time))
+    }
 }
 
 /// The `let` that a formula is.

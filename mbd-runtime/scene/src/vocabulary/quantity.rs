@@ -237,6 +237,23 @@ pub struct At<'a, S> {
     pub rows: &'a [S],
 }
 
+impl<'a, S> At<'a, S> {
+    /// A time [s], a state x = [q | v | z | s] and inputs, and nothing else: what a scene without nodes reads. The other lists are empty.
+    #[must_use]
+    pub fn of_state(time: S, state: &'a [S], inputs: &'a [S]) -> Self {
+        At {
+            time,
+            state,
+            nodes: &[],
+            effective: &[],
+            hold: &[],
+            ends: &[],
+            inputs,
+            rows: &[],
+        }
+    }
+}
+
 /// What an [`At`] borrows, as lists of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arguments<S> {

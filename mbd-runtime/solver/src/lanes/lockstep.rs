@@ -76,16 +76,7 @@ impl<L: Lanes> LockStep<L, ()> {
         }
         let mut work = vec![L::zero(); model.room()];
         LockStep::new(layout, step, start, move |time, state, rates| {
-            let at = At {
-                time: L::from_f64(time),
-                state,
-                nodes: &[],
-                effective: &[],
-                hold: &[],
-                ends: &[],
-                inputs: &[],
-                rows: &[],
-            };
+            let at = At::of_state(L::from_f64(time), state, &[]);
             model.evaluate(Quantity::Derivative, &at, &mut work, rates);
         })
     }

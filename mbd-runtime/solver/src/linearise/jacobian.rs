@@ -8,7 +8,7 @@
 //! component of a quaternion, too. Partial derivatives are the model's own where it was generated with `emit: [partial]`, else the laws run on
 //! duals; those by time and those of powers always do.
 
-use mbd_scene::{At, Differentiated, Float, Formula, Model, Quantity, Scene, Variable, Work};
+use mbd_scene::{At, Differentiated, Float, Model, Quantity, Variable, Work};
 
 use super::LinearisationError;
 use super::matrix::Matrix;
@@ -63,7 +63,7 @@ impl<T: Float> Jacobian<T> {
     /// Room for a model, with the powers behind its state or without.
     pub(crate) fn new(model: &dyn Model<T>, works: bool) -> Self {
         let total = |by: DerivativeBy| PartialDerivatives::new(model, by, works);
-        let timed = says_time(model.scene());
+        let timed = model.scene().reads_time();
         let own = differentiates(model);
         Jacobian {
             state: total(Variable::State.into()),
@@ -204,9 +204,4 @@ fn differentiates<T: Float>(model: &dyn Model<T>) -> bool {
     };
     model.evaluate(what, &at, &mut model.work(), &mut probe);
     probe.iter().any(|x| x.is_finite())
-}
-
-/// Whether anything in a scene is a formula of time. Its whole text leaves no formula out; a name with that word in it costs a pass of duals a step.
-pub(crate) fn says_time(scene: &Scene) -> bool {
-    format!("{scene:?}").contains(&format!("{:?}", Formula::Time))
 }

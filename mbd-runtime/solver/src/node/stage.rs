@@ -158,14 +158,8 @@ impl<T: Float> Nodes<T> {
     #[inline]
     pub(crate) fn at_no_node<'a>(&'a self, time: T, state: &'a [T], inputs: &'a [T]) -> At<'a, T> {
         At {
-            time,
-            state,
-            nodes: &[],
-            effective: &[],
             hold: &self.hold,
-            ends: &[],
-            inputs,
-            rows: &[],
+            ..At::of_state(time, state, inputs)
         }
     }
 

@@ -8,7 +8,6 @@ use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
 use crate::columns::part_name;
 use crate::error::{RunError, Source, StepError};
 use crate::integrate::stiffness;
-use crate::linearise::says_time;
 use crate::rounding::{REFUSED, TimeRounding};
 use crate::system::WORKS;
 use crate::trajectory::Trajectory;
@@ -317,7 +316,7 @@ impl<T: Float> Simulation<T> {
     fn time_apart(&self) -> Option<f64> {
         let apart = TimeRounding::coarseness::<T>(self.time)?;
         let scene = self.system.model.scene();
-        let says = self.says_time.get_or_init(|| says_time(scene));
+        let says = self.reads_time.get_or_init(|| scene.reads_time());
         says.then_some(apart)
     }
 

@@ -181,7 +181,7 @@ impl<T: Float> Simulation<T> {
             length: scales.length,
             rounded: 0.0,
             time_rounding: TimeRounding::default(),
-            says_time: OnceCell::new(),
+            reads_time: OnceCell::new(),
             bodies: vec![T::zero(); bodies],
             origin: 0.0,
             count: 0,

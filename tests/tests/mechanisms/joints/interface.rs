@@ -67,16 +67,7 @@ fn the_sparsity_of_the_jacobian_is_where_it_is_written() {
     }
     let jacobian = pendulum.constraint_jacobian(&state);
     let flat_state = state.to_vec();
-    let at = At {
-        time: 0.0,
-        state: &flat_state,
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs: &[],
-        rows: &[],
-    };
+    let at = At::of_state(0.0, &flat_state, &[]);
     let written = f64::MAX;
     let mut flat = vec![written; Pendulum::NC * Pendulum::NV];
     pendulum.evaluate(

@@ -286,14 +286,9 @@ fn asked_functions_are_methods_and_give_what_the_laws_give() {
     let (state, layout) = (at.to_vec(), crane.layout());
     let hold = vec![0.0; layout.holds()];
     let asked = At {
-        time: 0.0,
-        state: &state,
-        nodes: &[],
-        effective: &[],
         hold: &hold,
-        ends: &[],
-        inputs: &[],
         rows: &motion,
+        ..At::of_state(0.0, &state, &[])
     };
     let generic = Generic::new(crane.scene().clone(), crane.params()).expect("the same");
     let ask = |model: &dyn Model<f64>, what: Quantity| {
