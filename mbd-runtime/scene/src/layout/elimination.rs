@@ -134,9 +134,15 @@ impl Elimination {
     /// The child that a joint carries out of the system, and how; `None` where it carries none.
     #[must_use]
     pub fn child_of(&self, joint: usize) -> Option<(usize, Carrying)> {
-        let own = |parent: &Option<usize>| *parent == Some(joint);
-        let body = self.parent_joints.iter().position(own)?;
-        Some((body, self.carrying(body)?.1))
+        // The two leave as a pair, the body first.
+        let leaving = self
+            .steps
+            .get(self.step_of(Part::Joint(joint))?.checked_sub(1)?)?;
+        let Part::Body(body) = leaving.part else {
+            return None;
+        };
+        let (parent, carrying) = self.carrying(body)?;
+        (parent == joint).then_some((body, carrying))
     }
 
     /// The step of a part; `None` if the system has no such part.
