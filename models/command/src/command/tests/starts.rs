@@ -122,6 +122,11 @@ fn a_declared_start_that_the_joints_do_not_allow_is_told_in_both_families() {
         let told = flown("at [-0.5, 0, -0.866] m");
         let warned = told.starts_with("warning: `rod` does not start where `start at`");
         assert!(warned, "{family}: {told}");
+        let nowhere = flown("rotated rpy(0, 30 deg, 0)");
+        let warned = nowhere
+            .contains("from the origin of the world, where a `start` that says no place puts it");
+        // In relative coordinates it hangs from its hinge, as it is rotated.
+        assert_eq!(warned, family == "absolute", "{nowhere}");
         let fits = flown("at [-0.5, 0, -0.8660254] m rotated rpy(0, 30 deg, 0)");
         assert!(!fits.contains("warning"), "{family}: {fits}");
     }
