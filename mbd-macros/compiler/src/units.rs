@@ -298,11 +298,16 @@ pub fn foreign(word: &str) -> Option<&'static str> {
         .map(|(_, ours)| *ours)
 }
 
-/// The unit that differs from a word in capitals only, if there is one: another letter is another unit.
+/// The unit that differs from a word in capitals only, if there is one: another letter is another unit, and mega is not milli.
 pub fn same_but_for_case(word: &str) -> Option<&'static str> {
+    let is_unit = |word: &str| UNITS.iter().any(|(known, ..)| *known == word);
+    let prefixed = |known: &str| {
+        known.strip_prefix(['m', 'M']).is_some_and(is_unit)
+            && known.chars().next() != word.chars().next()
+    };
     let mut near = UNITS
         .iter()
-        .filter(|(known, ..)| known.eq_ignore_ascii_case(word));
+        .filter(|(known, ..)| known.eq_ignore_ascii_case(word) && !prefixed(known));
     match (near.next(), near.next()) {
         (Some((only, ..)), None) => Some(only),
         _ => None,
@@ -517,6 +522,15 @@ mod tests {
         assert_eq!(run_together("kgs"), None);
         assert_eq!(run_together("kilos"), None);
         assert_eq!(run_together("m"), None);
+    }
+
+    #[test]
+    fn a_unit_is_not_proposed_for_one_that_is_a_thousand_million_times_as_large() {
+        for word in ["MA", "MV", "Mm", "MM", "mpa"] {
+            assert_eq!(same_but_for_case(word), None, "{word}");
+        }
+        let near = ["KN", "mv", "M", "MPH", "S"].map(same_but_for_case);
+        assert_eq!(near, ["kN", "mV", "m", "mph", "s"].map(Some));
     }
 
     #[test]

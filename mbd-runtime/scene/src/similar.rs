@@ -27,26 +27,45 @@ pub fn distance(a: &str, b: &str) -> usize {
     rows[a.len()][b.len()]
 }
 
-/// The word of the set that was probably meant: the nearest, at most a third of the letters away; the first of equals.
-#[must_use]
-pub fn nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+/// The words of a set that may have been meant: the nearest, at most a third of the letters away; several where they are equally near.
+fn all_nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let limit = (word.chars().count() / 3).max(1);
-    set.into_iter()
-        .map(|candidate| {
-            (
-                distance(&word.to_lowercase(), &candidate.to_lowercase()),
-                candidate,
-            )
-        })
-        .filter(|(d, candidate)| *d <= limit && *d < candidate.chars().count())
-        .min_by_key(|(d, _)| *d)
-        .map(|(_, candidate)| candidate)
+    let near = set.into_iter().filter_map(|candidate| {
+        let bare = distance(&word.to_lowercase(), &candidate.to_lowercase());
+        let far = bare > limit || bare >= candidate.chars().count();
+        (!far).then(|| ((bare, distance(word, candidate)), candidate))
+    });
+    let near: Vec<_> = near.collect();
+    let least = near.iter().map(|(edits, _)| *edits).min();
+    let mut found: Vec<&str> = Vec::new();
+    for (edits, candidate) in near {
+        if Some(edits) == least && !found.contains(&candidate) {
+            found.push(candidate);
+        }
+    }
+    found
 }
 
-/// `; did you mean `x`?`, or nothing.
+/// The word of the set that was probably meant: the nearest, at most a third of the letters away; none where several are equally near.
+#[must_use]
+pub fn nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    match all_nearest(word, set)[..] {
+        [only] => Some(only),
+        _ => None,
+    }
+}
+
+/// `; did you mean `x`?`, `; did you mean `x` or `y`?` where these are equally near, or nothing: also where there are more, of which any would be a guess.
 #[must_use]
 pub fn did_you_mean<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> String {
-    nearest(word, set).map_or_else(String::new, |found| format!("; did you mean `{found}`?"))
+    let [others @ .., last] = &all_nearest(word, set)[..] else {
+        return String::new();
+    };
+    match others {
+        [] => format!("; did you mean `{last}`?"),
+        [_] | [_, _] => format!("; did you mean `{}` or `{last}`?", others.join("`, `")),
+        _ => String::new(),
+    }
 }
 
 /// The same and all that there are: `; did you mean `x`? There are: x, y`, `; there are: x, y`, or `; there are none`.
@@ -77,6 +96,24 @@ mod tests {
         assert_eq!(nearest("kgs", ["kg", "g", "m"]), Some("kg"));
         assert_eq!(nearest("uper", ["lower", "upper"]), Some("upper"));
     }
+
+    #[test]
+    fn of_words_that_are_equally_near_none_is_chosen() {
+        // One of them is the arc, the other none: what is meant is not known.
+        let functions = ["abs", "acos", "sin", "sinh", "tan", "atan"];
+        assert_eq!(nearest("acs", functions), None);
+        let said = |word| did_you_mean(word, functions);
+        assert_eq!(said("acs"), "; did you mean `abs` or `acos`?");
+        assert_eq!(said("sih"), "; did you mean `sin` or `sinh`?");
+        assert_eq!(said("acoss"), "; did you mean `acos`?");
+        let angles = ["angle1", "angle2", "angle1_rate"];
+        let angle = did_you_mean("angle3", angles);
+        assert_eq!(angle, "; did you mean `angle1` or `angle2`?");
+        let legs = ["leg[0]", "leg[1]", "leg[2]", "leg[3]"];
+        assert_eq!(did_you_mean("leg[7]", legs), "");
+        assert_eq!(nearest("Bob", ["bob", "Bobb", "bob"]), Some("bob"));
+    }
+
     #[test]
     fn all_that_there_is_stands_behind_what_is_near_in_a_sentence_of_its_own() {
         assert_eq!(

@@ -1,5 +1,7 @@
 //! The start that a declaration says: bodies and points where they are put, the rest by joint coordinates.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::evaluate::{Scratch, driven_coordinates};
@@ -10,9 +12,12 @@ use crate::laws::{Numbers, constant};
 use crate::placement::{FREE, place_near};
 use crate::tree::Absolute;
 use crate::{
-    Arguments, At, Formula, JointStart, Layout, Part, Place, PlacementError, PlacementReport,
-    Scene, Triple,
+    Arguments, At, Formula, Joint, JointStart, Layout, Part, Place, PlacementError,
+    PlacementReport, Scene, Triple,
 };
+
+/// A start that is said to these digits says the same as a motor [m or rad, and per second].
+const SAID: f64 = 1e-5;
 
 impl Arguments<f64> {
     /// A state before anything has run: the defaults of the inputs, what is detached at the start, nodes and their lines not solved.
@@ -165,6 +170,7 @@ pub fn place_declared(
     if layout.tree.is_some() {
         return place_along_tree((scene, layout), from, given, fixed, state);
     }
+    agree_with_motors((scene, layout), from, given, state)?;
     let mut all = given.to_vec();
     let mut others = Vec::new();
     for start in declared_coordinates(scene, from.0) {
@@ -195,6 +201,66 @@ pub fn place_declared(
         }
         result => result,
     }
+}
+
+/// What is given of coordinates that motors hold says where these hold them, up to full turns. What a motor is told by inputs is not known yet.
+///
+/// # Errors
+/// The first that says something else.
+fn agree_with_motors(
+    (scene, layout): (&Scene, &Layout),
+    (params, time): (&[f64], f64),
+    given: &[JointStart],
+    state: &[f64],
+) -> Result<(), PlacementError> {
+    let follows_input = |start: &JointStart| {
+        let joint = scene.joints.get(start.joint);
+        let mut motors = joint.into_iter().flat_map(Joint::motors);
+        motors.any(|(coordinate, course)| {
+            let input = |part: &Formula| matches!(part, Formula::Input(_));
+            // Value, rate and acceleration: the last of a filter follows an input, and is no start.
+            let started = match course {
+                Formula::Vector(parts) => parts.get(..2).unwrap_or(parts),
+                whole => std::slice::from_ref(whole),
+            };
+            let told = started.iter().any(|part| scene.contains(part, input));
+            coordinate == start.coordinate && told
+        })
+    };
+    if given.is_empty() || state.len() != layout.nx() {
+        return Ok(());
+    }
+    let here = Arguments::before_a_run(scene, layout, time, state);
+    let numbers = Numbers::new(scene, params);
+    let scratch = &mut Scratch::new(layout);
+    for driven in driven_coordinates(scene, layout, &numbers, &here.at(), scratch) {
+        let (joint, coordinate) = (driven.joint, driven.coordinate);
+        let mut given = given.iter();
+        let same = |start: &&JointStart| (start.joint, start.coordinate) == (joint, coordinate);
+        let Some(start) = given.find(same).filter(|_| !follows_input(&driven)) else {
+            continue;
+        };
+        let held = [driven.value, driven.rate].map(Option::unwrap_or_default);
+        let found = scene.coordinate(joint, coordinate);
+        let turns = found.is_some_and(|(_, coordinate)| coordinate.is_angle());
+        let elsewhere = start.value.filter(|_| !start.about).is_some_and(|said| {
+            let off = said - held[0];
+            let whole = if turns {
+                (off / TAU).round() * TAU
+            } else {
+                0.0
+            };
+            (off - whole).abs() > SAID
+        });
+        if elsewhere || start.rate.is_some_and(|said| (said - held[1]).abs() > SAID) {
+            return Err(PlacementError::Driven {
+                joint,
+                coordinate,
+                held,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// [`place_declared`] in relative coordinates: bodies are placed as in absolute ones; of joints of the tree the coordinates hold that are given or

@@ -627,3 +627,33 @@ fn a_joint_that_forbids_nothing_in_its_plane_starts_where_it_is_said() {
         }
     }
 }
+
+#[test]
+fn a_start_where_a_motor_does_not_hold_its_coordinate_is_told_in_both_families() {
+    for family in ["absolute", "relative"] {
+        let begun = |motor: &str, start: f64| {
+            let scene = read(&format!(
+                "model Driven {{ coordinates: {family}; gravity: none;
+                    input wish: angle = 0.5 rad;
+                    body rod {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0, 0, 0.5] m }}
+                    joint pin: hinge from world to rod.top {{ axis: y, {motor} }}
+                }}"
+            ));
+            let model = Generic::<f64>::with_defaults(scene).expect("no params");
+            let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+            let set = run.set_joints(&[("pin.angle", start)]);
+            set.map_err(|error| error.to_string())
+        };
+        for motor in [
+            "motor: 0.5 rad + 2 rad/s * time",
+            "motor: wish, filter: 20 ms",
+        ] {
+            let told = begun(motor, 0.2).expect_err("the motor holds it elsewhere");
+            assert!(told.contains("holds `pin.angle` at 0.500000 rad"), "{told}");
+            begun(motor, 0.5).expect("it says the same");
+            begun(motor, 0.5 - std::f64::consts::TAU).expect("and so does a turn less");
+        }
+        // What inputs will say is not known before they are given.
+        begun("motor: [wish, 0, 0]", 0.2).expect("as far as is known");
+    }
+}

@@ -1,7 +1,8 @@
 //! Lines that are wound: free lengths of inputs, states and time, against pendulums of varying length and the work of a winch.
 
-use mbd_runtime::{Options, Quantity, Simulation, StepError, model};
+use mbd_runtime::{Generic, Options, Quantity, Simulation, StepError, model};
 use tests::agreement::{agrees, agrees_along};
+use tests::declared::read;
 
 model! {
     /// A load on a rope from a trolley at rest: the length is a state, wound at the speed of an input.
@@ -186,6 +187,42 @@ fn a_winch_that_lifts_a_mass_does_the_work_of_its_weight() {
         "{drives} and {lost} against {want}"
     );
     assert!(lost < 0.0 && lost > -0.05 * want, "{lost}");
+}
+
+#[test]
+fn a_drum_as_the_language_describes_it_makes_no_energy_and_falls_as_its_load() {
+    // I θ̈ = T r, m z̈ = T − m g: with I = m r² the load falls at g/2.
+    let language = include_str!("../../../mbd-macros/LANGUAGE.md");
+    let between = |from: &str, to: &str| {
+        let rest = language.split_once(from).map(|(_, rest)| rest);
+        let found = rest.and_then(|rest| rest.split_once(to));
+        found.map_or_else(|| panic!("`{from}`"), |(found, _)| found.to_owned())
+    };
+    let rate = between("of a drum `", "`");
+    let force = between("its joint feels the rope by `", "`");
+    let scene = read(&format!(
+        "model Hoist {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            const radius = 0.2 m;
+            body barrel {{ mass: 20 kg, inertia: diag(0.2, 0.12, 0.2) kg*m^2 }}
+            point hook {{ mass: 3 kg, start at [0, 0, -5] m }}
+            joint drum: hinge from world to barrel.com {{ axis: y, {force} }}
+            state paid_out = 5 m {rate}
+            line rope from world to hook {{ free_length: paid_out, stiffness: 20 kN/m }}
+            output energy = energy.total;
+            output height = hook.position.z;
+        }}"
+    ));
+    let model = Generic::<f64>::with_defaults(scene).expect("no params");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+    let start = run.output("energy").expect("an output");
+    run.run(1.0).expect("a fall");
+    let change = run.output("energy").expect("an output") - start;
+    assert!(change.abs() < 1e-6, "{change} J");
+    let fallen = -5.0 - run.output("height").expect("an output");
+    let want = 0.25 * G;
+    // The rope stretches by 1 mm and swings about that.
+    assert!((fallen - want).abs() < 5e-3, "{fallen} m against {want} m");
 }
 
 #[test]

@@ -225,6 +225,19 @@ pub fn no_name(at: Region, item: &ItemWord) -> LexemeMessage {
     )
 }
 
+/// Of `line[i in 0..2] sling`.
+pub fn index_before_name(at: Region, item: &ItemWord, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "the index of {} `{}` stands behind its name: `{} {name}[i in 0..3]`",
+            article(item.word),
+            item.word,
+            item.word
+        ),
+    )
+}
+
 pub fn reserved_name(at: Region, word: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

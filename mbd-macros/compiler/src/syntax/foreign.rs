@@ -307,7 +307,7 @@ pub const NOT_CHANGING: Dictionary = &[
 pub const NOT_PROPORTIONAL: &str = "what follows the motion in another way is the field `force`, such as `force: -2 N*m * hip.angle^3`";
 
 /// What to write instead of a free length that follows the motion of what winds it.
-pub const WOUND_BY_MOTION: &str = "what answers to the motion is a `state` with a `rate`: what a drum pays out is `state paid_out = 5 m { rate: -0.2 m * drum.angle_rate }`, and the joint of the drum feels the rope by `force: 0.2 m * rope.tension`";
+pub const WOUND_BY_MOTION: &str = "what answers to the motion is a `state` with a `rate`: what a drum pays out is `state paid_out = 5 m { rate: -0.2 m * drum.angle_rate }`, and the joint of the drum feels the rope by `force: -0.2 m * rope.tension`";
 
 /// Functions of other tools.
 pub const FOREIGN_FUNCTIONS: Dictionary = &[

@@ -309,7 +309,15 @@ fn name<'a>(
         && clause(&mut behind, spec).is_none();
     let word = match cursor.word() {
         Some(word) if !is_clause => word,
-        _ => return Err(say::no_name(cursor.before(), spec)),
+        _ => {
+            // `line[i in 0..2] sling from …`
+            let mut behind = *cursor;
+            let index = behind.group(Bracket::Square);
+            return Err(match index.and_then(|_| behind.word()) {
+                Some(word) => say::index_before_name(cursor.before(), spec, &word.text),
+                None => say::no_name(cursor.before(), spec),
+            });
+        }
     };
     let index = cursor.group(Bracket::Square);
     Ok(NameSyntax { word, index })

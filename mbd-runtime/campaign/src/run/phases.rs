@@ -201,6 +201,9 @@ pub fn go_on(
     let mut run = Simulation::new(&*own, plan.options)?;
     plan.begin(&mut run)?;
     let handover = run.take_over_at(last, event, &plan.placed)?;
+    // What is carried moves as it did before, not as this scene would begin alone.
+    plan.moving.clear();
+    plan.turning.clear();
     Ok(Some(GoingRun {
         phase: index,
         plan,

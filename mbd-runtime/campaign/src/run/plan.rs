@@ -3,8 +3,8 @@
 use mbd_compiler::{ABOUT, nearest};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
-    Input, InputSource, JointStart, NodeModel, Part, PlacementError, PlacementReport, Scene,
-    StartNumber, declared_parts, place_declared,
+    Input, InputSource, JointStart, NodeModel, Parameter, Part, PartStart, PlacementError,
+    PlacementReport, Scene, StartNumber, declared_parts, place_declared,
 };
 use mbd_runtime::{
     Content, Generic, Layout, Method, Name, Options, RunError, Sampling, Scalar, Simulation,
@@ -33,6 +33,10 @@ pub struct RunPlan {
     pub state: Vec<f64>,
     /// The bodies and points that the settings place or set in motion.
     pub placed: Vec<String>,
+    /// Those of them whose velocity is said.
+    pub moving: Vec<String>,
+    /// Those of them whose angular velocity is said.
+    pub turning: Vec<String>,
     /// The joint coordinates that the settings start, and where [m or rad, and per second]: the state does not tell full turns.
     pub joints: Vec<(String, f64)>,
     /// What placing the bodies decided: starts that are about a value, coordinates that nothing decides.
@@ -85,6 +89,7 @@ impl RunPlan {
         let placed = placed(scene, &given);
         let start = start((scene, layout), &params, &given, &placed)?;
         let placed = with_declared(scene, &given, placed);
+        let [moving, turning] = in_motion(scene, &given, &placed);
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
             .iter()
@@ -106,6 +111,8 @@ impl RunPlan {
             params,
             state: start.state,
             placed,
+            moving,
+            turning,
             joints: start.joints,
             assembly: start.assembly,
             nodes: start.nodes,
@@ -167,6 +174,7 @@ impl RunPlan {
         (self.state, self.nodes) = (start.state, start.nodes);
         (self.joints, self.assembly) = (start.joints, start.assembly);
         self.placed = with_declared(scene.0, given, placed);
+        [self.moving, self.turning] = in_motion(scene.0, given, &self.placed);
         Ok(())
     }
 
@@ -321,6 +329,15 @@ fn held(input: &Input) -> String {
     format!(
         "`{name}` is an input and no param: what it is held at stands under [run.inputs], `{name} = \"{}\"`, or behind `--input` of `mbd run`",
         value.trim_end()
+    )
+}
+
+/// What is said where a param is given as an input.
+fn set_as(param: &Parameter) -> String {
+    let name = &param.name;
+    let value = param.unit.told(param.default);
+    format!(
+        "`{name}` is a param and no input: its value stands under [run.params], `{name} = \"{value}\"`, or behind `--set` of `mbd run`"
     )
 }
 
@@ -526,6 +543,27 @@ fn with_declared(scene: &Scene, given: &Table, mut placed: Vec<String>) -> Vec<S
     placed
 }
 
+/// Of the bodies and points that are placed those whose velocity is said, and those whose angular velocity is, by the settings or by the declaration.
+fn in_motion(scene: &Scene, given: &Table, placed: &[String]) -> [Vec<String>; 2] {
+    let given = flat(given);
+    let said = |name: &str, prefix: &str, declared: fn(&PartStart) -> bool| {
+        let set = given.iter().any(|(key, _)| {
+            let own = key.strip_prefix(name).and_then(|key| key.strip_prefix('.'));
+            own.is_some_and(|slot| slot.starts_with(prefix))
+        });
+        let of = |start: &&PartStart| Some(start.part) == part(scene, name) && declared(start);
+        set || scene.starts.parts.iter().any(|start| of(&start))
+    };
+    let all = |prefix: &str, declared: fn(&PartStart) -> bool| {
+        let said = placed.iter().filter(|name| said(name, prefix, declared));
+        said.cloned().collect()
+    };
+    [
+        all("v", |start| start.velocity.is_some()),
+        all("omega", |start| start.angular_velocity.is_some()),
+    ]
+}
+
 /// Makes a quaternion a unit one; it needs a direction for that.
 fn normalise(scene: &Scene, numbers: &mut [f64], at: usize) -> Result<(), PlanError> {
     let Some(quaternion) = numbers.get_mut(at..at + 4) else {
@@ -598,7 +636,14 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
         own.zip(given).for_each(|(to, value)| *to = value);
     }
     match given.keys().find(|name| !known.contains(&name.as_str())) {
-        Some(name) => Err(unknown(&format!("inputs.{name}"), name, known.into_iter())),
+        Some(name) => {
+            let setting = format!("inputs.{name}");
+            let mut params = scene.params.iter();
+            Err(match params.find(|param| param.name == *name) {
+                Some(param) => wrong(setting, set_as(param)),
+                None => unknown(&setting, name, known.into_iter()),
+            })
+        }
         None => Ok(numbers),
     }
 }

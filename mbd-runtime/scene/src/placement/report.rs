@@ -52,6 +52,15 @@ pub enum PlacementError {
         /// The joint, by index.
         joint: usize,
     },
+    /// A motor holds this coordinate elsewhere, or has it move otherwise, than its start says.
+    Driven {
+        /// The joint, by index.
+        joint: usize,
+        /// The coordinate, by number.
+        coordinate: usize,
+        /// Where the motor holds it, and how fast it moves it there [m or rad, and per second].
+        held: [f64; 2],
+    },
     /// The rates that are given contradict each other: no rates of the other joints keep the loops closed.
     Rates {
         /// The joint that would come apart fastest, by index.
@@ -77,6 +86,22 @@ impl PlacementError {
                 joint,
                 "is placed already, by other joint coordinates or by the bodies it joins, and not where its start says: leave out one of them, or say `about` before the start that may give way".to_owned(),
             ),
+            PlacementError::Driven {
+                joint,
+                coordinate,
+                held: [value, rate],
+            } => {
+                let name = scene.coordinate_name(joint, coordinate);
+                let found = scene.coordinate(joint, coordinate);
+                let unit = match found.is_some_and(|(_, coordinate)| coordinate.is_angle()) {
+                    true => "rad",
+                    false => "m",
+                };
+                (
+                    joint,
+                    format!("has a motor, which holds `{name}` at {value:.6} {unit} and {rate:.6} {unit}/s at the start, and not where its start says: leave the start out; a motor behind a filter begins where the declaration has the `start` of its coordinate"),
+                )
+            }
             PlacementError::Rates { joint } => (
                 joint,
                 "comes apart: the rates that its loop starts with contradict each other; leave out one of them".to_owned(),

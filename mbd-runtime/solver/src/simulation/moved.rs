@@ -21,6 +21,10 @@ pub struct Moved {
     pub velocity: f64,
     /// Change of its angular velocity [rad/s]; zero for a point.
     pub angular_velocity: f64,
+    /// Speed of its centre of mass as it was set [m/s].
+    pub speed: f64,
+    /// Its angular speed as it was set [rad/s]; zero for a point.
+    pub angular_speed: f64,
 }
 
 /// Everything that is elsewhere after the start, or moves otherwise, the largest distance first.
@@ -38,6 +42,11 @@ pub(super) fn moved<T: Float>(
         let squares = pairs.map(|(after, before)| (after.to_f64() - before.to_f64()).powi(2));
         squares.sum::<f64>().sqrt()
     };
+    let set = |own: Range<usize>| {
+        let speeds = before.get(own).unwrap_or_default().iter();
+        let squares = speeds.map(|speed| speed.to_f64().powi(2));
+        squares.sum::<f64>().sqrt()
+    };
     let all = moving(layout).map(|part| Moved {
         name: part_name(scene, part.part).to_owned(),
         distance: difference(part.position),
@@ -48,13 +57,15 @@ pub(super) fn moved<T: Float>(
             }
             _ => difference(part.attitude),
         },
+        speed: set(part.velocity.clone()),
+        angular_speed: set(part.spin.clone()),
         velocity: difference(part.velocity),
         angular_velocity: difference(part.spin),
     });
     let mut all: Vec<Moved> = all
         .filter(|one| one.distance + one.angle + one.velocity + one.angular_velocity != 0.0)
         .collect();
-    let size = |moved: &Moved| (moved.distance, moved.angle);
+    let size = |moved: &Moved| (moved.distance, moved.angle, moved.velocity);
     all.sort_by(|a, b| {
         size(b)
             .partial_cmp(&size(a))

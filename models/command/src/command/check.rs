@@ -6,6 +6,8 @@ use clap::Args;
 use mbd_compiler::SceneEquations;
 use mbd_report::ReportTable;
 use mbd_runtime::Layout;
+use mbd_runtime::scene::laws::starts;
+use mbd_runtime::scene::twelve_digits;
 use serde_json::{Value, json};
 
 use super::failure::CommandFailure;
@@ -74,11 +76,18 @@ pub fn pretty(value: &Value) -> Result<String, CommandFailure> {
         .map_err(|error| CommandFailure::Usage(error.to_string()))
 }
 
-/// The contents for a program; numbers of params in SI.
+/// The contents for a program; numbers in the unit beside them.
 fn contents(file: &SceneFile) -> Value {
     let (scene, layout) = (&file.scene, Layout::new(&file.scene));
     let params = scene.params.iter().map(|param| {
-        json!({ "name": param.name, "default": param.default, "range": param.range, "unit": param.unit.text, "doc": param.doc.trim() })
+        let told = |number: f64| twelve_digits(number / param.unit.factor);
+        json!({ "name": param.name, "default": told(param.default), "range": param.range.map(|range| range.map(told)), "unit": param.unit.text, "doc": param.doc.trim() })
+    });
+    let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let states = scene.states.iter().zip(starts(scene, &defaults));
+    let states = states.map(|(state, start)| {
+        let start = twelve_digits(start / state.unit.factor);
+        json!({ "name": state.name, "start": start, "unit": state.unit.text, "doc": state.doc.trim() })
     });
     let inputs = scene.inputs.iter().map(|input| {
         json!({ "name": input.name, "components": input.components, "unit": input.unit.text })
@@ -100,6 +109,7 @@ fn contents(file: &SceneFile) -> Value {
         "events": names(&mut scene.events.iter().map(|event| &event.name)),
         "params": params.collect::<Vec<_>>(),
         "inputs": inputs.collect::<Vec<_>>(),
+        "states": states.collect::<Vec<_>>(),
         "outputs": outputs.collect::<Vec<_>>(),
         "metrics": metrics.collect::<Vec<_>>(),
         "coordinates": layout.nq,

@@ -16,7 +16,7 @@ use toml::Value;
 
 use super::check::pretty;
 use super::failure::CommandFailure;
-use super::run::{Flag, SET, assign, assigned};
+use super::run::{Flag, INPUT, SET, assign, assigned};
 use super::scene_file::SceneFile;
 use crate::run::RunPlan;
 
@@ -50,6 +50,9 @@ pub struct LineariseArgs {
     /// A param with another value, `riser_k=50kN/m`; may be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// An input that is held at another value, `push=5N`; may be repeated.
+    #[arg(long = "input", value_name = "NAME=VALUE")]
+    input: Vec<String>,
     /// A, B, C, D with the names of their rows and columns, and the eigenvalues, as JSON.
     #[arg(long)]
     json: bool,
@@ -63,6 +66,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         ..
     } = SceneFile::find(&args.scene)?;
     assign(&mut settings.params, SET, &args.set)?;
+    assign(&mut settings.inputs, INPUT, &args.input)?;
     // Nothing runs: a scene need not say until when.
     settings.until.get_or_insert(Value::Float(1.0));
     let invalid = |error: &dyn std::fmt::Display| {
@@ -173,19 +177,32 @@ fn number(scene: &Scene, flag: Flag, written: &str) -> Result<(String, f64), Com
             ..Dimension::default()
         })
     };
-    // What is no coordinate of a joint is a position, or a turn, which a trim refuses by name.
     let position = Dimension {
         length: 2,
         time: if as_rate { -2 } else { 0 },
         ..Dimension::default()
     };
-    let wanted = match scene.joint_coordinate(name) {
+    let is_position = |name: &str| {
+        let (owner, axis) = name.rsplit_once('.').unwrap_or_default();
+        let mut parts = scene.bodies.iter().map(|body| &body.name);
+        let mut points = scene.points.iter().map(|point| &point.name);
+        ["x", "y", "z"].contains(&axis)
+            && (parts.any(|part| part == owner) || points.any(|point| point == owner))
+    };
+    let found = scene.joint_coordinate(name);
+    let whole = match found {
+        Some((joint, number, false)) => scene.coordinate_name(joint, number),
+        _ => name.to_owned(),
+    };
+    let wanted = match found {
         Some(found) => of_joint(found),
-        None => (!name.contains(".turn_")).then_some(position),
+        None if is_position(name) => Some(position),
+        // What is neither, a turn among them, a trim refuses by name.
+        None => return Ok((whole, value)),
     };
     let fits = !unit.text.is_empty() && wanted.is_none_or(|wanted| wanted == unit.dimension);
     match fits || value == 0.0 {
-        true => Ok((name.to_owned(), value)),
+        true => Ok((whole, value)),
         false if as_rate => Err(wrong("give it in the unit of its rate, rad/s, deg/s or rpm of an angle, m/s of a slide or a position".into())),
         false => Err(wrong("give it in the unit of its coordinate, deg or rad of an angle, m of a slide or a position".into())),
     }

@@ -356,7 +356,7 @@ fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Comman
 /// A flag that gives a name a value, and how it is written.
 pub(super) type Flag = (&'static str, &'static str);
 pub(super) const SET: Flag = ("--set", "riser_k=50kN/m");
-const INPUT: Flag = ("--input", "push=5N");
+pub(super) const INPUT: Flag = ("--input", "push=5N");
 
 /// Puts what a flag gives in place of what a table of `[run]` has.
 pub(super) fn assign(

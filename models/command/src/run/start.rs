@@ -1,8 +1,8 @@
 //! Whether a run started where it was asked to.
 
 use mbd_campaign::run::RunPlan;
-use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::laws::Numbers;
+use mbd_runtime::scene::{Part, Scene};
 use mbd_runtime::{Layout, Moved};
 
 use super::outcome::RunOutcome;
@@ -29,6 +29,22 @@ pub fn moved<'a>(plan: &RunPlan, outcome: &'a RunOutcome) -> Option<&'a Moved> {
     outcome.moved.iter().find(told)
 }
 
+/// By how much a body or a point was moved, and which.
+#[must_use]
+pub fn moved_text(moved: &Moved) -> String {
+    let changes = [
+        (moved.distance, "m"),
+        (moved.angle, "rad"),
+        (moved.velocity, "m/s"),
+        (moved.angular_velocity, "rad/s"),
+    ];
+    let told = changes.iter().filter(|(change, _)| *change > ROUNDING);
+    let told: Vec<String> = told
+        .map(|(change, unit)| format!("{change:.3e} {unit}"))
+        .collect();
+    format!("{}, `{}`", told.join(", "), moved.name)
+}
+
 /// One sentence where a body that the declaration or the settings place starts somewhere else, and one where the start is singular; `None` where all
 /// start where they were asked to, and one motion follows.
 #[must_use]
@@ -38,9 +54,13 @@ pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<St
          which; begin beside it, `start: 1 deg` of a coordinate, or with a rate"
             .to_owned()
     });
-    let both = [displaced(scene, plan, outcome), singular];
-    let both: Vec<String> = both.into_iter().flatten().collect();
-    (!both.is_empty()).then(|| both.join("\n"))
+    let all = [
+        displaced(scene, plan, outcome),
+        redirected(plan, outcome),
+        singular,
+    ];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    (!all.is_empty()).then(|| all.join("\n"))
 }
 
 /// One sentence where a body starts somewhere else than it is put.
@@ -61,10 +81,50 @@ fn displaced(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         angle if angle.abs() < 0.005 => String::new(),
         angle => format!(", rotated by {angle:.2}°"),
     };
+    let name = |part: Part| match part {
+        Part::Body(body) => scene.bodies.get(body).map(|body| &body.name),
+        Part::Point(point) => scene.points.get(point).map(|point| &point.name),
+        _ => None,
+    };
+    let mut starts = scene.starts.parts.iter();
+    if starts.any(|start| start.position.is_none() && name(start.part) == Some(&worst.name)) {
+        return Some(format!(
+            "warning: `{}` starts {:.3e} m away{rotated}{others} from the origin of the world, where a `start` that says no place puts it: say `start at` with it, or \
+             `start` and `start_rate` of its joints instead",
+            worst.name, worst.distance,
+        ));
+    }
     Some(format!(
         "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and it starts {:.3e} m away{rotated}{others}; \
          give positions and attitudes that fit each other",
         worst.name, worst.distance,
+    ))
+}
+
+/// One sentence where a body or a point starts with another velocity, or angular velocity, than is said.
+fn redirected(plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
+    let fastest = |of: fn(&Moved) -> f64| outcome.moved.iter().map(of).fold(0.0, f64::max);
+    let another = |said: &[String], change: fn(&Moved) -> f64, set: fn(&Moved) -> f64| {
+        let negligible = ROUNDING + FAR * fastest(set);
+        let told = outcome.moved.iter();
+        let told = told.filter(|moved| said.contains(&moved.name) && change(moved) > negligible);
+        let worst = told.max_by(|a, b| change(a).total_cmp(&change(b)))?;
+        Some((&worst.name, change(worst)))
+    };
+    let velocity = another(&plan.moving, |it| it.velocity, |it| it.speed);
+    let spin = another(
+        &plan.turning,
+        |it| it.angular_velocity,
+        |it| it.angular_speed,
+    );
+    let (name, what, change, unit) = match (velocity, spin) {
+        (Some((name, change)), _) => (name, "velocity", change, "m/s"),
+        (None, Some((name, change))) => (name, "angular velocity", change, "rad/s"),
+        (None, None) => return None,
+    };
+    Some(format!(
+        "warning: `{name}` does not start with the {what} that is said of it: its joints do not allow it, and its {what} differs by {change:.3e} {unit}; \
+         say the rates of its joints instead, such as `start_rate: 1 rad/s`, or velocities and angular velocities that fit each other",
     ))
 }
 

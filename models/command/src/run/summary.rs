@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::metrics::metrics;
 use super::outcome::RunOutcome;
 use super::quality::Quality;
-use super::start::moved;
+use super::start::{moved, moved_text};
 
 /// The numbers of a run, for programs.
 #[derive(Debug, Serialize)]
@@ -90,6 +90,8 @@ struct StartMoved<'a> {
     name: &'a str,
     distance_m: f64,
     angle_rad: f64,
+    velocity_m_s: f64,
+    angular_velocity_rad_s: f64,
 }
 
 /// Where a coordinate starts that is said to be about a value [m or rad].
@@ -174,6 +176,8 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
             name: &moved.name,
             distance_m: moved.distance,
             angle_rad: moved.angle,
+            velocity_m_s: moved.velocity,
+            angular_velocity_rad_s: moved.angular_velocity,
         }),
         start_about: plan
             .assembly
@@ -285,6 +289,12 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
             Cell::Count(statistics.switches),
         ));
     }
+    if let Some(moved) = moved(plan, outcome) {
+        rows.push((
+            "moved at the start so that the joints hold",
+            moved_text(moved).into(),
+        ));
+    }
     if layout.nc > 0 {
         let [start, held] = [layout.freedoms_at_start(), layout.freedoms()];
         let freedoms: Cell = match start == held {
@@ -316,13 +326,6 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         if outcome.trajectory.undetermined > 0 {
             let undetermined = Cell::Count(outcome.trajectory.undetermined);
             rows.push(("rows with reactions that have no value", undetermined));
-        }
-        if let Some(moved) = moved(plan, outcome) {
-            let distance = format!("{:.3e} m, `{}`", moved.distance, moved.name);
-            rows.push((
-                "moved at the start so that the joints hold",
-                distance.into(),
-            ));
         }
         for about in plan
             .assembly

@@ -257,7 +257,7 @@ fn runs_are_the_same_in_every_execution() {
             .any(|joint| joint.name == "drive")
         {
             // The loop closes from where the motor stands.
-            run.set_joints(&[("drive.angle", 0.5)])
+            run.set_joints(&[("drive.angle", 30_f64.to_radians())])
                 .expect("a loop that closes");
         }
         run.start().expect("a consistent start");

@@ -177,7 +177,10 @@ pub fn unknown_input_type(at: Region, word: &str) -> LexemeMessage {
 pub fn input_in_si(at: Region, dimension: Dimension) -> LexemeMessage {
     let unit = si_text(dimension);
     let unit = if unit == "1" { "rad".to_string() } else { unit };
-    LexemeMessage::new(at, format!("an input is given in SI: write `{unit}`"))
+    LexemeMessage::new(
+        at,
+        format!("the unit behind this name is one of SI: write `{unit}`"),
+    )
 }
 
 pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> LexemeMessage {

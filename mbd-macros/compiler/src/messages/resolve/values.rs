@@ -13,7 +13,7 @@ use crate::units::{self, described, si_text};
 pub fn not_finite(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
-        "this gives no finite number: look for a division by zero",
+        "this gives no finite number: look for a division by zero, or a root, a logarithm or an arc of what has none",
     )
 }
 

@@ -101,9 +101,25 @@ fn check_tells_programs_what_a_scene_contains_and_where_it_is_wrong() {
     assert_eq!(told["scene"], "Swing");
     assert_eq!(told["lines"][2], "fall");
     assert_eq!(told["params"][0]["name"], "k");
-    assert_eq!(told["params"][0]["range"][1], 100e3);
+    let k = &told["params"][0];
+    assert_eq!(
+        (&k["range"][1], &k["unit"]),
+        (&serde_json::json!(100.0), &serde_json::json!("kN/m"))
+    );
     assert_eq!(told["outputs"][0]["unit"], "m");
     let folder = Folder::new("json");
+    let file = folder.file(
+        "lag.mbd",
+        "model Lag { gravity: none; state seen = 60 mm { rate: -seen / 1 s } }",
+    );
+    let told: serde_json::Value =
+        serde_json::from_str(&run(&["check", &file, "--json"]).unwrap()).unwrap();
+    let seen = &told["states"][0];
+    assert_eq!(
+        (&seen["name"], &seen["unit"]),
+        (&serde_json::json!("seen"), &serde_json::json!("m"))
+    );
+    assert_eq!(seen["start"], 0.06);
     let file = folder.file(
         "m.mbd",
         "model M {\n  gravity: nome;\n  body a { mass: 1 }\n}\n",

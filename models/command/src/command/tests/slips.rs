@@ -39,6 +39,9 @@ fn params_and_inputs_of_the_command_line_are_answered_with_where_they_belong() {
         let told = run(&["run", &file, "--out", &out, "--set", set]).unwrap_err();
         assert!(told.to_string().contains(said), "{set}: {told}");
     }
+    let told = run(&["run", &file, "--out", &out, "--input", "k=1 N*m"]).unwrap_err();
+    let said = "is a param and no input: its value stands under [run.params], `k = \"2 N*m\"`";
+    assert!(told.to_string().contains(said), "{told}");
 }
 
 #[test]
@@ -114,6 +117,24 @@ fn a_rest_is_told_with_its_coordinates_and_begins_where_it_is_guessed() {
         let said = "give it in the unit of its coordinate";
         assert!(wrong.to_string().contains(said), "{guess}: {wrong}");
     }
+    for name in ["--guess", "--fix", "--rate"] {
+        let wrong = run(&["linearise", &file, "--trim", name, "pin.agle=1 rad"]).unwrap_err();
+        let said = "did you mean `pin.angle`?";
+        assert!(wrong.to_string().contains(said), "{name}: {wrong}");
+    }
+    // The name of the joint is that of its one coordinate; 2 N at 0.5 m against the spring and the weight.
+    let pushed = [
+        "linearise",
+        &file,
+        "--trim",
+        "--guess",
+        "pin=10 deg",
+        "--input",
+        "push=2 N",
+    ];
+    let angle = value(&run(&pushed).unwrap());
+    let moment = angle * 2.0 + 4.905 * angle.sin() + angle.cos();
+    assert!(moment.abs() < 1e-3 && angle.abs() > 0.1, "{angle}");
     let wrong = run(&["linearise", &file, "--trim", "--guess", "pin.angle"]).unwrap_err();
     assert!(
         wrong.to_string().contains("write it as NAME=VALUE"),

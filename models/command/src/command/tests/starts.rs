@@ -122,7 +122,47 @@ fn a_declared_start_that_the_joints_do_not_allow_is_told_in_both_families() {
         let told = flown("at [-0.5, 0, -0.866] m");
         let warned = told.starts_with("warning: `rod` does not start where `start at`");
         assert!(warned, "{family}: {told}");
+        let nowhere = flown("rotated rpy(0, 30 deg, 0)");
+        let warned = nowhere
+            .contains("from the origin of the world, where a `start` that says no place puts it");
+        // In relative coordinates it hangs from its hinge, as it is rotated.
+        assert_eq!(warned, family == "absolute", "{nowhere}");
         let fits = flown("at [-0.5, 0, -0.8660254] m rotated rpy(0, 30 deg, 0)");
+        assert!(!fits.contains("warning"), "{family}: {fits}");
+    }
+}
+
+#[test]
+fn a_declared_velocity_that_the_joints_do_not_allow_is_told_in_both_families() {
+    let folder = Folder::new("declared_velocity");
+    let out = folder.0.join("out").display().to_string();
+    // The bob is 1 m from the hinge about y: its velocity of 1 m/s belongs to −1 rad/s, and no rotation at all to no velocity.
+    for family in ["absolute", "relative"] {
+        let flown = |motion: &str| {
+            let text = PENDULUM
+                .replace("gravity:", &format!("coordinates: {family}; gravity:"))
+                .replace(
+                    "frame pivot",
+                    &format!("start at [0, 0, -1] m {motion}, frame pivot"),
+                );
+            let file = folder.file(
+                "pendulum.mbd",
+                &format!("{text}\n[run]\nuntil = \"0.1 s\"\n"),
+            );
+            run(&["run", &file, "--out", &out]).unwrap()
+        };
+        let told = flown("velocity [1, 0, 0] m/s");
+        let warned =
+            told.starts_with("warning: `rod` does not start with the velocity that is said");
+        assert!(warned && told.contains("start_rate"), "{family}: {told}");
+        let json = std::fs::read_to_string(folder.0.join("out/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let changed = summary["start_moved"]["velocity_m_s"].as_f64().unwrap();
+        assert!(changed > 0.05, "{family}: {json}");
+        let told = flown("angular_velocity [0, 0, 1] rad/s");
+        let warned = told.starts_with("warning: `rod` does not start with the angular velocity");
+        assert!(warned, "{family}: {told}");
+        let fits = flown("velocity [1, 0, 0] m/s angular_velocity [0, -1, 0] rad/s");
         assert!(!fits.contains("warning"), "{family}: {fits}");
     }
 }
