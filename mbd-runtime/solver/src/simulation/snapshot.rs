@@ -31,6 +31,9 @@ pub struct Snapshot<T> {
     origin: f64,
     count: u64,
     state: Vec<T>,
+    /// What rounding took from the state, in single precision.
+    #[serde(default = "Vec::new")]
+    lost: Vec<T>,
     memory: NodeMemory<T>,
     control: Option<Control>,
     watch: Watch,
@@ -99,6 +102,8 @@ impl<T: Float> Simulation<T> {
         to.origin = self.origin;
         to.count = self.count;
         to.state.clone_from(&self.state);
+        to.lost.clear();
+        to.lost.extend_from_slice(self.method.lost());
         to.from = self.system.origin();
         to.memory.copy_from(&self.system.memory);
         to.control = match &self.pace {
@@ -141,6 +146,7 @@ impl<T: Float> Simulation<T> {
         };
         let fits = snapshot.scene == self.fingerprint()
             && snapshot.state.len() == self.state.len()
+            && (snapshot.lost.is_empty() || snapshot.lost.len() == self.state.len())
             && snapshot.memory.check(self.system.model.layout()).is_ok()
             && snapshot.sides.len() == self.margins.sides.len()
             // One that was written before they were kept has none.
@@ -179,6 +185,7 @@ impl<T: Float> Simulation<T> {
             left >= -now && left <= sampler.period + now
         };
         let whole = snapshot.watch_weights.len() == self.system.nx
+            && snapshot.lost.iter().all(|lost| lost.is_finite())
             && self.samplers.iter().zip(&snapshot.samples).all(due)
             && snapshot.control.as_ref().is_none_or(Control::check);
         match whole {
@@ -255,6 +262,7 @@ impl<T: Float> Simulation<T> {
         self.watch = snapshot.watch;
         self.stiffness = snapshot.stiffness;
         self.method.resume(snapshot.stiff);
+        self.method.set_lost(&snapshot.lost);
         self.balance = snapshot.balance;
         self.momentum = snapshot.momentum;
         self.margins.sides.copy_from_slice(&snapshot.sides);

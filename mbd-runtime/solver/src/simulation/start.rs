@@ -73,7 +73,7 @@ impl<T: Float> Simulation<T> {
         let layout = model.layout();
         let noisy = fixed && options.guard_tolerance.is_none();
         let behind = length - system.nx;
-        let explicit = |method: Explicit<T>| Family::Explicit(method);
+        let explicit = |method: Explicit<T>| Family::Explicit(method.keeping_digits());
         let implicit = |system: &mut System<T>| {
             system.provide_derivatives();
             Family::Implicit(Rosenbrock::new(&RODAS5P, length, attached(layout), behind))
@@ -386,6 +386,7 @@ impl<T: Float> Simulation<T> {
         self.chatter = Chatter::new();
         self.stiffness = StiffnessTest::default();
         self.stalled = f64::NAN;
+        self.method.set_lost(&[]);
         let started = self.consistent_start();
         started.map_err(|cause| {
             self.started = false;
