@@ -14,7 +14,7 @@ use crate::envelopes::{self, Envelope};
 use crate::failure::Failure;
 use crate::manifest::Manifest;
 use crate::progress::ProgressLine;
-use crate::results::{head, join};
+use crate::results::{CaseRow, head, join};
 use crate::table::number;
 use mbd_report::files;
 
@@ -99,6 +99,8 @@ pub struct Done {
     pub cases: u64,
     /// Those of them that did not reach their end.
     pub failed: u64,
+    /// Those that did, where a metric or an output is no finite number.
+    pub not_finite: u64,
     /// Cases that were there already.
     pub skipped: u64,
     /// Steps that were tried.
@@ -217,7 +219,8 @@ impl Done {
     fn add(&mut self, flown: &FlownCase) {
         let [steps, beside] = flown.steps;
         self.cases += 1;
-        self.failed += u64::from(flown.row.status != "ok");
+        self.failed += u64::from(!flown.row.reached_end());
+        self.not_finite += u64::from(flown.row.status == CaseRow::NOT_FINITE);
         self.steps += steps;
         self.beside += beside;
     }

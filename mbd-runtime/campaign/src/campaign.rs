@@ -57,6 +57,8 @@ struct Judged {
     /// When the run ended [s].
     end: f64,
     metrics: Vec<f64>,
+    /// What is no finite number where it has to be one.
+    not_finite: Vec<String>,
     /// Of the envelopes.
     numbers: Vec<f64>,
 }
@@ -362,9 +364,12 @@ impl Campaign {
     fn judge(&self, history: &Trajectory) -> Judged {
         let end = history.end();
         let envelopes = self.envelopes.as_ref();
+        let mut not_finite = self.metrics.not_finite(history);
+        not_finite.extend(envelopes.iter().flat_map(|it| it.not_finite(history)));
         Judged {
             end,
             metrics: self.metrics.read(history),
+            not_finite,
             numbers: envelopes.map_or(Vec::new(), |envelopes| envelopes.read(history)),
         }
     }
@@ -381,8 +386,9 @@ impl Campaign {
             Ok(Judged {
                 end,
                 metrics,
+                not_finite,
                 numbers,
-            }) => (Ok((end, metrics)), Some(numbers)),
+            }) => (Ok((end, metrics, not_finite)), Some(numbers)),
             Err(failed) => (Err(failed), None),
         };
         FlownCase {
@@ -393,19 +399,22 @@ impl Campaign {
         }
     }
 
-    fn row(&self, case: u64, result: Result<(f64, Vec<f64>), FailedCase>) -> CaseRow {
+    fn row(&self, case: u64, result: Result<(f64, Vec<f64>, Vec<String>), FailedCase>) -> CaseRow {
         // Where nothing was drawn there is nothing to tell.
         let nothing = || vec![f64::NAN; self.dispersions.varied.len()];
         let values = self.dispersions.values(case).unwrap_or_else(|_| nothing());
         let values = self.dispersions.in_units(&values);
         match result {
-            Ok((time, metrics)) => CaseRow {
+            Ok((time, metrics, not_finite)) => CaseRow {
                 case,
-                status: "ok".to_owned(),
+                status: match not_finite.is_empty() {
+                    true => CaseRow::OK.to_owned(),
+                    false => CaseRow::NOT_FINITE.to_owned(),
+                },
                 time,
                 values,
                 metrics,
-                why: String::new(),
+                why: not_finite.join("; "),
             },
             Err(failed) => CaseRow {
                 case,

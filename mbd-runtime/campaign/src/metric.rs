@@ -129,6 +129,19 @@ impl Metrics {
             .map(|metric| metric.read(history))
             .collect()
     }
+
+    /// A sentence on each whose quantity, or which itself, is no finite number in a history that measured it.
+    #[must_use]
+    pub fn not_finite(&self, history: &Trajectory) -> Vec<String> {
+        let told = self.list.iter().filter_map(|metric| {
+            let missing = history.measured(&metric.reader).err()?;
+            let name = &metric.name;
+            missing
+                .is_not_finite()
+                .then(|| format!("`{name}` has no value: {missing}"))
+        });
+        told.collect()
+    }
 }
 
 impl WrittenMetric {

@@ -14,7 +14,7 @@ use crate::table::{cell, cells, heading, number};
 pub struct CaseRow {
     /// Its number; 0 is the nominal.
     pub case: u64,
-    /// `ok`, or the kind of failure.
+    /// [`CaseRow::OK`], [`CaseRow::NOT_FINITE`], or the kind of failure.
     pub status: String,
     /// When its run ended [s].
     pub time: f64,
@@ -22,7 +22,7 @@ pub struct CaseRow {
     pub values: Vec<f64>,
     /// The metrics, each in its unit; NaN where there is none.
     pub metrics: Vec<f64>,
-    /// Why it failed.
+    /// Why it failed, or what of it is no finite number.
     pub why: String,
 }
 
@@ -45,6 +45,17 @@ pub fn head(manifest: &Manifest) -> String {
 }
 
 impl CaseRow {
+    /// The status of a case that reached its end.
+    pub const OK: &str = "ok";
+    /// The status of one that did, where a metric or a column of the envelopes is no finite number: 0/0, a root of a negative number.
+    pub const NOT_FINITE: &str = "output_not_finite";
+
+    /// Whether its run came to its end.
+    #[must_use]
+    pub fn reached_end(&self) -> bool {
+        [CaseRow::OK, CaseRow::NOT_FINITE].contains(&self.status.as_str())
+    }
+
     /// It as a line, without its end.
     #[must_use]
     pub fn line(&self) -> String {

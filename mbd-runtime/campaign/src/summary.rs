@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::metric::Requirement;
-use crate::results::Results;
+use crate::results::{CaseRow, Results};
 use crate::statistics::{Percentile, cases_needed, first_order, percentile, shows, spearman};
 
 /// The percentiles that are told.
@@ -70,7 +70,7 @@ pub struct RequirementVerdict {
     pub needed: u64,
 }
 
-/// Cases of one kind of failure.
+/// Cases of one kind of failure, those among them that reached their end with what is no finite number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failures {
     /// Its status.
@@ -181,7 +181,7 @@ fn told(results: &Results, at: usize) -> Told {
 
 fn failures(results: &Results) -> Vec<Failures> {
     let mut kinds: BTreeMap<&str, Failures> = BTreeMap::new();
-    for row in results.rows.iter().filter(|row| row.status != "ok") {
+    for row in results.rows.iter().filter(|row| row.status != CaseRow::OK) {
         let kind = kinds.entry(&row.status).or_insert_with(|| Failures {
             status: row.status.clone(),
             cases: Vec::new(),

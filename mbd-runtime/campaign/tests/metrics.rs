@@ -1,9 +1,11 @@
 //! Metrics that a model declares: of a fall without air they have closed forms, whoever runs the model.
 
+use std::fs;
 use std::sync::Arc;
 
+use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::Settings;
-use mbd_campaign::{Campaign, Failure};
+use mbd_campaign::{Campaign, CampaignSummary, Failure, Resources, Results, blocks};
 use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
 use mbd_runtime::{Generic, Model, model};
 
@@ -189,5 +191,93 @@ fn the_rows_of_a_grid_change_no_metric_and_the_end_of_a_case_is_where_it_lands()
         let found = row.metrics[at.expect(name)];
         let close = (found - expected).abs() <= 1e-8 * expected.abs().max(1.0);
         assert!(close, "{name}: {found} instead of {expected}");
+    }
+}
+
+/// A cart at 1 m/s: √(reach − x) is no number from `reach` seconds on, x/x none at the start.
+const REACH: &str = "model Cart {
+    gravity: none;
+    param reach = 3 m in 0.1 m ..= 10 m;
+    point cart { mass: 1 kg, start at [0, 0, 0] velocity [1 m/s, 0 m/s, 0 m/s] }
+    event far = cart.position.x rises 5 m;
+    output left = sqrt((reach - cart.position.x) * (1 m));
+    metric least = min left;
+    metric way = final cart.position.x;
+    metric passed = time_of far;
+}";
+
+#[test]
+fn a_case_whose_metric_is_no_finite_number_says_so_by_its_status_whoever_flies_it() {
+    let scene = read_text(REACH).scene.expect("a scene");
+    let model = || {
+        Interpreted::<f64>::new(scene.clone(), &[3.0])
+            .expect("defaults")
+            .share()
+    };
+    let folder = Folder::new("metrics_not_finite");
+    let text = "sampling = \"grid\"\nblock = 2\n[params]\nreach = { dist = \"grid\", values = [\"1 m\", \"4 m\", \"1.5 m\", \"2.5 m\", \"0.5 m\"] }\n[run]\nuntil = \"2 s\"\ntolerance = 1e-8\n";
+    let envelopes = "[envelopes]\ncolumns = [\"left\"]\nevery = \"0.25 s\"\n";
+    for envelopes in ["", envelopes] {
+        let campaign = campaign_of(&folder, model(), &format!("{text}{envelopes}")).expect("valid");
+        let mut tables = Vec::new();
+        for (index, (threads, lanes, shards)) in
+            [(1, 1, 1), (3, 4, 1), (2, 8, 3)].iter().enumerate()
+        {
+            let out = folder.0.join(format!("out_{index}_{}", envelopes.len()));
+            let resources = Resources {
+                threads: *threads,
+                lanes: Some(*lanes),
+            };
+            let mut not_finite = 0;
+            for shard in 1..=*shards {
+                let shard = format!("{shard}/{shards}").parse().expect("a shard");
+                let done = blocks::run(
+                    &campaign,
+                    &out,
+                    (shard, true),
+                    resources,
+                    &mut ProgressLine::silent(),
+                );
+                let done = done.expect("it runs");
+                assert_eq!(done.failed, 0, "all of them come to their end");
+                not_finite += done.not_finite;
+            }
+            assert_eq!(not_finite, 3);
+            blocks::gather(&out, None).expect("all blocks");
+            tables.push(fs::read_to_string(out.join("cases.csv")).expect("cases"));
+        }
+        assert!(tables.iter().all(|table| *table == tables[0]));
+        let out = folder.0.join(format!("out_0_{}", envelopes.len()));
+        let results = Results::read(&out).expect("gathered");
+        for row in &results.rows {
+            let reach = if row.case == 0 { 3.0 } else { row.values[0] };
+            let [least, way, passed] = row.metrics[..] else {
+                panic!("three metrics");
+            };
+            assert!((way - 2.0).abs() < 1e-12, "the others keep their values");
+            assert!(passed.is_nan(), "an event that did not happen is no fault");
+            assert_eq!(row.time, 2.0);
+            if reach > 2.0 {
+                assert_eq!((row.status.as_str(), row.why.as_str()), ("ok", ""));
+                assert!((least - (reach - 2.0).sqrt()).abs() < 1e-8, "{least}");
+            } else {
+                assert_eq!(row.status, "output_not_finite");
+                assert!(least.is_nan());
+                let told = "`least` has no value: its quantity is not a number at ";
+                assert!(row.why.starts_with(told), "{}", row.why);
+                let row_of_envelope = row.why.contains("`left` is no finite number at ");
+                assert_eq!(row_of_envelope, !envelopes.is_empty(), "{}", row.why);
+            }
+            let (again, _) = campaign.replay(row.case).expect("a case");
+            assert_eq!(again.line(), row.line(), "flown again to the bit");
+        }
+        let summary = CampaignSummary::of(&results);
+        assert_eq!(summary.failures.len(), 1);
+        assert_eq!(summary.failures[0].cases, [1, 3, 5]);
+        let told = mbd_campaign::text(&results, &summary);
+        assert!(
+            told.contains("3 × output_not_finite: case 1: `least`"),
+            "{told}"
+        );
     }
 }

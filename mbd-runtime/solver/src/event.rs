@@ -61,7 +61,7 @@ pub(crate) struct Margins {
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
     /// Per watched margin, of an event whose guard the joints hold at its value, what of it is rounding there (`held_guards`).
-    held: Vec<Option<f64>>,
+    pub held: Vec<Option<f64>>,
     /// Per watched margin, of an event that its own action armed again, when and where.
     pub rearmed: Vec<Rearmed>,
     /// How far a line's margin must be passed to count in this step, whatever its own tolerance [m].

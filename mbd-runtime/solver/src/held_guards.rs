@@ -55,10 +55,7 @@ impl<T: Float> Simulation<T> {
                     .clear_noise(index, NOISE * epsilon.powf(5.0 / 12.0));
             }
         }
-        self.inside.copy_from_slice(&self.state);
-        self.read_margins(self.time, 0.0)?;
-        self.margins.start.copy_from_slice(&self.margins.now);
-        Ok(())
+        self.resume_margins()
     }
 
     /// Per declared event, by its margin and its place among the guards, whether (2) holds, and what of its guard is rounding then.

@@ -487,6 +487,14 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
+    /// The same on the sides that are known.
+    pub(crate) fn resume_margins(&mut self) -> Result<(), StepError> {
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        self.margins.start.copy_from_slice(&self.margins.now);
+        Ok(())
+    }
+
     /// Declared events, of those that `of` names, whose guards start at their value, or pass it within what is one time with the start, have passed nothing:
     /// they are on the side that the motion takes them to.
     pub(crate) fn settle_sides(&mut self, of: &dyn Fn(usize) -> bool) -> Result<(), StepError> {

@@ -54,6 +54,17 @@ pub enum MissingMetric {
     TakenBack,
 }
 
+impl MissingMetric {
+    /// Whether its quantity, or it, is no finite number, rather than that the run did not come to it.
+    #[must_use]
+    pub fn is_not_finite(self) -> bool {
+        matches!(
+            self,
+            MissingMetric::NotANumber { .. } | MissingMetric::TooLarge
+        )
+    }
+}
+
 impl fmt::Display for MissingMetric {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -84,8 +84,8 @@ pub struct Trajectory {
     /// Of which model's runs it takes rows.
     model: u64,
     names: Vec<Name>,
-    /// Which of them are declared outputs.
-    outputs: Range<usize>,
+    /// Which of them are declared outputs, and in which rows.
+    outputs: Vec<(usize, Range<usize>)>,
     columns: Vec<Vec<f64>>,
     maker: RowMaker,
     sampling: Sampling,
@@ -153,6 +153,7 @@ impl Trajectory {
             true => before..before + columns,
             false => 0..0,
         };
+        let outputs = outputs.map(|column| (column, 0..usize::MAX)).collect();
         let names = names(scene, layout, content);
         let mut history = Trajectory {
             model: identity::of_columns(scene, layout),
@@ -301,18 +302,20 @@ impl Trajectory {
         self.columns.get(index).map_or(&[], Vec::as_slice)
     }
 
-    /// The columns of declared outputs that are infinite or not a number in some row, such as `v / norm(v)` of what is at rest; none of a
-    /// [joined](Joined::join) history, whose parts tell. Metrics tell by themselves where they have no value.
+    /// The columns of declared outputs that are infinite or not a number in some row, such as `v / norm(v)` of what is at rest; of a
+    /// [joined](Joined::join) history in some row of a model that has them. Metrics tell by themselves where they have no value.
     #[must_use]
     pub fn not_finite(&self) -> Vec<NotFinite<'_>> {
-        let names = self.names.iter().zip(&self.columns).enumerate();
-        let outputs = names.filter(|(index, _)| self.outputs.contains(index));
-        let found = outputs.filter_map(|(_, (name, column))| {
-            let first = column.iter().position(|x| !x.is_finite())?;
+        let columns = self.names.iter().zip(&self.columns).enumerate();
+        let found = columns.filter_map(|(index, (name, column))| {
+            let own = self.outputs.iter().filter(|(output, _)| *output == index);
+            let rows = own.flat_map(|(_, rows)| rows.start..rows.end.min(column.len()));
+            let mut without = rows.filter(|row| column.get(*row).is_some_and(|x| !x.is_finite()));
+            let first = without.next()?;
             Some(NotFinite {
                 name: &name.name,
                 time: self.times().get(first).copied()?,
-                rows: column.iter().filter(|x| !x.is_finite()).count(),
+                rows: 1 + without.count(),
             })
         });
         found.collect()

@@ -5,6 +5,7 @@
 mod accuracy;
 mod actions;
 mod conservation;
+mod everywhere;
 mod far_away;
 mod invariance;
 mod long_runs;

@@ -1,7 +1,9 @@
 //! One declaration in single and in double precision: what `f32` costs in accuracy is measured, stated and bounded.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{Generic, Options, Quantity, RunError, Scalar, Simulation, StepError, model};
+use mbd_runtime::{
+    Generic, Method, Options, Quantity, RunError, Scalar, Simulation, Snapshot, StepError, model,
+};
 use mbd_scene::Model;
 use models::parachute::scene::{
     ParachuteMass, ParachuteMassParams, ParachuteStatic, ParachuteStepwise, SceneInstant as Start,
@@ -209,4 +211,81 @@ fn late_in_single_precision_what_follows_time_is_told_and_then_refused() {
         (x - exact).abs() < 1e-4 && (z - exact).abs() < 1e-4,
         "{x} {z} {exact}"
     );
+}
+
+/// A mass on a spring, ω = 100 rad/s, far from the origin or near it: x = c + A cos ω t.
+fn swing(centre: f64) -> Generic<f32> {
+    let text = format!(
+        "model Swing {{
+            gravity: none;
+            point bob {{ mass: 1 kg, start at [{} m, 0 m, 0 m] }}
+            load spring on bob = -1e4 N/m * (bob.position - [{centre} m, 0 m, 0 m]);
+        }}",
+        centre + 0.5
+    );
+    let scene = mbd_compiler::read_text(&text).scene.expect("a scene");
+    Generic::new(scene, &[]).expect("no params")
+}
+
+/// A step of 1e-7 s moves the bob by 5e-6 m at most, numbers next to each other are 6e-8 m apart at half a metre and 7.6e-6 m at a hundred: there
+/// the bob would not move at all.
+#[test]
+fn steps_that_are_shorter_than_the_digits_of_single_precision_lose_nothing() {
+    let options = [
+        Options::rk4(1e-7),
+        Options {
+            method: Method::Tsit5 {
+                rtol: 1e-4,
+                max_step: 1e-7,
+            },
+            ..Options::rk4(1.0)
+        },
+    ];
+    // Parts of a turn.
+    for (options, turns) in [
+        (options[0], 1.0 / 3.0),
+        (options[0], 0.7),
+        (options[1], 1.0 / 3.0),
+    ] {
+        for (centre, bound) in [(0.0_f64, 1e-5), (100.0, 2e-4)] {
+            let model = swing(centre);
+            let mut run = Simulation::new(&model, options).expect("options");
+            let angle = turns * std::f64::consts::TAU;
+            run.run(angle / 100.0).expect("it runs");
+            let [x, speed] = [0, 3].map(|at| f64::from(run.state()[at]));
+            let off = [(x - centre) / 0.5 - angle.cos(), speed / 50.0 + angle.sin()];
+            let off = off[0].hypot(off[1]);
+            assert!(
+                off < bound,
+                "{off} about {centre}, {turns} turns, {options:?}"
+            );
+            // Adaptive steps do not integrate the work of loads.
+            let balance = run.imbalance();
+            assert!(
+                balance.is_none_or(|balance| balance.relative() < 1e-3),
+                "{balance:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_run_in_single_precision_goes_on_from_its_snapshot_to_the_bit() {
+    let model = swing(100.0);
+    let begin = || Simulation::new(&model, Options::rk4(1e-6)).expect("options");
+    let mut whole = begin();
+    for step in [1.0e-3, 2.5e-3, 4.0e-3] {
+        whole.run(step).expect("it runs");
+        let text = serde_json::to_string(&whole.snapshot()).expect("numbers");
+        let mut other = begin();
+        let read: Snapshot<f32> = serde_json::from_str(&text).expect("what was written");
+        other.restore(&read).expect("of the same model");
+        let mut straight = begin();
+        straight.run(6e-3).expect("it runs");
+        other.run(6e-3).expect("it runs");
+        let bits = |run: &Simulation<f32>| -> Vec<u32> {
+            run.state().iter().map(|x| x.to_bits()).collect()
+        };
+        assert_eq!(bits(&straight), bits(&other), "{step}");
+    }
 }

@@ -91,9 +91,10 @@ pub fn campaign(
     )?;
     source(&args.file).write(&folder)?;
     let told = format!(
-        "{} cases run, {} of them did not reach their end, {} were there; written to {}\n{}",
+        "{} cases run, {} of them did not reach their end{}, {} were there; written to {}\n{}",
         done.cases,
         done.failed,
+        not_finite(done.not_finite),
         done.skipped,
         folder.display(),
         in_lanes(&done, args.lanes, has_lanes)
@@ -116,6 +117,16 @@ pub fn campaign(
 
 fn all_cores() -> usize {
     available_parallelism().map_or(1, usize::from)
+}
+
+/// How many cases have what is no finite number, where some do.
+fn not_finite(cases: u64) -> String {
+    match cases {
+        0 => String::new(),
+        cases => {
+            format!(", {cases} reached it with a metric or an output that is no finite number")
+        }
+    }
 }
 
 /// What became of lanes that were asked for.

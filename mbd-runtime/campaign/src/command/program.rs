@@ -175,8 +175,8 @@ fn run(args: &CaseArgs, model: Arc<dyn Model<f64>>) -> Result<String, Failure> {
         row.line(),
         path.display()
     );
-    match row.status.as_str() {
-        "ok" => Ok(told),
-        _ => Err(Failure::Aborted(told)),
+    match row.reached_end() {
+        true => Ok(told),
+        false => Err(Failure::Aborted(told)),
     }
 }

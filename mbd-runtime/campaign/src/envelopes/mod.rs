@@ -111,6 +111,18 @@ impl Envelopes {
         }
         numbers
     }
+
+    /// A sentence on each of the columns that is a declared output and no finite number at an instant of a history.
+    pub fn not_finite<'h>(&'h self, history: &'h Trajectory) -> impl Iterator<Item = String> + 'h {
+        let all = history.not_finite().into_iter();
+        let own = all.filter(|column| self.columns.iter().any(|own| own == column.name));
+        own.map(|column| {
+            format!(
+                "`{}` is no finite number at {} of the instants of its envelope, from {} s on",
+                column.name, column.rows, column.time
+            )
+        })
+    }
 }
 
 /// The value of a column in the row at an instant, of several the last; NaN where there is none.

@@ -8,7 +8,7 @@ use toml::Value;
 
 use crate::dispersion::WrittenHistories;
 use crate::metric::CampaignMetric;
-use crate::results::Results;
+use crate::results::{CaseRow, Results};
 use crate::run::PlanError;
 use crate::run::names::wrong;
 use crate::sampling::Draws;
@@ -108,7 +108,7 @@ impl Choice {
                 }
             }
         }
-        let failed = results.rows.iter().filter(|row| row.status != "ok");
+        let failed = results.rows.iter().filter(|row| row.status != CaseRow::OK);
         for row in failed.take(usize::try_from(self.failed).unwrap_or(usize::MAX)) {
             let why = format!("failed: {}", row.status);
             chosen.entry(row.case).or_default().push(why);

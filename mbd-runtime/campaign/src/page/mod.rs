@@ -15,7 +15,7 @@ use mbd_report::{Cell, Figure, Report, ReportTable, files};
 use crate::campaign::CasePart;
 use crate::envelopes::Envelope;
 use crate::histories::{self, Chosen};
-use crate::results::Results;
+use crate::results::{CaseRow, Results};
 use crate::summary::{CONFIDENCE, CampaignSummary, Told};
 use spread::FootprintCurves;
 
@@ -145,17 +145,26 @@ fn footprints(report: Report, results: &Results) -> Report {
 }
 
 fn opening(summary: &CampaignSummary) -> String {
-    let failed: usize = summary
-        .failures
-        .iter()
-        .map(|kind| kind.cases.iter().filter(|case| **case > 0).count())
-        .sum();
+    let count = |not_finite: bool| -> usize {
+        let kinds = summary.failures.iter();
+        let own = kinds.filter(|kind| (kind.status == CaseRow::NOT_FINITE) == not_finite);
+        own.map(|kind| kind.cases.iter().filter(|case| **case > 0).count())
+            .sum()
+    };
+    let failed = count(false);
     let failures = match failed {
         0 => "all of them reached their end".to_owned(),
         1 => "1 of them did not reach its end".to_owned(),
         n => format!("{n} of them did not reach their end"),
     };
-    format!("{} cases beside the nominal; {failures}.", summary.cases)
+    let not_finite = match count(true) {
+        0 => String::new(),
+        n => format!("; in {n} a metric or an output is no finite number"),
+    };
+    format!(
+        "{} cases beside the nominal; {failures}{not_finite}.",
+        summary.cases
+    )
 }
 
 /// Drivers of a metric that stand beside it.

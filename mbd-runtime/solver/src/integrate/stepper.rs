@@ -110,6 +110,18 @@ impl<T: Float> Stepper<T> {
         }
     }
 
+    /// What rounding took from the accepted state; empty where it is not kept.
+    pub(crate) fn lost(&self) -> &[T] {
+        self.explicit().map_or(&[], Explicit::lost)
+    }
+
+    /// Goes on with what rounding took from another accepted state.
+    pub(crate) fn set_lost(&mut self, lost: &[T]) {
+        if let Some(method) = self.explicit_mut() {
+            method.set_lost(lost);
+        }
+    }
+
     /// The state at the end of the last attempt.
     #[inline]
     pub(crate) fn next(&self) -> &[T] {
@@ -187,6 +199,7 @@ impl<T: Float> Stepper<T> {
             Family::Symmetric(other) => other.first_mut().copy_from_slice(first),
         }
         std::mem::swap(&mut self.method, other);
+        self.set_lost(&[]);
     }
 
     /// Takes the method that a run was on.

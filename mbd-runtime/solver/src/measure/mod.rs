@@ -16,7 +16,7 @@ mod sum;
 use crate::error::StepError;
 use crate::metric::{MetricReader, MissingMetric};
 use polynomial::{DEGREE, POINTS, Polynomial};
-use sum::{MeasuredPart, Sum};
+use sum::{Law, MeasuredPart, Sum};
 
 /// Writes the columns at a part of a step, 0 … 1.
 type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a;
@@ -42,6 +42,8 @@ pub(crate) struct Measures {
     columns: Vec<Column>,
     /// Values at the points of the halves of each halving, column by column.
     values: Vec<f64>,
+    /// The same at another place.
+    looked: Vec<f64>,
     /// What becomes of each column over each half.
     states: Vec<Resolving>,
     /// Up to when the run was measured [s].
@@ -161,6 +163,7 @@ impl Measures {
             sums: vec![Sum::NOTHING; readers.len()],
             columns: (0..columns).map(|at| of(at, &readers)).collect(),
             values: vec![0.0; (2 * DEEPEST + 2) * POINTS * columns],
+            looked: vec![0.0; columns],
             states: vec![Resolving::Done; (2 * DEEPEST + 2) * columns],
             until: f64::NAN,
             held: f64::NAN,
@@ -276,7 +279,7 @@ impl Measures {
                 rough: false,
                 open: 0.0,
             };
-            sum.add(reader, part);
+            sum.add(reader, part, &mut |_| Ok(value))?;
         }
         (self.until, self.held) = (time, time);
         Ok(())
@@ -326,7 +329,7 @@ impl Measures {
                 self.look_inside(Half::WHOLE, Some(FIRST_LOOK), step, at)?;
                 self.resolve(Half::WHOLE, step, at)?;
             } else {
-                self.add(Half::WHOLE, step);
+                self.add(Half::WHOLE, step, at)?;
             }
             self.held = end;
         }
@@ -531,7 +534,7 @@ impl Measures {
         step: MeasuredStep,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
-        self.add(half, step);
+        self.add(half, step, at)?;
         let all = 0..self.columns.len();
         let further = |column: usize| self.state(half, column) == Resolving::Further;
         if !all.clone().any(further) {
@@ -584,7 +587,12 @@ impl Measures {
     }
 
     /// Adds the columns that are resolved over a half.
-    fn add(&mut self, half: Half, step: MeasuredStep) {
+    fn add(
+        &mut self,
+        half: Half,
+        step: MeasuredStep,
+        at: &mut ColumnValues<'_>,
+    ) -> Result<(), StepError> {
         let times = step.times(half.part);
         for index in 0..self.readers.len() {
             let Some((reader, column)) = self.readers.get(index) else {
@@ -605,6 +613,7 @@ impl Measures {
             let end = self.value_at(half, DEGREE, *column);
             let size = self.columns.get(*column).map_or(0.0, |known| known.size);
             let stride = Polynomial::stride(count);
+            let ends = [0, DEGREE].map(|point| self.value_at(half, point, *column));
             let values = (0..count).map(|place| self.value_at(half, place * stride, *column));
             let values = values.fold(
                 [f64::INFINITY, f64::NEG_INFINITY],
@@ -632,7 +641,18 @@ impl Measures {
                 rough,
                 open,
             };
-            sum.add(reader, part);
+            let (looked, [low, high]) = (&mut self.looked, half.part);
+            let law: &mut Law<'_> = &mut |place| match 0.5 * (place + 1.0) {
+                0.0 => Ok(ends[0]),
+                1.0 => Ok(ends[1]),
+                part if step.straight => Ok((1.0 - part) * ends[0] + part * ends[1]),
+                part => {
+                    at(low + part * (high - low), looked)?;
+                    Ok(looked.get(*column).copied().unwrap_or(f64::NAN))
+                }
+            };
+            sum.add(reader, part, law)?;
         }
+        Ok(())
     }
 }

@@ -3,7 +3,11 @@
 use mbd_scene::metrics::Take;
 
 use super::polynomial::Polynomial;
+use crate::error::StepError;
 use crate::metric::{MetricReader, MissingMetric};
+
+/// The quantity itself at a place of its polynomial, −1 … 1: the law at the interpolated state.
+pub(super) type Law<'a> = dyn FnMut(f64) -> Result<f64, StepError> + 'a;
 
 /// What is known of a metric up to an instant.
 #[derive(Clone, Copy, Debug)]
@@ -73,8 +77,7 @@ impl Sum {
         let inside = from <= end && begin <= to;
         inside
             && match of.take {
-                Take::Value | Take::TimeOf => false,
-                Take::Final => to < end,
+                Take::Value | Take::TimeOf | Take::Final => false,
                 Take::FirstAbove => self.first.is_nan(),
                 _ => true,
             }
@@ -138,7 +141,15 @@ impl Sum {
     }
 
     /// A part of the run.
-    pub(super) fn add(&mut self, of: &MetricReader, part: MeasuredPart<'_>) {
+    ///
+    /// # Errors
+    /// Those of the law.
+    pub(super) fn add(
+        &mut self,
+        of: &MetricReader,
+        part: MeasuredPart<'_>,
+        law: &mut Law<'_>,
+    ) -> Result<(), StepError> {
         let MeasuredPart {
             polynomial,
             times: [begin, end],
@@ -152,25 +163,7 @@ impl Sum {
         self.now = part.end;
         let (low, high) = (of.window[0].max(begin), of.window[1].min(end));
         if low > high || matches!(of.take, Take::Value | Take::TimeOf) {
-            return;
-        }
-        if of.take == Take::Final && high == end {
-            // The last instant alone counts, whatever was before.
-            let missing = MissingMetric::NotANumber { time: end };
-            self.missing = (!part.end.is_finite()).then_some(missing);
-            (self.last, self.seen) = (part.end, true);
-            return;
-        }
-        if let Some(time) = part.gap {
-            let found = self.first.is_finite() && of.take == Take::FirstAbove;
-            if !found && self.missing.is_none() {
-                self.missing = Some(MissingMetric::NotANumber { time });
-            }
-            self.seen = true;
-            return;
-        }
-        if of.take == Take::Final {
-            self.missing = None;
+            return Ok(());
         }
         let width = end - begin;
         // A time as a place on the polynomial, and a part of it in seconds.
@@ -180,6 +173,26 @@ impl Sum {
             time => 2.0 * (time - begin) / width - 1.0,
         };
         let time = |place: f64| begin + 0.5 * (place + 1.0) * width;
+        if of.take == Take::Final {
+            // The last instant alone counts, whatever was before.
+            let last = if high == end {
+                part.end
+            } else {
+                law(place(high))?
+            };
+            let missing = MissingMetric::NotANumber { time: high };
+            self.missing = (!last.is_finite()).then_some(missing);
+            (self.last, self.seen) = (last, true);
+            return Ok(());
+        }
+        if let Some(time) = part.gap {
+            let found = self.first.is_finite() && of.take == Take::FirstAbove;
+            if !found && self.missing.is_none() {
+                self.missing = Some(MissingMetric::NotANumber { time });
+            }
+            self.seen = true;
+            return Ok(());
+        }
         let part = [place(low), place(high)];
         self.last = polynomial.at(part[1]);
         self.span += high - low;
@@ -188,18 +201,28 @@ impl Sum {
         let reaches = || {
             most > level + nothing
                 || polynomial.bounds()[1] > level
-                    && largest(polynomial, part, rough, |x| x) > level + allowed.max(nothing)
+                    && largest((polynomial, part), rough, |_, x| Ok(x)).unwrap_or(f64::NAN)
+                        > level + allowed.max(nothing)
         };
         match of.take {
             Take::Max if polynomial.bounds()[1] <= self.extreme => {}
             Take::Min if polynomial.bounds()[0] >= self.extreme => {}
             Take::Max => {
-                let found = largest(polynomial, part, rough, |x| x);
-                self.extreme = self.extreme.max(signed(found, most, allowed));
+                let largest =
+                    largest((polynomial, part), rough, |s, x| match of_values(x, most) {
+                        true => Ok(x),
+                        false => law(s),
+                    })?;
+                self.extreme = self.extreme.max(largest);
             }
             Take::Min => {
-                let found = largest(polynomial, part, rough, |x| -x);
-                self.extreme = self.extreme.min(0.0 - signed(found, -least, allowed));
+                let largest = largest((polynomial, part), rough, |s, x| {
+                    match of_values(-x, -least) {
+                        true => Ok(-x),
+                        false => Ok(-law(s)?),
+                    }
+                })?;
+                self.extreme = self.extreme.min(0.0 - largest);
             }
             Take::Mean | Take::Integral => {
                 self.sum += 0.5 * width * polynomial.integral(part, |x| x);
@@ -238,6 +261,7 @@ impl Sum {
             }
         }
         self.seen = true;
+        Ok(())
     }
 
     /// A later part of the run.
@@ -336,24 +360,28 @@ fn above(polynomial: &Polynomial, level: f64, [low, high]: [f64; 2]) -> (f64, f6
     }
 }
 
-/// The largest value of a polynomial, zero where it is above it by no more than its error and none of the values that it goes through is: the least of
-/// what is never negative, a tension or a square, is not below zero by rounding.
-fn signed(largest: f64, of_values: f64, allowed: f64) -> f64 {
-    match of_values <= 0.0 && largest > 0.0 && largest <= allowed {
-        true => 0.0,
-        false => largest,
-    }
+/// Whether a value of a polynomial has a sign that the largest of the values it goes through has. Where it alone is above zero the law is asked: the least
+/// of what is never negative, a tension or a square, is not below zero, and a polynomial is, beside a corner by several times what it is off by.
+fn of_values(value: f64, largest: f64) -> bool {
+    value <= 0.0 || largest > 0.0
 }
 
-/// The largest value, as `of` counts; of a rough part by its values alone: a polynomial through a jump overshoots.
+/// The largest value of a polynomial, as `of` counts by its place and its value there; of a rough part by its values alone: a polynomial through a jump
+/// overshoots.
 fn largest(
-    polynomial: &Polynomial,
-    [low, high]: [f64; 2],
+    (polynomial, [low, high]): (&Polynomial, [f64; 2]),
     rough: bool,
-    of: impl Fn(f64) -> f64,
-) -> f64 {
-    let mut so_far = f64::NAN;
-    let mut see = |s: f64| so_far = so_far.max(of(polynomial.at(s)));
+    mut of: impl FnMut(f64, f64) -> Result<f64, StepError>,
+) -> Result<f64, StepError> {
+    let mut so_far = Ok(f64::NAN);
+    let mut see = |s: f64| {
+        if let Ok(known) = &mut so_far {
+            match of(s, polynomial.at(s)) {
+                Ok(value) => *known = known.max(value),
+                Err(error) => so_far = Err(error),
+            }
+        }
+    };
     see(low);
     if rough {
         let points = polynomial.points();

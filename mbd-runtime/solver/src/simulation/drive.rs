@@ -274,7 +274,6 @@ impl<T: Float> Simulation<T> {
                 self.record_inside(step, trajectory, go_on, before)?;
                 self.measure_step([step, end], trajectory)?;
             }
-            self.count += 1;
             self.take(step, end)?;
             if changes {
                 self.stays = false;
@@ -292,7 +291,9 @@ impl<T: Float> Simulation<T> {
             self.record_inside(found.step, trajectory, go_on, before)?;
             let end = self.time + found.step;
             self.measure_step([found.step, end], trajectory)?;
-            self.take(found.step, end)?;
+            let taken = self.take(found.step, end);
+            self.regrid();
+            taken?;
         }
         self.stays = false;
         self.regrid();
@@ -456,7 +457,9 @@ impl<T: Float> Simulation<T> {
         self.system.known.forget();
         self.method.accept(&mut self.state);
         self.system.see_all();
+        // Not before: a step that is refused is none of the grid.
         self.time = end;
+        self.count += 1;
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
         if self.method.is_stiff() {

@@ -31,6 +31,9 @@ pub struct Snapshot<T> {
     origin: f64,
     count: u64,
     state: Vec<T>,
+    /// What rounding took from the state, in single precision.
+    #[serde(default = "Vec::new")]
+    lost: Vec<T>,
     memory: NodeMemory<T>,
     control: Option<Control>,
     watch: Watch,
@@ -43,6 +46,9 @@ pub struct Snapshot<T> {
     sides: Vec<bool>,
     #[serde(default, alias = "turned_back")]
     rearmed: Vec<Rearmed>,
+    /// Per margin what of a guard that the joints hold is rounding; empty in a snapshot that was written before it was kept.
+    #[serde(default)]
+    held_guards: Vec<Option<f64>>,
     drift: f64,
     rows: SavedStrategy,
     /// The inputs that are held, and whether that is nobody's gift.
@@ -99,6 +105,8 @@ impl<T: Float> Simulation<T> {
         to.origin = self.origin;
         to.count = self.count;
         to.state.clone_from(&self.state);
+        to.lost.clear();
+        to.lost.extend_from_slice(self.method.lost());
         to.from = self.system.origin();
         to.memory.copy_from(&self.system.memory);
         to.control = match &self.pace {
@@ -112,6 +120,7 @@ impl<T: Float> Simulation<T> {
         to.momentum = self.momentum;
         to.sides.clone_from(&self.margins.sides);
         to.rearmed.clone_from(&self.margins.rearmed);
+        to.held_guards.clone_from(&self.margins.held);
         to.drift = self.system.drift;
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
@@ -141,10 +150,12 @@ impl<T: Float> Simulation<T> {
         };
         let fits = snapshot.scene == self.fingerprint()
             && snapshot.state.len() == self.state.len()
+            && (snapshot.lost.is_empty() || snapshot.lost.len() == self.state.len())
             && snapshot.memory.check(self.system.model.layout()).is_ok()
             && snapshot.sides.len() == self.margins.sides.len()
             // One that was written before they were kept has none.
             && (snapshot.rearmed.is_empty() || snapshot.rearmed.len() == self.margins.rearmed.len())
+            && (snapshot.held_guards.is_empty() || snapshot.held_guards.len() == self.margins.held.len())
             && snapshot.held.0.len() == self.system.held.len()
             && snapshot.params.len() == self.changes.settable.len()
             && snapshot.done.len() == self.changes.done.len()
@@ -179,6 +190,7 @@ impl<T: Float> Simulation<T> {
             left >= -now && left <= sampler.period + now
         };
         let whole = snapshot.watch_weights.len() == self.system.nx
+            && snapshot.lost.iter().all(|lost| lost.is_finite())
             && self.samplers.iter().zip(&snapshot.samples).all(due)
             && snapshot.control.as_ref().is_none_or(Control::check);
         match whole {
@@ -255,11 +267,16 @@ impl<T: Float> Simulation<T> {
         self.watch = snapshot.watch;
         self.stiffness = snapshot.stiffness;
         self.method.resume(snapshot.stiff);
+        self.method.set_lost(&snapshot.lost);
         self.balance = snapshot.balance;
         self.momentum = snapshot.momentum;
         self.margins.sides.copy_from_slice(&snapshot.sides);
         let rearmed = self.margins.rearmed.iter_mut();
         let saved = rearmed.zip(&snapshot.rearmed);
+        saved.for_each(|(own, saved)| *own = *saved);
+        self.margins.held.fill(None);
+        let held = self.margins.held.iter_mut();
+        let saved = held.zip(&snapshot.held_guards);
         saved.for_each(|(own, saved)| *own = *saved);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             control.resume(saved);
@@ -276,8 +293,13 @@ impl<T: Float> Simulation<T> {
         self.system.count_turns(self.time, &self.state);
         let commanded = self.system.follow_commands(self.time, None, &self.state);
         commanded.map_err(|cause| self.failed(cause))?;
-        let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
-        let begun = begun.and_then(|()| self.find_held_guards());
+        let begun = begun.and_then(|()| match snapshot.held_guards.is_empty() {
+            true => self
+                .begin_margins(&mut |_| ())
+                .and_then(|()| self.find_held_guards()),
+            // What is due, though its action could not be, stays due.
+            false => self.resume_margins(),
+        });
         begun.map_err(|cause| self.failed(cause))
     }
 }

@@ -41,6 +41,9 @@ const LOOSE: f64 = 1e-5;
 /// The latest time of a state, and the earliest below zero [s].
 const LATEST: f64 = 1e12;
 
+/// Steps that are never longer keep what rounding takes from their sums, where the scalar is short [s].
+const SHORT_STEP: f64 = 1e-5;
+
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::new`] and [`Simulation::with_loads`] do.
     pub(crate) fn make(
@@ -73,7 +76,12 @@ impl<T: Float> Simulation<T> {
         let layout = model.layout();
         let noisy = fixed && options.guard_tolerance.is_none();
         let behind = length - system.nx;
-        let explicit = |method: Explicit<T>| Family::Explicit(method);
+        let longest = options.method.fixed_step();
+        let longest = longest.or(options.method.tolerance().map(|[_, longest]| longest));
+        let explicit = |method: Explicit<T>| match longest.is_some_and(|step| step <= SHORT_STEP) {
+            true => Family::Explicit(method.keeping_digits()),
+            false => Family::Explicit(method),
+        };
         let implicit = |system: &mut System<T>| {
             system.provide_derivatives();
             Family::Implicit(Rosenbrock::new(&RODAS5P, length, attached(layout), behind))
@@ -386,6 +394,7 @@ impl<T: Float> Simulation<T> {
         self.chatter = Chatter::new();
         self.stiffness = StiffnessTest::default();
         self.stalled = f64::NAN;
+        self.method.set_lost(&[]);
         let started = self.consistent_start();
         started.map_err(|cause| {
             self.started = false;

@@ -139,8 +139,7 @@ impl Joined {
             statistics: Statistics::default(),
             columns: vec![Vec::new(); self.names.len()],
             names: self.names.clone(),
-            // What a model has not is no number by design: the parts tell.
-            outputs: 0..0,
+            outputs: Vec::new(),
         };
         for ((model, part), phase) in parts.iter().zip(1_u32..) {
             let (before, rows) = (joined.len(), part.len());
@@ -148,6 +147,12 @@ impl Joined {
             for (place, column) in places.iter().zip(&part.columns) {
                 joined.columns[*place].extend_from_slice(column);
             }
+            // What a model has not is no number by design.
+            let own = part.outputs.iter().filter_map(|(column, _)| {
+                let place = places.get(*column)?;
+                Some((*place, before..before + rows))
+            });
+            joined.outputs.extend(own);
             joined.columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
             let all = joined.columns.iter_mut();
             all.for_each(|column| column.resize(before + rows, f64::NAN));
