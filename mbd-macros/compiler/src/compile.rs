@@ -161,7 +161,8 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
         return message(say::idle_lock(&text), of(lock));
     }
     let driven = layout.joints.iter().any(|slots| slots.driven);
-    let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;
+    let any = layout.nv > 0 || !scene.bodies.is_empty();
+    let held = any && layout.nodes.is_empty() && layout.freedoms() == 0;
     // What is held may be let go.
     let lasting = layout.detachable_joints.is_empty();
     if !held || !redundancy.closed || driven || layout.ns > 0 || !lasting {

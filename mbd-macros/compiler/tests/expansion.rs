@@ -283,6 +283,10 @@ fn a_scene_that_cannot_move_is_told_so() {
     assert!(!weld(hinge).contains("cannot move"));
     let both = format!("joint weld: rigid from world to a.com; {hinge}");
     assert!(weld(&both).contains("the 11 rows of its joints hold all 6 speeds"));
+    let tree = "coordinates: relative; joint weld: rigid from world to a.com;";
+    assert!(weld(tree).contains("its joints leave its bodies no coordinate"));
+    let driven = "coordinates: relative; joint crank: hinge from world to a.com { axis: z, motor: 1 rad/s * time }";
+    assert!(!weld(driven).contains("cannot move"));
 }
 
 #[test]

@@ -39,7 +39,7 @@ mod vocabulary;
 pub use direction::turns_direction;
 pub use evaluate::{
     Handed, Scratch, ToldMotion, commands, counted_angles, evaluate, evaluate_with_multipliers,
-    handed, impulses, locked, masses, sensitivity, settings,
+    folded, handed, impulses, locked, masses, sensitivity, settings,
 };
 pub use event::{
     Actions, Detachable, Direction, Event, MapSource, Mapped, Next, Settable, Setting,

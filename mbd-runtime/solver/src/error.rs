@@ -311,6 +311,17 @@ step_errors! {
     format!("at {time:.9} s `free_length` of `{line}` is {length:.3e} m, and must be zero or positive"),
     format!("stop the winch before: `event wound_in = {line}.length falls 0.1 m {{ then: stop }}`, a `rate` that is zero there, or `max(…, 0 m)` in the `free_length`");
 
+    /// A joint came to where its rows have no rank and hold on other positions, too: which way it goes on from there they do not say.
+    FoldedJoint {
+        /// The joint.
+        joint: String,
+        /// When [s].
+        time: f64,
+    }
+    "folded_joint",
+    format!("at {time:.9} s `{joint}` is bent by more than 179 degrees: where its shafts fold back it does not say how they turn"),
+    "keep the bend small by springs or stops, end the run before, or take a joint that bends any way: `spherical`, `universal`";
+
     /// A number that became infinite or NaN.
     NonFinite {
         /// When [s].

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mbd_scene::laws::Numbers;
 use mbd_scene::{At, Float, Model, Quantity, Work};
 
-use crate::columns::{line_name, node_name};
+use crate::columns::{joint_name, line_name, node_name};
 use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError, UnevenLines};
 use crate::fallback::Fallback;
@@ -120,6 +120,8 @@ pub(crate) struct System<T: Float> {
     pub free_motion: FreeMotion,
     /// What motors that follow inputs were commanded.
     commands: Option<Commands>,
+    /// Whether there are joints that may fold.
+    may_fold: bool,
     /// The angles whose turns are counted.
     pub(crate) turning: Turning,
     /// Room for a quantity by the laws themselves.
@@ -157,6 +159,7 @@ impl<T: Float> System<T> {
         let held: Vec<T> = defaults.into_iter().map(T::from_f64).collect();
         let (near, nodes) = (NearSide::new(&*model), Nodes::new(layout));
         let projection = Projection::new(layout.nc, layout.nv, layout.nx());
+        let may_fold = model.scene().folding_joints().next().is_some();
         System {
             takes_derivative: nodes.is_idle() && !projection.any() && !works && near.is_none(),
             latest: f64::INFINITY,
@@ -182,6 +185,7 @@ impl<T: Float> System<T> {
             jacobian: None,
             free_motion: FreeMotion::default(),
             commands: Commands::new(model.scene()),
+            may_fold,
             turning: Turning::new(),
             wide: Vec::new(),
             measured: vec![
@@ -429,9 +433,44 @@ impl<T: Float> System<T> {
         }
     }
 
-    /// Whether no motor follows inputs.
-    pub(crate) fn takes_no_commands(&self) -> bool {
-        self.commands.is_none()
+    /// Whether nothing but the state is looked at where a step is taken: no motor follows inputs, and no joint may fold.
+    pub(crate) fn needs_no_ends(&self) -> bool {
+        self.commands.is_none() && !self.may_fold
+    }
+
+    /// Looks whether a joint is folded at the end of a step.
+    ///
+    /// # Errors
+    /// The first that is.
+    #[inline]
+    pub(crate) fn check_folds(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        match self.may_fold {
+            true => self.look_for_folds(time, state),
+            false => Ok(()),
+        }
+    }
+
+    fn look_for_folds(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let (model, modes) = (&*self.model, &self.memory.modes);
+        let joints = &model.layout().joints;
+        let joined = |joint: usize| {
+            let switch = joints.get(joint).and_then(|slots| slots.switch);
+            switch.and_then(|at| modes.get(at)) != Some(&Mode::Detached)
+        };
+        let mut folded = None;
+        let laws = self.laws.get_or_insert_with(|| Laws::new(model));
+        laws.run(model, &at, |scene, layout, numbers, at, scratch| {
+            folded = mbd_scene::folded(scene, layout, numbers, at, scratch, joined);
+        });
+        match folded {
+            Some(joint) => Err(StepError::FoldedJoint {
+                joint: joint_name(self.model.scene(), joint).to_owned(),
+                time,
+            }),
+            None => Ok(()),
+        }
     }
 
     fn compare_commands(

@@ -236,9 +236,11 @@ pub fn idle_lock(sentence: &str) -> String {
 }
 
 pub fn immovable(model: &str, rows: usize, speeds: usize) -> String {
-    format!(
-        "model `{model}` cannot move: the {rows} rows of its joints hold all {speeds} speeds; take a joint away, or one that forbids less"
-    )
+    let held = match speeds {
+        0 => "its joints leave its bodies no coordinate".to_owned(),
+        _ => format!("the {rows} rows of its joints hold all {speeds} speeds"),
+    };
+    format!("model `{model}` cannot move: {held}; take a joint away, or one that forbids less")
 }
 
 pub fn across_the_plane(model: &str, coordinate: &str, plane: Plane) -> String {

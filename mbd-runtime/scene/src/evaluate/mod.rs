@@ -12,7 +12,7 @@ pub use with_multipliers::evaluate_with_multipliers;
 use nalgebra::Vector3;
 
 use crate::laws::{
-    energy,
+    branch_of, energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
     formula, jacobian,
@@ -398,6 +398,21 @@ pub struct ToldMotion {
     pub told: [f64; 3],
     /// The rates of value and rate as they follow from their expressions, inputs held; of a line that of its free length alone.
     pub follows: [f64; 2],
+}
+
+/// The first joint that is [folded](crate::joints::JointDefinition::FOLDED), of those that are `joined`.
+pub fn folded(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    joined: impl Fn(usize) -> bool,
+) -> Option<usize> {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    let mut folding = scene.folding_joints().filter(|(joint, _)| joined(*joint));
+    let found = folding.find(|(joint, least)| branch_of(&evaluation, *joint)[0] < *least);
+    found.map(|(joint, _)| joint)
 }
 
 /// Appends what every motor is told, in the order of [`Scene::commanded`], then every line of [`Scene::commanded_lines`].

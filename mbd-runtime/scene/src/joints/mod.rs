@@ -36,6 +36,10 @@ pub trait JointDefinition: Sized {
     /// Whether its rows use the axes of frame 1 and of frame 2. A point with mass has none, and can be the end of a joint that asks for none.
     const AXES: [bool; 2] = [true; 2];
 
+    /// What the first number of [`JointDefinition::branch`] is at least while a run goes on, of a joint that can move to where its branch meets another
+    /// one: there its rows have no rank, and beyond it there is no knowing which of them the joint is on. `None` where no motion leads there.
+    const FOLDED: Option<f64> = None;
+
     /// Reads its fields: the only place that says which there are.
     fn read(fields: &mut dyn Fields) -> Self;
 
@@ -257,6 +261,14 @@ macro_rules! joints {
             pub fn coordinate(&self, index: usize) -> Option<Coordinate> {
                 match self {
                     $(JointLaw::$name(joint) => joint.coordinate(index),)*
+                }
+            }
+
+            /// How near it may come to where its branch meets another one: see [`JointDefinition::FOLDED`].
+            #[must_use]
+            pub fn folded(&self) -> Option<f64> {
+                match self {
+                    $(JointLaw::$name(_) => <$name as JointDefinition>::FOLDED,)*
                 }
             }
 

@@ -64,7 +64,7 @@ pub(crate) fn centre_of_mass<S: Real>(
         if let PointSlots::Mass(slots) = slots {
             let (mass, _) = evaluation.numbers.points[index];
             whole += mass;
-            for (axis, line) in out.chunks_exact_mut(layout.nv).enumerate() {
+            for (axis, line) in out.chunks_exact_mut(layout.nv.max(1)).enumerate() {
                 let along = unit::<S>(axis).map(|x| mass * x);
                 layout.directions.write_linear(line, slots.v, &along);
             }
@@ -132,7 +132,7 @@ fn write<S: Real>(
             let about = column.angular.map(|x| *mass * x);
             let columns = [motion.axes * along, motion.axes * about];
             for (rows, column) in [&mut *moving, &mut *turning].into_iter().zip(columns) {
-                for (row, value) in rows.chunks_exact_mut(layout.nv).zip(column.iter()) {
+                for (row, value) in rows.chunks_exact_mut(layout.nv.max(1)).zip(column.iter()) {
                     row[speed] = *value;
                 }
             }
@@ -160,12 +160,12 @@ fn write_own<S: Real>(
         AngularVelocity::Body => *moment,
         AngularVelocity::World => motion.arm(moment),
     };
-    for (axis, row) in moving.chunks_exact_mut(layout.nv).enumerate() {
+    for (axis, row) in moving.chunks_exact_mut(layout.nv.max(1)).enumerate() {
         let along: Vector3<S> = unit(axis);
         directions.write_linear(row, slots.v, &along.map(|x| *mass * x));
         directions.write_angular(row, slots.v, &arm.cross(&own(&along)));
     }
-    for (axis, row) in turning.chunks_exact_mut(layout.nv).enumerate() {
+    for (axis, row) in turning.chunks_exact_mut(layout.nv.max(1)).enumerate() {
         let about = own(&unit(axis));
         directions.write_angular(row, slots.v, &about.map(|x| *mass * x));
     }

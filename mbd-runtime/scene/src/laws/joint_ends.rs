@@ -255,13 +255,17 @@ pub fn branch(
     joint: usize,
 ) -> [f64; 3] {
     let mut kinematics = Kinematics::new(layout);
-    let evaluation = kinematics.read(scene, layout, numbers, at);
+    branch_of(&kinematics.read(scene, layout, numbers, at), joint)
+}
+
+/// The same of what is evaluated already.
+pub(crate) fn branch_of(evaluation: &Evaluation<'_, f64>, joint: usize) -> [f64; 3] {
     let ends = evaluation.ends(joint, AngularVelocity::Body);
-    let (Some(ends), Some(joint)) = (ends, scene.joints.get(joint)) else {
+    let (Some(ends), Some(declared)) = (ends, evaluation.scene.joints.get(joint)) else {
         return [f64::NAN; 3];
     };
-    let [a, b, c] = joint.law.branch(&ends);
-    let courses = evaluation.motors(joint);
+    let [a, b, c] = declared.law.branch(&ends);
+    let courses = evaluation.motors(declared);
     let driven = courses.fold(c, |least, (coordinate, course)| {
         least.min(ends.prescribed_cosine(&coordinate, course.value))
     });

@@ -27,6 +27,7 @@ mod winding;
 pub use coupling::{Coupling, is_discontinuous};
 pub use formula::norm;
 pub use ground::ground;
+pub(crate) use joint_ends::branch_of;
 pub use joint_ends::{branch, out_of_plane, row_units};
 pub use node::{Pulled, balance};
 pub use numbers::{

@@ -294,6 +294,13 @@ impl Scene {
         found
     }
 
+    /// The joints that can move to where their branch meets another one, and how near they may come to it: see
+    /// [`FOLDED`](crate::joints::JointDefinition::FOLDED).
+    pub fn folding_joints(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let joints = self.joints.iter().enumerate();
+        joints.filter_map(|(index, joint)| Some((index, joint.law.folded()?)))
+    }
+
     /// Whether a formula, or a `let` it names, reads time.
     #[must_use]
     pub fn depends_on_time(&self, formula: &Formula) -> bool {

@@ -114,7 +114,7 @@ impl<S: Real> DependentSpeeds<S> {
         for (dependent, known) in self.each(plan).rev() {
             let d = dependent.speed;
             for (s, lead) in led(dependent, known) {
-                for row in mass.chunks_mut(n).chain(lines.chunks_mut(n)) {
+                for row in mass.chunks_mut(n.max(1)).chain(lines.chunks_mut(n.max(1))) {
                     row[s] += lead * row[d];
                 }
                 for column in 0..n {

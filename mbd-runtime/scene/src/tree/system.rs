@@ -314,8 +314,8 @@ impl<S: Real> TreeSystem<S> {
         self.run_rows(evaluation, false);
         if what == Quantity::ConstraintJacobian {
             for (to, from) in out
-                .chunks_exact_mut(layout.nv)
-                .zip(self.rows.lines.chunks_exact(layout.nv))
+                .chunks_exact_mut(layout.nv.max(1))
+                .zip(self.rows.lines.chunks_exact(layout.nv.max(1)))
             {
                 to.copy_from_slice(from);
                 into_state(evaluation, to);
@@ -335,7 +335,7 @@ impl<S: Real> TreeSystem<S> {
         let n = evaluation.layout.nv;
         for _ in 0..2 {
             // T M Tᵀ: rows, then the rows of the transpose.
-            for row in self.mass.chunks_exact_mut(n) {
+            for row in self.mass.chunks_exact_mut(n.max(1)) {
                 into_state(evaluation, row);
             }
             for i in 0..n {

@@ -192,10 +192,11 @@ impl<T: Float> RateNode<T> {
         self.held = rank;
     }
 
-    /// The rank to hold from here on: that of an algebraic set, 3 otherwise.
+    /// The rank to hold from here on: that of an algebraic set whose node is on the line or plane of its anchors, 3 otherwise. Anchors that were in one
+    /// plane for an instant only, as those of four lines may be, span space again where the node is then.
     #[must_use]
     pub fn rank(&self) -> usize {
-        if self.spread == RateOutcome::Algebraic {
+        if self.spread == RateOutcome::Algebraic && spanned(&self.damping()).1 <= self.rank {
             self.rank
         } else {
             3

@@ -116,7 +116,7 @@ impl<T: Float> Simulation<T> {
         let is_this = !lands && [self.time, size] == [time, step];
         let inside = self.looks_inside([time, step], history);
         let system = &self.system;
-        let held = system.memory.turns.is_empty() && system.takes_no_commands();
+        let held = system.memory.turns.is_empty() && system.needs_no_ends();
         let nodes = !system.nodes.has_networks() || system.nodes.are_single();
         let anew = history.measures_steps() && self.jumped;
         let recorded = history.reads_end_of([time, step]) || anew;

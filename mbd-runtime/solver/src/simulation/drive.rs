@@ -452,6 +452,7 @@ impl<T: Float> Simulation<T> {
 
     /// Takes the last attempt: state, memory and time move on together.
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
+        self.system.check_folds(end, self.method.next())?;
         self.system
             .follow_commands(end, Some(step), self.method.next())?;
         self.system.known.forget();

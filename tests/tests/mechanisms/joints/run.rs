@@ -6,6 +6,7 @@ use mbd_runtime::{
 };
 use mbd_scene::{AngularVelocity, Layout, Place, Quantity, Scene};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use tests::declared::read;
 use tests::mechanism::{
     Instance, add_body, add_external_loads, add_frame, add_joint, empty, evaluate, frame, state,
 };
@@ -497,6 +498,40 @@ fn a_hinge_that_holds_with_its_axis_reversed_is_refused_by_name() {
         match start(&scene, &bodies) {
             Err(StepError::WrongBranch { joints }) => assert_eq!(joints, ["hinge0"]),
             other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// Its rows hold at every half turn, too: behind the fold runs went on with the shafts turned against each other, and told nothing.
+#[test]
+fn shafts_that_fold_back_end_the_run_by_name() {
+    for family in ["absolute", "relative"] {
+        let scene = read(&format!(
+            "model Fall {{
+                coordinates: {family};
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                body rod {{ mass: 1 kg, inertia: diag(0.02, 0.03, 0.04) kg*m^2, frame foot at [0.02, 0.0, -0.3] m }}
+                joint coupling: constant_velocity from world to rod.foot;
+            }}"
+        ));
+        let model = Generic::<f64>::new(scene, &[]).expect("no params");
+        for options in [Options::rk4(1e-3), Options::tsit5(1e-8)] {
+            let mut run = Simulation::new(&model, options).expect("a method");
+            let error = run.run(10.0).expect_err("the rod falls over");
+            match &error.cause {
+                StepError::FoldedJoint { joint, .. } => assert_eq!(joint, "coupling"),
+                other => panic!("{other}"),
+            }
+            // The last accepted state hangs, as good as straight down, and fell by twice the height.
+            let mut energy = [0.0; 6];
+            run.evaluate(Quantity::Energy, &mut energy)
+                .expect("a state");
+            let [kinetic, potential] = [energy[0], energy[1]];
+            assert!(
+                (kinetic + potential - 9.81 * 0.3).abs() < 1e-4,
+                "{energy:?}"
+            );
+            assert!(kinetic > 0.98 * 9.81 * 0.6, "{energy:?}");
         }
     }
 }
