@@ -657,3 +657,30 @@ fn a_start_where_a_motor_does_not_hold_its_coordinate_is_told_in_both_families()
         begun("motor: [wish, 0, 0]", 0.2).expect("as far as is known");
     }
 }
+
+/// Three bodies that hang together and on nothing else, with a start of the joint between the last two.
+#[test]
+fn of_bodies_that_float_the_first_that_is_declared_stays_at_the_origin_in_both_families() {
+    let places = ["absolute", "relative"].map(|family| {
+        let scene = read(&format!(
+            "model Floating {{
+                coordinates: {family};
+                gravity: none;
+                body bus {{ mass: 9 kg, inertia: diag(1, 1, 1) kg*m^2, frame edge at [0.4, 0.0, 0.0] m }}
+                body arm {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-0.2, 0.0, 0.0] m, frame tip at [0.2, 0.0, 0.0] m }}
+                body hand {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-0.1, 0.0, 0.0] m }}
+                joint drift: free from world to bus.com;
+                joint shoulder: spherical from bus.edge to arm.root;
+                joint wrist: hinge from arm.tip to hand.root {{ axis: z, start: 90 deg }}
+                output bus = bus.position;
+                output arm = arm.position;
+                output hand = hand.position;
+            }}"
+        ));
+        begun_as_declared(&scene).0
+    });
+    let expected = [0.0, 0.0, 0.0, 0.6, 0.0, 0.0, 0.8, 0.1, 0.0];
+    for place in places {
+        assert_close(&place, &expected, 1e-12);
+    }
+}

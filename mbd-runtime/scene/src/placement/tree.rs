@@ -78,9 +78,15 @@ pub(super) fn tree(
             .iter()
             .position(|(_, ends)| ends.iter().any(|end| placed.contains(end)));
         let Some(next) = next else {
-            // Nothing ties these to the world: the first of them stays where it is.
-            let (_, ends) = edges[0];
-            placed.push(ends[0]);
+            // Nothing ties these to the world: the body that was declared first stays where it is, as it is the one that floats in a tree of
+            // relative coordinates.
+            let ends = edges.iter().flat_map(|(_, ends)| ends);
+            let bodies = ends.filter_map(|end| match end {
+                Some(Part::Body(body)) => Some(*body),
+                _ => None,
+            });
+            let first = bodies.min().map(Part::Body);
+            placed.push(first.or(edges[0].1[0]));
             continue;
         };
         let (joint, [parent, child]) = edges.remove(next);
