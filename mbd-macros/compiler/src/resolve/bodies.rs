@@ -1,6 +1,6 @@
 //! Bodies, their inertia and their frames; frames of the world.
 
-use mbd_scene::{Formula, Function, Inertia, Unit};
+use mbd_scene::{Axis, Formula, Function, Inertia, Unit};
 
 use super::fields::Accept;
 use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
@@ -175,14 +175,17 @@ impl Resolver<'_> {
     }
 
     /// `rpy(roll, pitch, yaw)` about fixed axes x, y, z: R = Rz Ry Rx; `euler_zyx(yaw, pitch, roll)` about moving axes is the same R;
-    /// `matrix([…], […], […])` gives the rows.
+    /// `about(axis, angle)` about one axis; `matrix([…], […], […])` gives the rows.
     pub fn rotation(
         &mut self,
         value: ValueSyntax<'_>,
         scope: Scope<'_>,
     ) -> Option<Option<RotationRows>> {
+        let is_about = Cursor::new(value).peek_word() == Some(words::ABOUT);
         let parsed = match expression::whole(value) {
             Ok(parsed) => parsed,
+            // `about z by 30 deg`
+            Err(_) if is_about => return self.fail(say::rotation_form(value.at)),
             Err(report) => return self.fail(report),
         };
         let Expression::Call {
@@ -191,27 +194,25 @@ impl Resolver<'_> {
         else {
             return self.fail(say::rotation_form(value.at));
         };
-        if arguments.len() != 3 {
-            return self.fail(say::rotation_form(value.at));
-        }
-        let rows = match name.text.as_str() {
-            "rpy" | "euler_zyx" => {
+        let rows = match (name.text.as_str(), arguments.as_slice()) {
+            (word @ ("rpy" | "euler_zyx"), [_, _, _]) => {
                 let mut angles = Vec::new();
                 for argument in arguments {
-                    let typed = self.typed(argument, scope);
-                    angles.push(typed.and_then(|typed| {
-                        self.in_radians(&typed, &format!("`{}`", name.text))?;
-                        self.fits(typed, &name.text, false, units::NONE)
-                    }));
+                    angles.push(self.angle_of_rotation(word, argument, scope));
                 }
                 let mut angles: Vec<Formula> = angles.into_iter().collect::<Option<_>>()?;
-                if name.text == "euler_zyx" {
+                if word == "euler_zyx" {
                     angles.reverse();
                 }
                 let [roll, pitch, yaw]: [Formula; 3] = angles.try_into().ok()?;
                 self.rotated(roll, pitch, yaw, value.at)?
             }
-            "matrix" => {
+            (words::ABOUT, [axis, angle]) => {
+                let angle = self.angle_of_rotation(words::ABOUT, angle, scope);
+                let axis = self.axis_of_rotation(axis, scope)?;
+                self.rotated_about(axis, angle?, value.at)?
+            }
+            ("matrix", [_, _, _]) => {
                 let mut rows = Vec::new();
                 for argument in arguments {
                     let typed = self.typed(argument, scope)?;
@@ -223,6 +224,77 @@ impl Resolver<'_> {
             _ => return self.fail(say::rotation_form(value.at)),
         };
         self.checked_rotation(rows, value.at)
+    }
+
+    /// An angle of a rotation that is written as `word(…)`.
+    fn angle_of_rotation(
+        &mut self,
+        word: &str,
+        argument: &Expression,
+        scope: Scope<'_>,
+    ) -> Option<Formula> {
+        let typed = self.typed(argument, scope)?;
+        self.in_radians(&typed, &format!("`{word}`"))?;
+        self.fits(typed, word, false, units::NONE)
+    }
+
+    /// The axis of `about(axis, angle)`: `x`, `y`, `z`, with a sign or without, or a vector of numbers and consts.
+    fn axis_of_rotation(&mut self, argument: &Expression, scope: Scope<'_>) -> Option<Axis> {
+        let at = argument.at();
+        let (unsigned, sign) = match argument {
+            Expression::Negative(of, _) => (&**of, -1.0),
+            other => (other, 1.0),
+        };
+        if let Expression::Path(steps) = unsigned
+            && let [step] = steps.as_slice()
+            && let Some(axis) = ["x", "y", "z"]
+                .iter()
+                .position(|letter| *letter == step.word.text)
+        {
+            let mut direction = [0.0; 3];
+            direction[axis] = sign;
+            return Axis::new(direction);
+        }
+        let constant = Scope {
+            stage: MayDependOn::Constant,
+            ..scope
+        };
+        let typed = self.typed(argument, constant)?;
+        if !typed.vector {
+            return self.fail(say::rotation_form(at));
+        }
+        let formula = self.fits(typed, words::ABOUT, true, units::NONE)?;
+        let components = fold::components(formula, &self.scene)
+            .map(|part| fold::at_defaults(&part, &self.scene).unwrap_or(f64::NAN));
+        match Axis::new(components) {
+            Some(axis) => Some(axis),
+            None => self.fail(say::zero_axis(at)),
+        }
+    }
+
+    /// R = a aᵀ + cos (1 − a aᵀ) + sin [a]×. Source: Rodrigues.
+    fn rotated_about(&mut self, axis: Axis, angle: Formula, at: Region) -> Option<RotationRows> {
+        let Axis(a) = axis;
+        let sine = self.apply(Function::Sin, vec![angle.clone()], at)?;
+        let cosine = self.apply(Function::Cos, vec![angle], at)?;
+        let zeros = || [0.0; 3].map(Formula::Number);
+        let mut rows = [zeros(), zeros(), zeros()];
+        for (i, row) in rows.iter_mut().enumerate() {
+            for (j, slot) in row.iter_mut().enumerate() {
+                let both = a[i] * a[j];
+                let (rest, across) = match (3 + j - i) % 3 {
+                    0 => (1.0 - both, 0.0),
+                    // [a]× has −a_k right of the diagonal, in the order x, y, z, x.
+                    1 => (-both, -a[3 - i - j]),
+                    _ => (-both, a[3 - i - j]),
+                };
+                let turned = self.plain_product(&Formula::Number(rest), &cosine, at)?;
+                let crossed = self.plain_product(&Formula::Number(across), &sine, at)?;
+                let sum = self.plain_sum(Formula::Number(both), turned, at)?;
+                *slot = self.plain_sum(sum, crossed, at)?;
+            }
+        }
+        Some(rows)
     }
 
     /// R = Rz(yaw) Ry(pitch) Rx(roll).
@@ -291,6 +363,8 @@ impl Resolver<'_> {
             Some(b.clone())
         } else if *b == one {
             Some(a.clone())
+        } else if *a == Formula::Number(-1.0) {
+            Some(negative(b))
         } else {
             self.apply(Function::Mul, vec![a.clone(), b.clone()], at)
         }

@@ -460,7 +460,7 @@ fn short(value: f64) -> String {
 pub fn rotation_form(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
-        "expected a rotation: `rpy(roll, pitch, yaw)` about fixed axes, `euler_zyx(yaw, pitch, roll)` about moving axes, or `matrix(row, row, row)`",
+        "expected a rotation: `about(axis, angle)`, `rpy(roll, pitch, yaw)` about fixed axes, `euler_zyx(yaw, pitch, roll)` about moving axes, or `matrix(row, row, row)`",
     )
 }
 
