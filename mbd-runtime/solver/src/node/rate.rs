@@ -11,7 +11,7 @@
 //! 2. D of full rank (λ_min > 1e-6 λ_max): one Cholesky.
 //! 3. Rank missing and nothing pulls: w = v̄ + D⁺ (…): no force hangs on the missing directions.
 //! 4. Rank missing and something pulls: the missing directions are algebraic, w_⊥ = Σ (T/d) v_⊥ / Σ (T/d), and the node belongs on the line or in
-//!    the plane through the carrying anchors ([`RateNode::projected`]).
+//!    the plane through the carrying anchors ([`RateNode::projected`]), for as long as these are in one: four anchors may be for an instant.
 //! 5. Independent taut lines without force that pull the node into such a line or plane: it is put there ([`RateNode::crossing`]).
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
 //!    (`RateNode::limit`).
