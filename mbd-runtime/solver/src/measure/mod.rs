@@ -16,7 +16,7 @@ mod sum;
 use crate::error::StepError;
 use crate::metric::{MetricReader, MissingMetric};
 use polynomial::{DEGREE, POINTS, Polynomial};
-use sum::{Law, MeasuredPart, Sum};
+use sum::{MeasuredPart, QuantityAt, Sum};
 
 /// Writes the columns at a part of a step, 0 … 1.
 type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a;
@@ -422,8 +422,9 @@ impl Measures {
                     && gap.is_some_and(|gap| gap < from || to < gap)
             });
         }
-        let hangs = |sum: &Sum, reader: &MetricReader| sum.hangs_on(reader, times, polynomial);
-        polynomial.error() > allowed && self.any_sum(column, hangs)
+        let changes =
+            |sum: &Sum, reader: &MetricReader| sum.could_change_by(reader, times, polynomial);
+        polynomial.error() > allowed && self.any_sum(column, changes)
     }
 
     /// When a column has a value over a half that is not a number: where a metric needs it, if there is such a time [s].
@@ -624,7 +625,7 @@ impl Measures {
             };
             let rough = !step.straight
                 && polynomial.error() > step.tolerance * size
-                && sum.hangs_on(reader, times, &polynomial);
+                && sum.could_change_by(reader, times, &polynomial);
             // What is halved that often is a corner or a jump in an interval of time that is nothing.
             let open = match rough && half.depth < DEEPEST {
                 true => polynomial.tail(),
@@ -642,7 +643,7 @@ impl Measures {
                 open,
             };
             let (looked, [low, high]) = (&mut self.looked, half.part);
-            let law: &mut Law<'_> = &mut |place| match 0.5 * (place + 1.0) {
+            let law: &mut QuantityAt<'_> = &mut |place| match 0.5 * (place + 1.0) {
                 0.0 => Ok(ends[0]),
                 1.0 => Ok(ends[1]),
                 part if step.straight => Ok((1.0 - part) * ends[0] + part * ends[1]),

@@ -7,7 +7,7 @@ use crate::error::StepError;
 use crate::metric::{MetricReader, MissingMetric};
 
 /// The quantity itself at a place of its polynomial, −1 … 1: the law at the interpolated state.
-pub(super) type Law<'a> = dyn FnMut(f64) -> Result<f64, StepError> + 'a;
+pub(super) type QuantityAt<'a> = dyn FnMut(f64) -> Result<f64, StepError> + 'a;
 
 /// What is known of a metric up to an instant.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +84,7 @@ impl Sum {
     }
 
     /// Whether another polynomial that is about this one over a part of the run could give it another value.
-    pub(super) fn hangs_on(
+    pub(super) fn could_change_by(
         &self,
         of: &MetricReader,
         times: [f64; 2],
@@ -148,7 +148,7 @@ impl Sum {
         &mut self,
         of: &MetricReader,
         part: MeasuredPart<'_>,
-        law: &mut Law<'_>,
+        law: &mut QuantityAt<'_>,
     ) -> Result<(), StepError> {
         let MeasuredPart {
             polynomial,
