@@ -672,9 +672,9 @@ fn of_bodies_that_float_the_first_that_is_declared_stays_at_the_origin_in_both_f
                 joint drift: free from world to bus.com;
                 joint shoulder: spherical from bus.edge to arm.root;
                 joint wrist: hinge from arm.tip to hand.root {{ axis: z, start: 90 deg }}
-                output bus = bus.position;
-                output arm = arm.position;
-                output hand = hand.position;
+                output bus_at = bus.position;
+                output arm_at = arm.position;
+                output hand_at = hand.position;
             }}"
         ));
         begun_as_declared(&scene).0
