@@ -430,13 +430,18 @@ impl<T: Float> RateNode<T> {
         self.legs.iter().map(weight)
     }
 
-    /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere.
+    /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere, and where
+    /// fewer anchors carry than a line or a plane goes through: what one line pulls is rounding then, as nothing holds against it.
     #[must_use]
     pub fn projected(&self) -> Option<Vector3<T>> {
         if self.spread != RateOutcome::Algebraic {
             return None;
         }
         let rounding = self.rounding();
+        let carrying = self.legs.iter().filter(|leg| leg.pulls(rounding)).count();
+        if carrying <= self.rank {
+            return None;
+        }
         let offset = self.to_hull(self.rank, |leg| leg.pulls(rounding));
         Some(self.position + offset)
     }
