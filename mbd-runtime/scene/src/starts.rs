@@ -1,7 +1,5 @@
 //! The start that a declaration says: bodies and points where they are put, the rest by joint coordinates.
 
-use std::f64::consts::TAU;
-
 use nalgebra::{Matrix3, Vector3};
 
 use crate::evaluate::{Scratch, driven_coordinates};
@@ -242,15 +240,13 @@ fn agree_with_motors(
         };
         let held = [driven.value, driven.rate].map(Option::unwrap_or_default);
         let found = scene.coordinate(joint, coordinate);
-        let turns = found.is_some_and(|(_, coordinate)| coordinate.is_angle());
+        let is_angle = found.is_some_and(|(_, coordinate)| coordinate.is_angle());
         let elsewhere = start.value.filter(|_| !start.about).is_some_and(|said| {
-            let off = said - held[0];
-            let whole = if turns {
-                (off / TAU).round() * TAU
-            } else {
-                0.0
+            let said = match is_angle {
+                true => next_to(said, held[0]),
+                false => said,
             };
-            (off - whole).abs() > SAID
+            (said - held[0]).abs() > SAID
         });
         if elsewhere || start.rate.is_some_and(|said| (said - held[1]).abs() > SAID) {
             return Err(PlacementError::Driven {

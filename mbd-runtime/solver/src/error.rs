@@ -7,6 +7,7 @@ use std::error::Error;
 use std::fmt;
 
 use mbd_scene::ParamError;
+use mbd_scene::joints::Fold;
 
 use crate::node::UNEVEN;
 use crate::trajectory::Trajectory;
@@ -317,10 +318,10 @@ step_errors! {
         joint: String,
         /// When [s].
         time: f64,
+        /// Where that is.
+        fold: Fold,
     }
-    "folded_joint",
-    format!("at {time:.9} s `{joint}` is bent by more than 179 degrees: where its shafts fold back it does not say how they turn"),
-    "keep the bend small by springs or stops, end the run before, or take a joint that bends any way: `spherical`, `universal`";
+    "folded_joint", format!("at {time:.9} s `{joint}` {}", fold.told), fold.remedy;
 
     /// A number that became infinite or NaN.
     NonFinite {

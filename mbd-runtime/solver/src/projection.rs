@@ -21,7 +21,6 @@ use crate::list::{all_finite, largest};
 use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
-use crate::unilateral::Mode;
 
 mod free_step;
 mod step;
@@ -439,7 +438,7 @@ impl<T: Float> System<T> {
 
     /// What the laws need that are asked at a start or for a message, in `f64` whatever the scalar of the run.
     #[cold]
-    fn in_double(&self, time: f64, state: &[T]) -> (Numbers<f64>, Arguments<f64>) {
+    pub(crate) fn in_double(&self, time: f64, state: &[T]) -> (Numbers<f64>, Arguments<f64>) {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let mut arguments = Arguments::default();
         arguments.read(&at, |x| x.to_f64());
@@ -508,27 +507,6 @@ impl<T: Float> System<T> {
             true => Ok(()),
             false => Err(StepError::InconsistentStart { norm, rows }),
         }
-    }
-
-    /// Rows have more roots than the one that is meant: every joint must be on its own.
-    fn check_branches(&self, time: f64, state: &[T]) -> Result<(), StepError> {
-        let (scene, layout) = (self.model.scene(), self.model.layout());
-        let (numbers, arguments) = self.in_double(time, state);
-        let at = arguments.at();
-        let joints = layout.joints.iter().enumerate();
-        let flipped: Vec<String> = joints
-            .filter(|(joint, slots)| {
-                let signs = laws::branch(scene, layout, &numbers, &at, *joint);
-                let joined = slots.switch.and_then(|at| self.modes().get(at));
-                let held = slots.len > 0 && joined != Some(&Mode::Detached);
-                held && !signs.iter().all(|sign| *sign > 0.0)
-            })
-            .map(|(joint, _)| joint_name(scene, joint).to_owned())
-            .collect();
-        if flipped.is_empty() {
-            return Ok(());
-        }
-        Err(StepError::WrongBranch { joints: flipped })
     }
 }
 

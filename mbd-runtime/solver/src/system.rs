@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mbd_scene::laws::Numbers;
 use mbd_scene::{At, Float, Model, Quantity, Work};
 
-use crate::columns::{joint_name, line_name, node_name};
+use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError, UnevenLines};
 use crate::fallback::Fallback;
@@ -20,6 +20,7 @@ use crate::turns::Turning;
 use crate::unilateral::Mode;
 use crate::watch;
 
+mod branches;
 mod known;
 mod near_side;
 mod no_number;
@@ -433,44 +434,9 @@ impl<T: Float> System<T> {
         }
     }
 
-    /// Whether nothing but the state is looked at where a step is taken: no motor follows inputs, and no joint may fold.
+    /// Whether nothing but the state is looked at where a step is taken: nothing that is prescribed, wound or may fold.
     pub(crate) fn needs_no_ends(&self) -> bool {
         self.commands.is_none() && !self.may_fold
-    }
-
-    /// Looks whether a joint is folded at the end of a step.
-    ///
-    /// # Errors
-    /// The first that is.
-    #[inline]
-    pub(crate) fn check_folds(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        match self.may_fold {
-            true => self.look_for_folds(time, state),
-            false => Ok(()),
-        }
-    }
-
-    fn look_for_folds(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        let state = state.get(..self.nx).unwrap_or_default();
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let (model, modes) = (&*self.model, &self.memory.modes);
-        let joints = &model.layout().joints;
-        let joined = |joint: usize| {
-            let switch = joints.get(joint).and_then(|slots| slots.switch);
-            switch.and_then(|at| modes.get(at)) != Some(&Mode::Detached)
-        };
-        let mut folded = None;
-        let laws = self.laws.get_or_insert_with(|| Laws::new(model));
-        laws.run(model, &at, |scene, layout, numbers, at, scratch| {
-            folded = mbd_scene::folded(scene, layout, numbers, at, scratch, joined);
-        });
-        match folded {
-            Some(joint) => Err(StepError::FoldedJoint {
-                joint: joint_name(self.model.scene(), joint).to_owned(),
-                time,
-            }),
-            None => Ok(()),
-        }
     }
 
     fn compare_commands(

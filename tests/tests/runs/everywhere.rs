@@ -29,6 +29,24 @@ const ALL: fn() -> Vec<Options> = || {
     all
 };
 
+/// A lamp on a cord from a knot between two lines: its name, the node, and what is said of the damping of the lines.
+macro_rules! lamp {
+    ($name:literal $node:literal $damping:literal) => {
+        concat!(
+            "model ", $name, " {
+            gravity: [0, 0, -9.81] m/s^2;
+            world { frame left at [-1 m, 0 m, 2 m], frame right at [1.5 m, 0.2 m, 2.2 m] }
+            point lamp { mass: 1.5 kg, start at [0.4 m, 0.3 m, 0.8 m] velocity [0 m/s, 0 m/s, 3 m/s] }
+            point knot { equilibrium: ", $node, " }
+            line a from world.left to knot { free_length: 1.2 m, stiffness: 5 kN/m ", $damping, " }
+            line b from world.right to knot { free_length: 1.6 m, stiffness: 5 kN/m ", $damping, " }
+            line cord from knot to lamp { free_length: 0.5 m, stiffness: 5 kN/m ", $damping, " }
+            load air on lamp = -0.05 kg/m * norm(lamp.velocity) * lamp.velocity;
+        }"
+        )
+    };
+}
+
 const SCENES: [Scene; 12] = [
     // Lines that bounce, chains of events.
     Scene {
@@ -53,46 +71,19 @@ const SCENES: [Scene; 12] = [
     },
     // A node that remembers steps.
     Scene {
-        text: "model Stepwise {
-            gravity: [0, 0, -9.81] m/s^2;
-            world { frame left at [-1 m, 0 m, 2 m], frame right at [1.5 m, 0.2 m, 2.2 m] }
-            point lamp { mass: 1.5 kg, start at [0.4 m, 0.3 m, 0.8 m] velocity [0 m/s, 0 m/s, 3 m/s] }
-            point knot { equilibrium: stepwise }
-            line a from world.left to knot { free_length: 1.2 m, stiffness: 5 kN/m , damping: 50 N*s/m }
-            line b from world.right to knot { free_length: 1.6 m, stiffness: 5 kN/m , damping: 50 N*s/m }
-            line cord from knot to lamp { free_length: 0.5 m, stiffness: 5 kN/m , damping: 50 N*s/m }
-            load air on lamp = -0.05 kg/m * norm(lamp.velocity) * lamp.velocity;
-        }",
+        text: lamp!("Stepwise" "stepwise" ", damping: 50 N*s/m"),
         methods: || vec![Options::rk4(5e-3)],
         fails: None,
     },
     // A node with dampers.
     Scene {
-        text: "model Rate {
-            gravity: [0, 0, -9.81] m/s^2;
-            world { frame left at [-1 m, 0 m, 2 m], frame right at [1.5 m, 0.2 m, 2.2 m] }
-            point lamp { mass: 1.5 kg, start at [0.4 m, 0.3 m, 0.8 m] velocity [0 m/s, 0 m/s, 3 m/s] }
-            point knot { equilibrium: rate }
-            line a from world.left to knot { free_length: 1.2 m, stiffness: 5 kN/m , damping: 50 N*s/m }
-            line b from world.right to knot { free_length: 1.6 m, stiffness: 5 kN/m , damping: 50 N*s/m }
-            line cord from knot to lamp { free_length: 0.5 m, stiffness: 5 kN/m , damping: 50 N*s/m }
-            load air on lamp = -0.05 kg/m * norm(lamp.velocity) * lamp.velocity;
-        }",
+        text: lamp!("Rate" "rate" ", damping: 50 N*s/m"),
         methods: || vec![Options::rk4(5e-4), Options::tsit5(1e-5), Options::vern7(1e-8)],
         fails: None,
     },
     // A node without.
     Scene {
-        text: "model Static {
-            gravity: [0, 0, -9.81] m/s^2;
-            world { frame left at [-1 m, 0 m, 2 m], frame right at [1.5 m, 0.2 m, 2.2 m] }
-            point lamp { mass: 1.5 kg, start at [0.4 m, 0.3 m, 0.8 m] velocity [0 m/s, 0 m/s, 3 m/s] }
-            point knot { equilibrium: static }
-            line a from world.left to knot { free_length: 1.2 m, stiffness: 5 kN/m }
-            line b from world.right to knot { free_length: 1.6 m, stiffness: 5 kN/m }
-            line cord from knot to lamp { free_length: 0.5 m, stiffness: 5 kN/m }
-            load air on lamp = -0.05 kg/m * norm(lamp.velocity) * lamp.velocity;
-        }",
+        text: lamp!("Static" "static" ""),
         methods: ALL,
         fails: None,
     },

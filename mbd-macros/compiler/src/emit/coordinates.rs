@@ -86,7 +86,7 @@ fn fields(context: &EmitContext) -> Vec<CoordinateField> {
             None => (joint.name.as_str(), false),
         };
         for coordinate in joint.law.measured() {
-            let unit = if coordinate.is_angle() { "rad" } else { "m" };
+            let unit = coordinate.unit();
             let rate = format!("{unit}/s");
             for (word, unit) in [(coordinate.name, unit), (coordinate.rate, rate.as_str())] {
                 let of = (base.to_owned(), word);

@@ -263,13 +263,7 @@ impl Resolver<'_> {
         if !typed.vector {
             return self.fail(say::rotation_form(at));
         }
-        let formula = self.fits(typed, words::ABOUT, true, units::NONE)?;
-        let components = fold::components(formula, &self.scene)
-            .map(|part| fold::at_defaults(&part, &self.scene).unwrap_or(f64::NAN));
-        match Axis::new(components) {
-            Some(axis) => Some(axis),
-            None => self.fail(say::zero_axis(at)),
-        }
+        self.axis_of_vector(typed, words::ABOUT)
     }
 
     /// R = a aᵀ + cos (1 − a aᵀ) + sin [a]×. Source: Rodrigues.
@@ -288,10 +282,10 @@ impl Resolver<'_> {
                     1 => (-both, -a[3 - i - j]),
                     _ => (-both, a[3 - i - j]),
                 };
-                let turned = self.plain_product(&Formula::Number(rest), &cosine, at)?;
-                let crossed = self.plain_product(&Formula::Number(across), &sine, at)?;
-                let sum = self.plain_sum(Formula::Number(both), turned, at)?;
-                *slot = self.plain_sum(sum, crossed, at)?;
+                let by_cosine = self.plain_product(&Formula::Number(rest), &cosine, at)?;
+                let by_sine = self.plain_product(&Formula::Number(across), &sine, at)?;
+                let sum = self.plain_sum(Formula::Number(both), by_cosine, at)?;
+                *slot = self.plain_sum(sum, by_sine, at)?;
             }
         }
         Some(rows)

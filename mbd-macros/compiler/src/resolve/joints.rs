@@ -5,7 +5,7 @@ use mbd_scene::laws::is_discontinuous;
 use mbd_scene::{Detachable, Dimension, Formula, JointLaw, Place, PointKind};
 
 use super::fields::ItemFields;
-use super::{Instance, MayDependOn, Named, Resolver, Scope, fold, joint_forces};
+use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed, fold, joint_forces};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
 use crate::syntax::words::{AT_START, LOCKED};
@@ -406,11 +406,16 @@ impl Resolver<'_> {
             ..scope
         };
         let typed = self.value(value, scope)?;
-        let at = typed.at;
         if !typed.vector {
-            return self.fail(say::axis_wanted(at, field, &letter(default)));
+            return self.fail(say::axis_wanted(typed.at, field, &letter(default)));
         }
-        let formula = self.fits(typed, field, true, units::NONE)?;
+        self.axis_of_vector(typed, field)
+    }
+
+    /// The axis that a vector of numbers and consts behind `word` is.
+    pub(super) fn axis_of_vector(&mut self, typed: Typed, word: &str) -> Option<Axis> {
+        let at = typed.at;
+        let formula = self.fits(typed, word, true, units::NONE)?;
         let components = fold::components(formula, &self.scene)
             .map(|part| fold::at_defaults(&part, &self.scene).unwrap_or(f64::NAN));
         match Axis::new(components) {

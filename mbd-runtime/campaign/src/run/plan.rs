@@ -363,7 +363,10 @@ fn start(
         declared[upright] = 1.0;
     }
     declared_parts(scene, layout, params, &mut declared);
-    let fixed: Vec<Part> = placed.iter().filter_map(|name| part(scene, name)).collect();
+    let fixed: Vec<Part> = placed
+        .iter()
+        .filter_map(|name| scene.part_named(name))
+        .collect();
     if !fixed.is_empty() {
         // Of a body of which one number is given, the others are as declared. Loops that nothing closes yet are closed below, or told there.
         let mut alone = declared.clone();
@@ -505,12 +508,6 @@ pub(crate) fn coordinate_unit(scene: &Scene, name: &str) -> Option<&'static str>
     })
 }
 
-fn part(scene: &Scene, name: &str) -> Option<Part> {
-    let body = scene.bodies.iter().position(|body| body.name == name);
-    let point = || scene.points.iter().position(|point| point.name == name);
-    body.map(Part::Body).or_else(|| point().map(Part::Point))
-}
-
 fn misplaced(scene: &Scene, error: PlacementError) -> PlanError {
     let (name, why) = error.describe(scene);
     wrong("start", format!("joint `{name}` {why}"))
@@ -551,7 +548,7 @@ fn in_motion(scene: &Scene, given: &Table, placed: &[String]) -> [Vec<String>; 2
             let own = key.strip_prefix(name).and_then(|key| key.strip_prefix('.'));
             own.is_some_and(|slot| slot.starts_with(prefix))
         });
-        let of = |start: &&PartStart| Some(start.part) == part(scene, name) && declared(start);
+        let of = |start: &&PartStart| Some(start.part) == scene.part_named(name) && declared(start);
         set || scene.starts.parts.iter().any(|start| of(&start))
     };
     let all = |prefix: &str, declared: fn(&PartStart) -> bool| {

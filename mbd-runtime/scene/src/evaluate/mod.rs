@@ -11,6 +11,7 @@ pub use with_multipliers::evaluate_with_multipliers;
 
 use nalgebra::Vector3;
 
+use crate::joints::Fold;
 use crate::laws::{
     branch_of, energy,
     evaluation::Evaluation,
@@ -400,7 +401,7 @@ pub struct ToldMotion {
     pub follows: [f64; 2],
 }
 
-/// The first joint that is [folded](crate::joints::JointDefinition::FOLDED), of those that are `joined`.
+/// The first joint that motion took to another branch, of those that are `joined`, and how.
 pub fn folded(
     scene: &Scene,
     layout: &Layout,
@@ -408,11 +409,10 @@ pub fn folded(
     at: &At<'_, f64>,
     scratch: &mut Scratch<f64>,
     joined: impl Fn(usize) -> bool,
-) -> Option<usize> {
+) -> Option<(usize, Fold)> {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let mut folding = scene.folding_joints().filter(|(joint, _)| joined(*joint));
-    let found = folding.find(|(joint, least)| branch_of(&evaluation, *joint)[0] < *least);
-    found.map(|(joint, _)| joint)
+    folding.find(|(joint, fold)| branch_of(&evaluation, *joint)[0] < fold.least)
 }
 
 /// Appends what every motor is told, in the order of [`Scene::commanded`], then every line of [`Scene::commanded_lines`].

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Carried, Fields, JointDefinition, Pose, Relative, Twist};
+use super::{Axis, Carried, Fields, Fold, JointDefinition, Pose, Relative, Twist};
 use crate::Real;
 use crate::rotation;
 use crate::rows::{Ends, Row, Rows, couple, perpendicular};
@@ -50,8 +50,12 @@ impl ConstantVelocity {
 impl JointDefinition for ConstantVelocity {
     const FREEDOMS: usize = 2;
     const SUMMARY: &'static str = "a bend in any direction; the shafts along `axis` turn equally";
-    /// 2 w², w the cosine of half the bend: 1.5e-4 at 179°.
-    const FOLDED: Option<f64> = Some(1.5e-4);
+    const FOLD: Option<Fold> = Some(Fold {
+        // 2 w², w the cosine of half the bend.
+        least: 1.5e-4,
+        told: "is bent by more than 179 degrees: where its shafts fold back it does not say how they turn",
+        remedy: "keep the bend small by springs or stops, end the run before, or take a joint that bends any way: `spherical`, `universal`",
+    });
 
     fn read(fields: &mut dyn Fields) -> Self {
         ConstantVelocity {

@@ -25,6 +25,17 @@ use crate::vocabulary::{dimension, motion};
 pub use crate::{Axis, Coordinate, Field, Fields, Measure, Pose, Relative, Rule, Twist};
 use crate::{Formula, Real};
 
+/// Where the branch that a joint means meets another one: there its rows have no rank, and beyond it there is no knowing which of them it is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fold {
+    /// What the first number of [`JointDefinition::branch`] is at least while a run goes on.
+    pub least: f64,
+    /// What is said of a joint that came there, behind its name.
+    pub told: &'static str,
+    /// How a run keeps away from there.
+    pub remedy: &'static str,
+}
+
 /// What a joint must say about itself.
 pub trait JointDefinition: Sized {
     /// Freedoms: the number of speeds u.
@@ -36,9 +47,8 @@ pub trait JointDefinition: Sized {
     /// Whether its rows use the axes of frame 1 and of frame 2. A point with mass has none, and can be the end of a joint that asks for none.
     const AXES: [bool; 2] = [true; 2];
 
-    /// What the first number of [`JointDefinition::branch`] is at least while a run goes on, of a joint that can move to where its branch meets another
-    /// one: there its rows have no rank, and beyond it there is no knowing which of them the joint is on. `None` where no motion leads there.
-    const FOLDED: Option<f64> = None;
+    /// Where motion may take it to another branch; `None` where no motion does.
+    const FOLD: Option<Fold> = None;
 
     /// Reads its fields: the only place that says which there are.
     fn read(fields: &mut dyn Fields) -> Self;
@@ -264,11 +274,11 @@ macro_rules! joints {
                 }
             }
 
-            /// How near it may come to where its branch meets another one: see [`JointDefinition::FOLDED`].
+            /// Where motion may take it to another branch.
             #[must_use]
-            pub fn folded(&self) -> Option<f64> {
+            pub fn fold(&self) -> Option<Fold> {
                 match self {
-                    $(JointLaw::$name(_) => <$name as JointDefinition>::FOLDED,)*
+                    $(JointLaw::$name(_) => <$name as JointDefinition>::FOLD,)*
                 }
             }
 

@@ -222,8 +222,8 @@ pub fn row_units(
     };
     if let Some(&(of, index)) = declared.law.couples().last() {
         let coordinate = scene.coordinate(of, index);
-        let angle = coordinate.is_some_and(|(_, coordinate)| coordinate.is_angle());
-        return vec![if angle { "rad" } else { "m" }; slots.len];
+        let unit = coordinate.map_or("m", |(_, coordinate)| coordinate.unit());
+        return vec![unit; slots.len];
     }
     let mut kinematics = Kinematics::new(layout);
     let evaluation = kinematics.read(scene, layout, numbers, at);

@@ -34,7 +34,7 @@ fn coordinate(law: &JointLaw, link: &Link, number: usize) -> Option<(&'static st
     let found = law
         .coordinate(number)
         .filter(|_| number < link.coordinates)?;
-    Some((found.name, if found.is_angle() { "rad" } else { "m" }))
+    Some((found.name, found.unit()))
 }
 
 fn rate(law: &JointLaw, link: &Link, number: usize) -> Option<(&'static str, &'static str)> {

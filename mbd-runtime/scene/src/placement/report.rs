@@ -93,10 +93,7 @@ impl PlacementError {
             } => {
                 let name = scene.coordinate_name(joint, coordinate);
                 let found = scene.coordinate(joint, coordinate);
-                let unit = match found.is_some_and(|(_, coordinate)| coordinate.is_angle()) {
-                    true => "rad",
-                    false => "m",
-                };
+                let unit = found.map_or("m", |(_, coordinate)| coordinate.unit());
                 (
                     joint,
                     format!("has a motor, which holds `{name}` at {value:.6} {unit} and {rate:.6} {unit}/s at the start, and not where its start says: leave the start out; a motor behind a filter begins where the declaration has the `start` of its coordinate"),

@@ -2,8 +2,8 @@
 
 use super::{Coordinates, Joint, Line, LoadKind, NodeModel, PointKind, Scene};
 use crate::event::{Detachable, Event, Settable};
-use crate::joints::{JointForces, JointLaw, Side};
-use crate::{Coordinate, Directions, Fixed, Formula, Place};
+use crate::joints::{Fold, JointForces, JointLaw, Side};
+use crate::{Coordinate, Directions, Fixed, Formula, Part, Place};
 
 impl Scene {
     /// The same scene in a family of coordinates.
@@ -294,11 +294,18 @@ impl Scene {
         found
     }
 
-    /// The joints that can move to where their branch meets another one, and how near they may come to it: see
-    /// [`FOLDED`](crate::joints::JointDefinition::FOLDED).
-    pub fn folding_joints(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+    /// The body, or else the point, of a name.
+    #[must_use]
+    pub fn part_named(&self, name: &str) -> Option<Part> {
+        let body = self.bodies.iter().position(|body| body.name == name);
+        let point = || self.points.iter().position(|point| point.name == name);
+        body.map(Part::Body).or_else(|| point().map(Part::Point))
+    }
+
+    /// The joints that motion may take to another branch, and where.
+    pub fn folding_joints(&self) -> impl Iterator<Item = (usize, Fold)> + '_ {
         let joints = self.joints.iter().enumerate();
-        joints.filter_map(|(index, joint)| Some((index, joint.law.folded()?)))
+        joints.filter_map(|(index, joint)| Some((index, joint.law.fold()?)))
     }
 
     /// Whether a formula, or a `let` it names, reads time.

@@ -82,6 +82,12 @@ impl Coordinate {
         }
     }
 
+    /// Its unit: `rad` of an angle, else `m`.
+    #[must_use]
+    pub const fn unit(&self) -> &'static str {
+        if self.is_angle() { "rad" } else { "m" }
+    }
+
     /// Whether it is an angle [rad].
     #[must_use]
     pub const fn is_angle(&self) -> bool {

@@ -78,7 +78,7 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
     let mut number = 0;
     for joint in &scene.joints {
         for measured in joint.law.measured() {
-            let unit = if measured.is_angle() { "rad" } else { "m" };
+            let unit = measured.unit();
             all.push(Minimal {
                 source: MinimalCoordinate::Joint(number),
                 coordinate: Name::new(&joint.name, measured.name, unit),

@@ -27,6 +27,11 @@ pub struct Moved {
     pub angular_speed: f64,
 }
 
+/// √Σ x².
+fn size(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.map(|x| x * x).sum::<f64>().sqrt()
+}
+
 /// Everything that is elsewhere after the start, or moves otherwise, the largest distance first.
 pub(super) fn moved<T: Float>(
     (scene, layout): (&Scene, &Layout),
@@ -39,13 +44,16 @@ pub(super) fn moved<T: Float>(
             .unwrap_or_default()
             .iter()
             .zip(before.unwrap_or_default());
-        let squares = pairs.map(|(after, before)| (after.to_f64() - before.to_f64()).powi(2));
-        squares.sum::<f64>().sqrt()
+        size(pairs.map(|(after, before)| after.to_f64() - before.to_f64()))
     };
     let set = |own: Range<usize>| {
-        let speeds = before.get(own).unwrap_or_default().iter();
-        let squares = speeds.map(|speed| speed.to_f64().powi(2));
-        squares.sum::<f64>().sqrt()
+        size(
+            before
+                .get(own)
+                .unwrap_or_default()
+                .iter()
+                .map(|x| x.to_f64()),
+        )
     };
     let all = moving(layout).map(|part| Moved {
         name: part_name(scene, part.part).to_owned(),
@@ -65,10 +73,10 @@ pub(super) fn moved<T: Float>(
     let mut all: Vec<Moved> = all
         .filter(|one| one.distance + one.angle + one.velocity + one.angular_velocity != 0.0)
         .collect();
-    let size = |moved: &Moved| (moved.distance, moved.angle, moved.velocity);
+    let order = |moved: &Moved| (moved.distance, moved.angle, moved.velocity);
     all.sort_by(|a, b| {
-        size(b)
-            .partial_cmp(&size(a))
+        order(b)
+            .partial_cmp(&order(a))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     all

@@ -1,8 +1,8 @@
 //! Whether a run started where it was asked to.
 
 use mbd_campaign::run::RunPlan;
+use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::laws::Numbers;
-use mbd_runtime::scene::{Part, Scene};
 use mbd_runtime::{Layout, Moved};
 
 use super::outcome::RunOutcome;
@@ -81,13 +81,9 @@ fn displaced(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         angle if angle.abs() < 0.005 => String::new(),
         angle => format!(", rotated by {angle:.2}°"),
     };
-    let name = |part: Part| match part {
-        Part::Body(body) => scene.bodies.get(body).map(|body| &body.name),
-        Part::Point(point) => scene.points.get(point).map(|point| &point.name),
-        _ => None,
-    };
+    let part = scene.part_named(&worst.name);
     let mut starts = scene.starts.parts.iter();
-    if starts.any(|start| start.position.is_none() && name(start.part) == Some(&worst.name)) {
+    if starts.any(|start| start.position.is_none() && Some(start.part) == part) {
         return Some(format!(
             "warning: `{}` starts {:.3e} m away{rotated}{others} from the origin of the world, where a `start` that says no place puts it: say `start at` with it, or \
              `start` and `start_rate` of its joints instead",
