@@ -1,6 +1,7 @@
 //! What is promised of every input, and what came of many.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::LazyLock;
 use std::time::Instant;
 
 use mbd_compiler::{Location, Reading, read_text, read_toml, read_urdf, write_toml};
@@ -21,6 +22,14 @@ pub enum Verdict {
     Told,
 }
 
+/// What this thread has computed [s], whatever else the machine does; where the system does not tell, the time that has passed.
+fn thread_time() -> f64 {
+    static BEGAN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(|| BEGAN.elapsed().as_secs_f64(), |time| time * 1e-9)
+}
+
 /// Reads an input. What came of it, and how long that took [s], the least of three times where it is too long once.
 ///
 /// # Errors
@@ -34,9 +43,9 @@ fn judged(input: &Input, again: bool) -> Result<(Verdict, f64), String> {
     let slowest = SLOWEST * (input.text.len() as f64 / 1e6).max(1.0);
     let mut least = f64::INFINITY;
     for _ in 0..3 {
-        let began = Instant::now();
+        let began = thread_time();
         let kept = catch_unwind(AssertUnwindSafe(|| laid_out(input)));
-        least = least.min(began.elapsed().as_secs_f64());
+        least = least.min(thread_time() - began);
         let reading = kept.map_err(|_| "a panic".to_owned())??;
         if least > slowest {
             continue;
