@@ -447,6 +447,49 @@ fn a_loop_that_nobody_places_is_closed_and_what_hangs_beside_it_starts_at_zero()
 }
 
 #[test]
+fn a_loop_of_which_nothing_is_said_closes_from_zero_in_both_families() {
+    // A sled on a rail that is turned over; its tip stands on a table: from a body that is not turned the rail would be held turned around.
+    for family in ["absolute", "relative"] {
+        let scene = read(&format!(
+            "model Sled {{ coordinates: {family};
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                world {{ frame rail at [0.0, 0.0, 0.0] m rotated rpy(170 deg, 0.0, 0.0), frame table at [0.0, 0.0, -0.5] m }}
+                body sled {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame tip at [0.1, 0.0, -0.3] m }}
+                joint guide: prismatic from world.rail to sled.com {{ axis: z }}
+                joint stand: point_on_plane from world.table to sled.tip {{ axis: z }}
+                output slide = guide.slide;
+            }}"
+        ));
+        let (found, _) = begun_as_declared(&scene);
+        let fall = (170_f64.to_radians()).cos();
+        let slide = 0.3 - 0.5 / fall;
+        assert_close(&found, &[slide], 1e-9, 1e-9, family);
+    }
+}
+
+#[test]
+fn a_place_that_its_joint_does_not_allow_moves_as_little_in_both_families() {
+    // A table on a rail that is turned over, and a ball in its middle that is said to lie 40 cm above it.
+    for family in ["absolute", "relative"] {
+        let scene = read(&format!(
+            "model Table {{ coordinates: {family};
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                world {{ frame floor at [0.3, 0.2, 0.5] m rotated rpy(170 deg, 0.0, 0.0) }}
+                body table {{ mass: 3 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+                joint slides: prismatic from world.floor to table.com {{ axis: z }}
+                point ball {{ mass: 1 kg, start at [0.3, 0.2, 0.9] m }}
+                joint lies: spherical from table.com to ball;
+                output slide = slides.slide;
+            }}"
+        ));
+        let (found, _) = begun_as_declared(&scene);
+        // The nearest by mass: the table takes the part of the ball's mass.
+        let along = 0.4 * 170_f64.to_radians().cos() / 4.0;
+        assert_close(&found, &[along], 1e-9, 1e-9, family);
+    }
+}
+
+#[test]
 fn a_declared_place_that_joints_do_not_allow_is_told_in_both_families() {
     for family in ["absolute", "relative"] {
         let scene = read(&format!(

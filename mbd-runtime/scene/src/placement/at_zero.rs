@@ -1,10 +1,13 @@
-//! Where nothing is given: all coordinates are zero, or what couplings make of that, and what that cannot hold stays where it is.
+//! Where nothing is given: all coordinates are zero, or what couplings make of that, or where loops close from there; what no loop closes with stays
+//! where it is.
 
 use super::{CLOSED, JointStart, Placement, PlacingJoint};
 use crate::{Part, Quantity};
 
 impl Placement<'_> {
-    /// All coordinates zero but these and what is coupled to something else than zero: parts between the ends of a joint that does not hold then, and all that hangs on them, stay where they are.
+    /// All coordinates zero but these and what is coupled to something else than zero. Loops that are open there are closed. Where none closes,
+    /// parts between the ends of a joint that does not hold, and all that hangs on them, stay where they are; those that lead to a part with a
+    /// place of its own are at zero, since what does not fit is that place.
     pub(super) fn rest(&mut self, motors: &[JointStart], state: &mut [f64]) {
         for motor in motors {
             let lists = [&mut self.q, &mut self.u];
@@ -23,6 +26,9 @@ impl Placement<'_> {
         }
         let before = state.to_vec();
         let gaps = self.rows(Quantity::Constraint, state);
+        if gaps.amax() > CLOSED.sqrt() && self.closes(motors, state) {
+            return;
+        }
         let mut open: Vec<Part> = Vec::new();
         for (joint, slots) in self.layout.joints.iter().enumerate() {
             let mut rows = gaps.iter().skip(slots.row).take(slots.len);
@@ -31,6 +37,11 @@ impl Placement<'_> {
                 let paths: Vec<Vec<Part>> = (slots.ends.iter().flatten())
                     .map(|end| self.path(*end))
                     .collect();
+                let own_place =
+                    |path: &Vec<Part>| path.last().is_some_and(|end| self.fixed.contains(end));
+                if paths.iter().any(own_place) {
+                    continue;
+                }
                 let placed = |part: &Part| self.links.iter().any(|link| link.to == *part);
                 let common =
                     |part: &Part| paths.len() > 1 && paths.iter().all(|path| path.contains(part));
@@ -47,6 +58,16 @@ impl Placement<'_> {
         state.copy_from_slice(&before);
         self.links.retain(|link| !open.contains(&link.to));
         self.walk(state);
+    }
+
+    /// Closes loops from the coordinates as they are, on the branches that joints mean; where that fails nothing is changed.
+    fn closes(&mut self, motors: &[JointStart], state: &mut [f64]) -> bool {
+        let before = (self.q.clone(), self.u.clone());
+        let closed = self.solve(motors, state).is_ok() && self.is_on_branch(state);
+        if !closed {
+            (self.q, self.u) = before;
+        }
+        closed
     }
 
     /// Whether every joint holds whatever the coordinates: all of them place a part, by as many coordinates as they leave free.

@@ -42,6 +42,8 @@ struct Placement<'a> {
     ground: Vec<Option<FrameMotion<f64>>>,
     time: f64,
     links: Vec<PlacingJoint>,
+    /// Parts that stay where the state has them.
+    fixed: &'a [Part],
     /// Coordinates and speeds of every joint.
     q: Vec<Vec<f64>>,
     u: Vec<Vec<f64>>,
@@ -49,8 +51,8 @@ struct Placement<'a> {
 }
 
 /// Writes the bodies and points that joints place into a state, for the joint coordinates that are given; those of motors are what their
-/// courses say. `fixed` stay where the state has them. With nothing given coordinates are zero, and what hangs on a loop that is open there stays
-/// where the state has it.
+/// courses say. `fixed` stay where the state has them. With nothing given coordinates are zero, or where loops close from there; what hangs on a
+/// loop that does not close stays where the state has it.
 ///
 /// # Errors
 /// A coordinate that is decided otherwise; loops that the other coordinates cannot close.
@@ -100,6 +102,7 @@ pub(crate) fn place_near(
         ground: frames,
         time,
         links,
+        fixed,
         q: scene.joints.iter().map(zero).collect(),
         u: scene
             .joints
