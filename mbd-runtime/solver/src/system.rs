@@ -417,20 +417,39 @@ impl<T: Float> System<T> {
         self.power_anew(time, state);
     }
 
-    /// Looks at what motors are commanded at a state, `span` after the last accepted step [s]; at a start (`None`) takes it up.
+    /// Looks at what motors are commanded at a state, `span` after the last accepted step [s], at a start `None`, and takes it up.
     ///
     /// # Errors
     /// Commands that do not go on from those of the last step.
-    #[inline]
     pub(crate) fn follow_commands(
         &mut self,
         time: f64,
         span: Option<f64>,
         state: &[T],
     ) -> Result<(), StepError> {
+        self.compare_commands(time, span, state)?;
+        self.take_commands();
+        Ok(())
+    }
+
+    /// Looks at the end of a step that is about to be taken: at joints that may fold, at what is prescribed and what is wound.
+    ///
+    /// # Errors
+    /// What ends the run there.
+    #[inline]
+    pub(crate) fn check_end(&mut self, time: f64, step: f64, state: &[T]) -> Result<(), StepError> {
+        self.check_folds(time, state)?;
         match self.commands.is_none() {
             true => Ok(()),
-            false => self.compare_commands(time, span, state),
+            false => self.compare_commands(time, Some(step), state),
+        }
+    }
+
+    /// The next step goes on from the commands that were looked at last.
+    #[inline]
+    pub(crate) fn take_commands(&mut self) {
+        if let Some(commands) = &mut self.commands {
+            std::mem::swap(&mut commands.last, &mut commands.now);
         }
     }
 
@@ -445,6 +464,9 @@ impl<T: Float> System<T> {
         span: Option<f64>,
         state: &[T],
     ) -> Result<(), StepError> {
+        if self.commands.is_none() {
+            return Ok(());
+        }
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let Some(commands) = &mut self.commands else {
@@ -472,7 +494,6 @@ impl<T: Float> System<T> {
             let known = (self.model.scene(), &**laws.numbers());
             commands.check::<T>(known, (time, span))?;
         }
-        std::mem::swap(&mut commands.last, &mut commands.now);
         Ok(())
     }
 

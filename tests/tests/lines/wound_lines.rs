@@ -1,6 +1,8 @@
 //! Lines that are wound: free lengths of inputs, states and time, against pendulums of varying length and the work of a winch.
 
-use mbd_runtime::{Generic, Options, Quantity, Simulation, StepError, model};
+use mbd_runtime::{
+    Content, Generic, Options, Quantity, Sampling, Simulation, StepError, Trajectory, model,
+};
 use tests::agreement::{agrees, agrees_along};
 use tests::declared::read;
 
@@ -466,7 +468,12 @@ fn a_rope_that_is_wound_in_beyond_its_end_is_told_by_its_name() {
         // An event that winds out again where nothing is left is in time, and what is detached may go on.
         run.run(4.0).expect("it is wound out again");
         let mut onward = Simulation::new(&spent, options).expect("options that fit");
-        let error = onward.run(4.0).expect_err("nothing is left");
+        let mut history = Trajectory::new(&spent, Sampling::Every(1e-4), Content::RESULTS);
+        let error = onward
+            .record(4.0, &mut history)
+            .expect_err("nothing is left");
+        let last = history.times().last().expect("rows");
+        assert!(*last <= onward.time(), "a row at {last} of a refused step");
         let StepError::NegativeLength { line, time, length } = &error.cause else {
             panic!("{error}");
         };

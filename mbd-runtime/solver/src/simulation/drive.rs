@@ -264,12 +264,13 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         let Some(found) = self.find_event(step)? else {
-            self.watch_step(step)?;
-            let changes = self.sees_stiffness(step);
             let end = match lands {
                 true => until,
                 false => self.end_of(step),
             };
+            self.system.check_end(end, step, self.method.next())?;
+            self.watch_step(step)?;
+            let changes = self.sees_stiffness(step);
             if trajectory.is_some() {
                 self.record_inside(step, trajectory, go_on, before)?;
                 self.measure_step([step, end], trajectory)?;
@@ -287,9 +288,10 @@ impl<T: Float> Simulation<T> {
         };
         let acts = self.margins.about_to_act();
         if found.step > 0.0 {
+            let end = self.time + found.step;
+            self.system.check_end(end, found.step, self.method.next())?;
             self.watch_step(found.step)?;
             self.record_inside(found.step, trajectory, go_on, before)?;
-            let end = self.time + found.step;
             self.measure_step([found.step, end], trajectory)?;
             let taken = self.take(found.step, end);
             self.regrid();
@@ -452,9 +454,7 @@ impl<T: Float> Simulation<T> {
 
     /// Takes the last attempt: state, memory and time move on together.
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
-        self.system.check_folds(end, self.method.next())?;
-        self.system
-            .follow_commands(end, Some(step), self.method.next())?;
+        self.system.take_commands();
         self.system.known.forget();
         self.method.accept(&mut self.state);
         self.system.see_all();
