@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use mbd_scene::laws::Numbers;
-use mbd_scene::{At, Float, Model, Quantity, Work};
+use mbd_scene::{Float, Model, Quantity, Work};
 
 use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
@@ -15,57 +14,25 @@ use crate::linearise::Jacobian;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::origin::Following;
 use crate::projection::Projection;
-use crate::supply::{Law, Moment, check_supplied};
+use crate::supply::Law;
 use crate::turns::Turning;
 use crate::unilateral::Mode;
 use crate::watch;
 
 mod branches;
+mod by_laws;
+mod ends;
 mod known;
 mod near_side;
 mod no_number;
 mod rates;
+mod supplied;
 
 use known::KnownAtEnd;
 pub(crate) use known::{EndLooks, LINES, LISTS, OUTPUTS};
 pub(crate) use near_side::GuardSide;
 use near_side::NearSide;
-
-/// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
-///
-/// A pure function: it is called at trial states which may be rejected. For a model of `model!` use
-/// [`Simulation::control`](crate::Simulation::control), whose numbers have names.
-pub trait External<T> {
-    /// Writes every number of `out` (SI, world axes).
-    fn evaluate(&self, time: T, state: &[T], out: &mut [T]);
-
-    /// False when there is nothing to supply: inputs keep their declared defaults, and a scene with external loads refuses to run.
-    fn supplies(&self) -> bool {
-        true
-    }
-}
-
-/// No inputs and no external loads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NoLoads;
-
-impl<T> External<T> for NoLoads {
-    fn evaluate(&self, _time: T, _state: &[T], _out: &mut [T]) {}
-
-    fn supplies(&self) -> bool {
-        false
-    }
-}
-
-impl<T, E: External<T>> External<T> for &E {
-    fn evaluate(&self, time: T, state: &[T], out: &mut [T]) {
-        (**self).evaluate(time, state, out);
-    }
-
-    fn supplies(&self) -> bool {
-        (**self).supplies()
-    }
-}
+pub use supplied::{External, NoLoads};
 
 /// Integrals carried along behind the state: work of the loads, of the dampers and of prescribed motions [J].
 pub(crate) const WORKS: usize = 3;
@@ -312,98 +279,6 @@ impl<T: Float> System<T> {
         Ok(())
     }
 
-    /// The numbers of the scene with its params.
-    pub(crate) fn numbers(&mut self) -> &Arc<Numbers<f64>> {
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        laws.numbers()
-    }
-
-    /// A quantity at the stage that was evaluated last, with what was supplied there, if formulas read another time.
-    #[cold]
-    pub(crate) fn at_another_time(
-        &mut self,
-        what: Quantity,
-        time: f64,
-        state: &[T],
-        out: &mut [T],
-    ) {
-        let state = state.get(..self.nx).unwrap_or_default();
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        self.model.evaluate(what, &at, &mut self.work, out);
-    }
-
-    /// A quantity at the stage that was evaluated last by the laws themselves, not by the model, which may not have been asked for it.
-    #[cold]
-    pub(crate) fn by_laws(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [f64]) {
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        laws.evaluate(&*self.model, what, &at, out);
-    }
-
-    /// Hands over the laws at the stage that was evaluated last, or at the state that was looked at last (`seen`).
-    pub(crate) fn by_laws_at(
-        &mut self,
-        (time, state): (f64, &[T]),
-        seen: bool,
-        ask: impl FnOnce(&mut Laws, &dyn Model<T>, &At<'_, T>),
-    ) {
-        let state = state.get(..self.nx).unwrap_or_default();
-        let nodes = match seen && !self.sees_end {
-            true => &self.probe,
-            false => &self.nodes,
-        };
-        let at = nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        ask(laws, &*self.model, &at);
-    }
-
-    /// The same for the multipliers, and the accelerations, that the fallback found last, where those of the model mean nothing: reactions, energy or outputs.
-    #[cold]
-    pub(crate) fn by_multipliers(
-        &mut self,
-        what: Quantity,
-        (time, state): (f64, &[T]),
-        found: [&[f64]; 2],
-        out: &mut [T],
-    ) {
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        self.wide.clear();
-        self.wide.resize(out.len(), 0.0);
-        laws.evaluate_with_multipliers(&*self.model, what, &at, found, &mut self.wide);
-        for (to, from) in out.iter_mut().zip(&self.wide) {
-            *to = T::from_f64(*from);
-        }
-    }
-
-    /// What every event would set, a number a setting in declaration order [SI], at the stage that was evaluated last.
-    #[cold]
-    pub(crate) fn settings(&mut self, time: f64, state: &[T]) -> Result<Vec<f64>, StepError> {
-        let state = state.get(..self.nx).unwrap_or_default();
-        self.supply(time, state)?;
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        let mut values = Vec::new();
-        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
-            mbd_scene::settings(scene, layout, numbers, at, scratch, &mut values);
-        });
-        Ok(values)
-    }
-
-    /// Where the coordinate of every lock is [m or rad], at the stage that was evaluated last.
-    #[cold]
-    pub(crate) fn locked(&mut self, time: f64, state: &[T]) -> Vec<f64> {
-        let mut values = Vec::new();
-        if self.model.layout().locks > 0 {
-            self.by_laws_at((time, state), false, |laws, model, at| {
-                laws.run(model, at, |scene, layout, numbers, at, scratch| {
-                    mbd_scene::locked(scene, layout, numbers, at, scratch, &mut values);
-                });
-            });
-        }
-        values
-    }
-
     /// Puts energy and power at the stage that was evaluated last into `energy`.
     pub(crate) fn read_energy(&mut self, time: f64, state: &[T]) {
         if let Some(energy) = self.known.energy(time) {
@@ -415,86 +290,6 @@ impl<T: Float> System<T> {
         self.model
             .evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
         self.power_anew(time, state);
-    }
-
-    /// Looks at what motors are commanded at a state, `span` after the last accepted step [s], at a start `None`, and takes it up.
-    ///
-    /// # Errors
-    /// Commands that do not go on from those of the last step.
-    pub(crate) fn follow_commands(
-        &mut self,
-        time: f64,
-        span: Option<f64>,
-        state: &[T],
-    ) -> Result<(), StepError> {
-        self.compare_commands(time, span, state)?;
-        self.take_commands();
-        Ok(())
-    }
-
-    /// Looks at the end of a step that is about to be taken: at joints that may fold, at what is prescribed and what is wound.
-    ///
-    /// # Errors
-    /// What ends the run there.
-    #[inline]
-    pub(crate) fn check_end(&mut self, time: f64, step: f64, state: &[T]) -> Result<(), StepError> {
-        self.check_folds(time, state)?;
-        match self.commands.is_none() {
-            true => Ok(()),
-            false => self.compare_commands(time, Some(step), state),
-        }
-    }
-
-    /// The next step goes on from the commands that were looked at last.
-    #[inline]
-    pub(crate) fn take_commands(&mut self) {
-        if let Some(commands) = &mut self.commands {
-            std::mem::swap(&mut commands.last, &mut commands.now);
-        }
-    }
-
-    /// Whether nothing but the state is looked at where a step is taken: nothing that is prescribed, wound or may fold.
-    pub(crate) fn needs_no_ends(&self) -> bool {
-        self.commands.is_none() && !self.may_fold
-    }
-
-    fn compare_commands(
-        &mut self,
-        time: f64,
-        span: Option<f64>,
-        state: &[T],
-    ) -> Result<(), StepError> {
-        if self.commands.is_none() {
-            return Ok(());
-        }
-        let state = state.get(..self.nx).unwrap_or_default();
-        self.supply(time, state)?;
-        let Some(commands) = &mut self.commands else {
-            return Ok(());
-        };
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        if span.is_some() {
-            let modes = &self.memory.modes;
-            let is_attached = |line: usize| modes.get(line) != Some(&Mode::Detached);
-            let model = &*self.model;
-            let of = (model.scene(), model.layout());
-            commands.check_lengths((of.0, time), is_attached, |line| {
-                mbd_scene::laws::free_length(of, model.params(), &at, line)
-            })?;
-        }
-        if !commands.are_prescribed() {
-            return Ok(());
-        }
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        commands.now.clear();
-        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
-            mbd_scene::commands(scene, layout, numbers, at, scratch, &mut commands.now);
-        });
-        if let Some(span) = span {
-            let known = (self.model.scene(), &**laws.numbers());
-            commands.check::<T>(known, (time, span))?;
-        }
-        Ok(())
     }
 
     /// The weights of the stability watch's norm for steps of a size [s].
@@ -589,83 +384,6 @@ impl<T: Float> System<T> {
             }
         }
         drift
-    }
-
-    /// Holds these numbers from now on.
-    pub(crate) fn hold(&mut self, numbers: &[T]) {
-        self.held.copy_from_slice(numbers);
-        self.inputs.copy_from_slice(numbers);
-        self.unsupplied = false;
-    }
-
-    /// Writes a state as it is in the world, where that is something else.
-    #[inline]
-    fn show(&mut self, time: f64, state: &[T]) {
-        if self.following.is_some() {
-            self.show_in_world(time, state);
-        }
-    }
-
-    fn show_in_world(&mut self, time: f64, state: &[T]) {
-        let mut world = std::mem::take(&mut self.world);
-        world.clear();
-        world.extend(self.in_world(time, state).map(T::from_f64));
-        self.world = world;
-    }
-
-    /// What functions and controllers are shown at a time and a state.
-    pub(crate) fn moment<'a>(&'a mut self, time: f64, state: &'a [T]) -> Moment<'a, T> {
-        self.show(time, state);
-        let at = self.nodes.at(T::from_f64(time), state, &self.held);
-        let state = self.following.as_ref().map_or(state, |_| &self.world);
-        let room = (&mut self.work, &mut *self.measured);
-        Moment::new((time, state), (&*self.model, at), room, false)
-    }
-
-    /// The same at a sample, where outputs can be asked for: inputs as they were up to it, nodes in balance.
-    pub(crate) fn settled_moment<'a>(
-        &'a mut self,
-        time: f64,
-        state: &'a [T],
-    ) -> Result<Moment<'a, T>, StepError> {
-        if self.model.layout().columns == 0 {
-            return Ok(self.moment(time, state));
-        }
-        self.look(time, 0.0, state)?;
-        self.show(time, state);
-        let at = self.probe.at(T::from_f64(time), state, &self.inputs);
-        let state = self.following.as_ref().map_or(state, |_| &self.world);
-        let room = (&mut self.work, &mut *self.measured);
-        Ok(Moment::new((time, state), (&*self.model, at), room, true))
-    }
-
-    /// Whether functions of time and state change what is held.
-    #[inline]
-    pub(crate) fn has_functions(&self) -> bool {
-        !self.controls.is_empty() && !self.inputs.is_empty()
-    }
-
-    /// The inputs of a stage. Without functions of time and state they are those that are held.
-    #[inline]
-    pub(crate) fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        match self.has_functions() {
-            true => self.ask_functions(time, state),
-            false => Ok(()),
-        }
-    }
-
-    fn ask_functions(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        let own = state.get(..self.nx).unwrap_or_default();
-        self.show(time, own);
-        self.inputs.copy_from_slice(&self.held);
-        let at = self.nodes.at(T::from_f64(time), own, &self.held);
-        let shown = self.following.as_ref().map_or(own, |_| &self.world);
-        let room = (&mut self.work, &mut *self.measured);
-        let moment = Moment::new((time, shown), (&*self.model, at), room, false);
-        for control in &mut self.controls {
-            control(&moment, &mut self.inputs);
-        }
-        check_supplied(&*self.model, time, &self.inputs)
     }
 
     #[cold]

@@ -141,27 +141,3 @@ fn a_damping_declared_zero_costs_nothing() {
         .for_each(|line| line.damping = 0.0.into());
     assert!(cost(&scene) < damped);
 }
-
-#[test]
-#[ignore = "prints operation counts"]
-fn counts() {
-    for scene in scenes::all() {
-        let start = std::time::Instant::now();
-        let equations = SceneEquations::trace(&scene);
-        println!(
-            "{} {:?} traced in {:?}",
-            scene.name,
-            scene.points[0].kind,
-            start.elapsed()
-        );
-        println!("  derived {}", equations.derived.cost());
-        for (what, program) in &equations.programs {
-            println!(
-                "  {what:?} {} -> {} of {}",
-                program.cost(),
-                program.outputs.len(),
-                program.len
-            );
-        }
-    }
-}

@@ -2,7 +2,7 @@
 
 use mbd_scene::Float;
 
-use super::start::differentiable;
+use super::offered::differentiable;
 use super::{Pace, Simulation};
 use crate::error::{RunError, StepError};
 use crate::supply::{Law, Sampler, check_model, check_numbers, check_supplied};

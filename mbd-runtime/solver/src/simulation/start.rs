@@ -4,19 +4,17 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
-use mbd_scene::similar::near_and_all;
 use mbd_scene::{
-    Coordinate, Float, Formula, InputSlots, InputSource, Joint, JointStart, Layout, Model,
-    NodeModel, PlacementError, PlacementReport, Quantity, Scene, StartNumber, declared_beside,
+    Float, Layout, Model, PlacementError, PlacementReport, Quantity, Scene, declared_beside,
     declared_parts, place_declared,
 };
 
 use super::act::Changes;
 use super::moved::{Moved, moved};
+use super::offered::{differentiable, offered, stepwise, unsupplied};
 use super::stability::Meter;
 use super::{Pace, Simulation, Snapshot, WorldState};
 use crate::chatter::Chatter;
-use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
@@ -25,22 +23,18 @@ use crate::integrate::{
 };
 use crate::laws::params_of;
 use crate::moving::moving;
-use crate::options::{Method, Options, Stabilise};
-use crate::origin::MovingOrigin;
+use crate::options::{Method, Options};
 use crate::rearm::Rearmed;
 use crate::rounding::{Rounding, TimeRounding};
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
-use crate::system::{System, WORKS};
+use crate::system::System;
 use crate::watch::Watch;
 
 /// Below this margin, the square of an angle between rows, a start is singular: rounding leaves 1e-20 there.
 const SINGULAR: f64 = 1e-14;
 /// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
 const LOOSE: f64 = 1e-5;
-/// The latest time of a state, and the earliest below zero [s].
-const LATEST: f64 = 1e12;
-
 /// Steps that are never longer keep what rounding takes from their sums, where the scalar is short [s].
 const SHORT_STEP: f64 = 1e-5;
 
@@ -212,165 +206,6 @@ impl<T: Float> Simulation<T> {
         })
     }
 
-    /// What [`Simulation::set_state`] does.
-    pub(crate) fn give_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
-        let checked = self.check_state(time, state);
-        checked.map_err(|cause| self.failed(cause))?;
-        let numbers: Vec<f64> = state.iter().map(|x| x.to_f64()).collect();
-        self.put(time, None, &numbers)?;
-        self.joints_set.clear();
-        self.assembly = PlacementReport::default();
-        Ok(())
-    }
-
-    /// Goes on from a state that is measured from an origin; `None`: that of the world.
-    pub(super) fn put(
-        &mut self,
-        time: f64,
-        origin: Option<MovingOrigin>,
-        state: &[f64],
-    ) -> Result<(), RunError> {
-        let mut fresh = self.system.set_down(time, origin, state);
-        let drift = self.system.normalise(&mut fresh);
-        if drift > 1e-3 {
-            return Err(self.failed(StepError::InvalidInput {
-                slot: "deviation of a quaternion from unit length".into(),
-                value: drift,
-            }));
-        }
-        self.shown.forget();
-        self.system.drift = drift;
-        for (to, from) in self
-            .state
-            .iter_mut()
-            .zip(fresh.into_iter().chain([T::zero(); WORKS]))
-        {
-            *to = from;
-        }
-        self.take_back_actions()?;
-        self.system.remember_starts(&[], (time, &self.state));
-        self.time = time;
-        self.as_declared = false;
-        self.started = false;
-        for sampler in &mut self.samplers {
-            (sampler.from, sampler.next) = (time, 0);
-        }
-        Ok(())
-    }
-
-    /// After other params the declared start is another one, unless a state has been set or run.
-    pub(crate) fn start_again(&mut self) {
-        if !self.as_declared {
-            return;
-        }
-        if let Ok((start, assembly)) = declared_start(&*self.system.model, self.time) {
-            self.shown.forget();
-            self.assembly = assembly;
-            let start = self.system.set_down(self.time, None, &start);
-            for (slot, value) in self.state.iter_mut().zip(start) {
-                *slot = value;
-            }
-            self.system.remember_starts(&[], (self.time, &self.state));
-        }
-    }
-
-    /// Refuses a time or a state that cannot be run.
-    pub(super) fn check_state(&self, time: f64, state: &[T]) -> Result<(), StepError> {
-        let (model, nx) = (&self.system.model, self.system.nx);
-        let bad = |x: &T| !x.is_finite() || x.to_f64().abs() > 1e150;
-        let (slot, value) = if state.len() != nx {
-            let slot = format!("length of the state (this model has {nx})");
-            (slot, state.len() as f64)
-        } else if !time.is_finite() {
-            ("time".into(), time)
-        } else if time.abs() > LATEST {
-            let slot = "time (beyond 1e12 s nothing shorter than 4 ms is resolved; let it begin near zero)";
-            (slot.into(), time)
-        } else if let Some(at) = state.iter().position(bad) {
-            let name = state_names(model.scene(), model.layout())
-                .into_iter()
-                .nth(at);
-            let name = name.map_or_else(String::new, |name| name.name);
-            (name, state.get(at).map_or(f64::NAN, |x| x.to_f64()))
-        } else {
-            return Ok(());
-        };
-        Err(StepError::InvalidInput { slot, value })
-    }
-
-    /// What [`Simulation::set_joints`] does.
-    pub(crate) fn give_joints(&mut self, given: &[(&str, StartNumber)]) -> Result<(), RunError> {
-        let model = self.system.model.clone();
-        let (scene, layout) = (model.scene(), model.layout());
-        let starts = self.joint_starts(given)?;
-        let params = params_of(model.params());
-        let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
-        let from = (&params[..], self.time);
-        let assembly = place_declared(scene, layout, from, &starts, &[], &mut state)
-            .map_err(|error| self.failed(misplaced(scene, error)))?;
-        let numbers: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
-        let checked = self.check_state(self.time, &numbers);
-        checked.map_err(|cause| self.failed(cause))?;
-        self.put(self.time, None, &state)?;
-        self.system
-            .remember_starts(&starts, (self.time, &self.state));
-        let set = given.iter().map(|(name, said)| ((*name).to_owned(), *said));
-        self.joints_set = set.collect();
-        self.assembly = assembly;
-        Ok(())
-    }
-
-    /// What [`Simulation::set_joint`] does.
-    pub(crate) fn give_joint(&mut self, name: &str, said: StartNumber) -> Result<(), RunError> {
-        let set = self.joints_set.clone();
-        let others = set.iter().filter(|(known, _)| known != name);
-        let mut all: Vec<(&str, StartNumber)> =
-            others.map(|(name, said)| (name.as_str(), *said)).collect();
-        all.push((name, said));
-        self.give_joints(&all)
-    }
-
-    /// What [`Simulation::set_turns`] does.
-    pub(crate) fn give_turns(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
-        let exact: Vec<(&str, StartNumber)> =
-            given.iter().map(|(name, x)| (*name, (*x).into())).collect();
-        let starts = self.joint_starts(&exact)?;
-        self.system
-            .remember_starts(&starts, (self.time, &self.state));
-        Ok(())
-    }
-
-    /// Starts of joints by the names of their coordinates.
-    fn joint_starts(&self, given: &[(&str, StartNumber)]) -> Result<Vec<JointStart>, RunError> {
-        let scene = self.system.model.scene();
-        let mut all = given.iter();
-        if let Some((name, said)) = all.find(|(_, said)| !said.number().is_finite()) {
-            let (slot, value) = ((*name).to_owned(), said.number());
-            return Err(self.failed(StepError::InvalidInput { slot, value }));
-        }
-        JointStart::by_name(scene, given.iter().copied()).map_err(|name| {
-            let known = scene.joint_coordinates();
-            let known = near_and_all(name, known.iter().map(String::as_str));
-            let why = format!("is no joint coordinate{known}");
-            let name = name.to_owned();
-            self.failed(StepError::Unplaced { name, why })
-        })
-    }
-
-    /// What [`Simulation::set_nodes`] does.
-    pub(crate) fn give_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
-        let expected = 3 * self.system.model.layout().nodes.len();
-        let bad = guess.iter().find(|x| !x.is_finite());
-        if guess.len() != expected || bad.is_some() {
-            let value = bad.map_or(guess.len() as f64, |x| x.to_f64());
-            let slot = format!("positions of the nodes ({expected} numbers)");
-            return Err(self.failed(StepError::InvalidInput { slot, value }));
-        }
-        self.guess = Some(self.system.near_origin(self.time, guess));
-        self.started = false;
-        Ok(())
-    }
-
     /// What [`Simulation::start`] does.
     pub(crate) fn start_now(&mut self) -> Result<(), RunError> {
         self.whole(Self::begin)
@@ -518,126 +353,9 @@ pub(crate) fn declared_start<T: Float>(
     Ok((state, assembly))
 }
 
-fn misplaced(scene: &Scene, error: PlacementError) -> StepError {
+pub(super) fn misplaced(scene: &Scene, error: PlacementError) -> StepError {
     let (name, why) = error.describe(scene);
     StepError::Unplaced { name, why }
-}
-
-/// Whether this combination of model and method is offered.
-fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), StepError> {
-    if let (Some(point), Some(_)) = (stepwise(model), options.method.tolerance()) {
-        return Err(StepError::Unsupported {
-            what: format!(
-                "{} with the `stepwise` node `{}`",
-                options.method.name(),
-                node_name(model.scene(), point)
-            ),
-            instead: "take Method::Rk4 with a fixed step, or declare the node `rate` or `static`"
-                .into(),
-        });
-    }
-    if let Some((_, held)) = model.layout().redundancy.idle_lock(model.scene()) {
-        return Err(StepError::Unsupported {
-            what: format!("a lock where {held}"),
-            instead: "lock another coordinate, or take away what holds this one".into(),
-        });
-    }
-    let mut events = model.scene().events.iter();
-    if let (false, Some(event)) = (
-        options.locate,
-        events.find(|event| !event.actions.is_empty()),
-    ) {
-        return Err(StepError::Unsupported {
-            what: format!(
-                "a run that locates nothing, of the event `{}`, which acts,",
-                event.name
-            ),
-            instead: "leave `locate` on".into(),
-        });
-    }
-    if let Method::Rattle { .. } = options.method {
-        return reversible(model, options);
-    }
-    let implicit = options.method.needs_derivatives();
-    if implicit && matches!(options.stabilise, Stabilise::Baumgarte { .. }) {
-        return Err(StepError::Unsupported {
-            what: format!("{} with Stabilise::Baumgarte", options.method.name()),
-            instead: "take Stabilise::Projection, or an explicit method".into(),
-        });
-    }
-    Ok(())
-}
-
-/// Refuses what cannot be run backwards in time, as the middle of a step of Rattle is.
-fn reversible<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), StepError> {
-    let refuse = |what: String, instead: &str| {
-        let instead = instead.to_owned();
-        Err(StepError::Unsupported { what, instead })
-    };
-    let method = options.method.name();
-    if model.layout().tree.is_some() {
-        return refuse(
-            format!("{method} in relative coordinates, whose mass matrix changes with them,"),
-            "declare `coordinates: absolute`, or take Method::Vern7",
-        );
-    }
-    if T::EPSILON.to_f64() > f64::EPSILON {
-        return refuse(
-            format!("{method} in f32, where its rotations round away what it keeps,"),
-            "run in f64, or take Method::Rk4",
-        );
-    }
-    if options.stabilise != Stabilise::Projection {
-        return refuse(
-            format!("{method} without Stabilise::Projection"),
-            "leave `stabilise` as it is: this method holds the joints by itself",
-        );
-    }
-    if let Some((joint, coordinate)) = follows_states(model.scene()) {
-        return refuse(
-            format!(
-                "{method} with the motor of `{}.{}`, whose value is a state: the joints would be held to it half a part of a step too early,",
-                joint.name, coordinate.name
-            ),
-            "prescribe a function of time without a filter, or take another method: `rk4`, `tsit5`, `vern7`",
-        );
-    }
-    let mut nodes = model.layout().nodes.iter();
-    let Some(node) = nodes.find(|node| node.model != NodeModel::Static) else {
-        return Ok(());
-    };
-    refuse(
-        format!(
-            "{method} with the node `{}`, whose dampers cannot be run backwards in time,",
-            node_name(model.scene(), node.point)
-        ),
-        "declare the node `static` or give the point a mass, or take another method: `rk4`, `tsit5`",
-    )
-}
-
-/// The first coordinate that a motor holds to a value in which there are states, those of its filter among them.
-fn follows_states(scene: &Scene) -> Option<(&Joint, Coordinate)> {
-    let mut joints = scene.joints.iter().enumerate();
-    joints.find_map(|(joint, declared)| {
-        let mut motors = declared.motors();
-        let state = |part: &Formula| matches!(part, Formula::State(_));
-        let (index, _) = motors.find(|(_, course)| scene.contains(course, state))?;
-        scene.coordinate(joint, index)
-    })
-}
-
-/// Refuses inputs that are functions of time and state to a method that solves with derivatives of the rates.
-pub(super) fn differentiable(options: &Options) -> Result<(), StepError> {
-    if !options.method.needs_derivatives() {
-        return Ok(());
-    }
-    Err(StepError::Unsupported {
-        what: format!(
-            "{} with inputs that are functions of time and state, which have no derivatives,",
-            options.method.name()
-        ),
-        instead: "hold inputs (`set_inputs`), sample them (`control_every`), declare what they follow in the model, or take an explicit method".into(),
-    })
 }
 
 /// The coordinates of a scene, each with its speeds.
@@ -648,28 +366,4 @@ fn attached(layout: &Layout) -> Vec<Attached> {
     });
     let parts = parts.filter(|(at, _)| !at.is_empty());
     parts.map(|(at, speeds)| Attached { at, speeds }).collect()
-}
-
-/// A run of a scene whose external loads or gravity nobody supplies.
-#[cold]
-fn unsupplied<T: Float>(model: &dyn Model<T>) -> StepError {
-    let (scene, layout) = (model.scene(), model.layout());
-    let without_default = |slots: &&InputSlots| !matches!(slots.source, InputSource::Input(_));
-    let missing = layout.inputs.iter().filter(without_default);
-    let names: Vec<String> = missing
-        .map(|slots| format!("`{}`", input_name(scene, layout, slots.at)))
-        .collect();
-    StepError::Unsupported {
-        what: format!("a run without {}", names.join(", ")),
-        instead: "set_inputs holds them, control computes them from time and state".into(),
-    }
-}
-
-/// The first point with a `stepwise` node.
-fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
-    let nodes = &model.layout().nodes;
-    nodes
-        .iter()
-        .find(|node| matches!(node.model, NodeModel::Stepwise { .. }))
-        .map(|node| node.point)
 }

@@ -5,7 +5,7 @@ use mbd_scene::joints::{
     Axis, ConstantVelocity, Cylindrical, Distance, Hinge, JointForces, JointLaw, Planar, Prismatic,
     Screw, Spherical, Universal,
 };
-use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Plane, Quantity, Scene, Variable};
+use mbd_scene::{AngularVelocity, Layout, Place, Plane, Quantity, Scene};
 use nalgebra::{Matrix3, Vector3};
 use tests::linkage::cranks;
 use tests::mechanism::{add_body, add_frame, add_gear, add_joint, empty, frame};
@@ -63,33 +63,6 @@ fn tree(n: usize) -> Scene {
         let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
         add_joint(&mut scene, hinge(axis), ends[index.div_ceil(2)], top);
         ends.push(end);
-    }
-    scene
-}
-
-/// IFToMM A02: windows of rods of 1 m between cranks, in a plane.
-fn four_bars(windows: usize) -> Scene {
-    let mut scene = empty([0.0, -9.81, 0.0], AngularVelocity::Body);
-    scene.planar = Some(Plane::Xy);
-    let inertia = Matrix3::from_diagonal_element(1.0 / 12.0);
-    let bar = |scene: &mut Scene| {
-        let body = add_body(scene, 1.0, &inertia);
-        let mut end =
-            |name: &str, x: f64| add_frame(scene, Some(body), frame(name, [x, 0.0, 0.0], None));
-        [end("root", -0.5), end("tip", 0.5)]
-    };
-    let cranks: Vec<[Place; 2]> = (0..=windows).map(|_| bar(&mut scene)).collect();
-    let couplers: Vec<[Place; 2]> = (0..windows).map(|_| bar(&mut scene)).collect();
-    for (index, crank) in cranks.iter().enumerate() {
-        let pivot = frame(&format!("pivot{index}"), [index as f64, 0.0, 0.0], None);
-        let pivot = add_frame(&mut scene, None, pivot);
-        add_joint(&mut scene, hinge(Axis::Z), pivot, crank[0]);
-    }
-    for (index, coupler) in couplers.iter().enumerate() {
-        add_joint(&mut scene, hinge(Axis::Z), cranks[index][1], coupler[0]);
-    }
-    for (index, coupler) in couplers.iter().enumerate() {
-        add_joint(&mut scene, hinge(Axis::Z), coupler[1], cranks[index + 1][1]);
     }
     scene
 }
@@ -367,47 +340,4 @@ fn a_free_joint_costs_nothing() {
     let free = JointLaw::Free(Default::default());
     add_joint(&mut scene, free, Place::World(0), Place::Body(body, 0));
     assert_eq!(cost(&scene, Quantity::Derivative), alone);
-}
-
-#[test]
-#[ignore = "prints operation counts"]
-fn counts() {
-    let scenes = [
-        ("chain 2", chain(2, false)),
-        ("chain 8", chain(8, false)),
-        ("chain 16", chain(16, false)),
-        ("ring 8", chain(8, true)),
-        ("hub 11", hub(11)),
-        ("tree 15", tree(15)),
-        ("four-bars 1", four_bars(1)),
-        ("four-bars 10", four_bars(10)),
-    ];
-    for (name, scene) in scenes {
-        let layout = Layout::new(&scene);
-        println!(
-            "{name}: estimates {:?}",
-            layout.elimination.order.candidates
-        );
-        for what in [
-            Quantity::Constraint,
-            Quantity::ConstraintJacobian,
-            Quantity::ConstraintBias,
-            Quantity::Derivative,
-            Quantity::Multipliers,
-            Quantity::ProjectionStep,
-        ] {
-            let total = cost(&scene, what);
-            println!("  {what:?} {total}, {} a body", total / scene.bodies.len());
-        }
-    }
-    for n in [2, 4, 8] {
-        let start = std::time::Instant::now();
-        let equations = SceneEquations::trace(&chain(n, false));
-        let by = Quantity::Partial(Differentiated::Derivative, Variable::State);
-        let partial = equations.program(by).map(|program| program.cost().total());
-        println!(
-            "chain {n}: everything traced in {:?}, ∂ẋ/∂x {partial:?}",
-            start.elapsed()
-        );
-    }
 }

@@ -1,13 +1,11 @@
 //! Messages about items: their names, fields, and what they hold.
 
 use mbd_scene::Dimension;
-use mbd_scene::solids::Solid;
 
-use crate::check::WrongInertia;
 use crate::lexeme::Region;
+use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
-use crate::messages::{LexemeMessage, article};
 use crate::syntax::{foreign, words};
 use crate::units::{self, described, si_text};
 
@@ -227,24 +225,6 @@ pub fn sign(
     )
 }
 
-pub fn no_mass(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "body `{name}` has no mass. add `mass: 1.0 kg`; for a massless junction of lines use `point {name};`"
-        ),
-    )
-}
-
-pub fn no_inertia(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "body `{name}` has no inertia. add `inertia: diag(1.0, 1.0, 1.0) kg*m^2`, or `shape: box [0.2, 0.3, 0.4] m`, from which it follows; for a mass without rotation use `point {name} {{ mass: 1.0 kg }}`"
-        ),
-    )
-}
-
 pub fn no_field(at: Region, kind: &str, name: &str, field: &str, unit: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
@@ -286,103 +266,6 @@ pub fn force_and_stiffness(at: Region, name: &str) -> LexemeMessage {
     )
 }
 
-pub fn inertia_of_shape(at: Region, shape: &str) -> Option<LexemeMessage> {
-    let ours = foreign::translated(foreign::FOREIGN_SHAPES, shape).unwrap_or(shape);
-    let solid = Solid::ALL.iter().find(|solid| solid.keyword() == ours)?;
-    let text = format!(
-        "an inertia is given by its numbers; leave it out, and it follows from `shape: {}` and the mass",
-        solid_form(*solid)
-    );
-    Some(LexemeMessage::new(at, text))
-}
-
-/// A shape as it is written.
-fn solid_form(solid: Solid) -> String {
-    let word = solid.keyword();
-    match solid {
-        Solid::Box => format!("{word} [0.2, 0.3, 0.4] m"),
-        _ => {
-            let sizes = solid.sizes().iter();
-            let sizes: Vec<String> = sizes.map(|size| format!("{size}: 0.1 m")).collect();
-            format!("{word} {{ {} }}", sizes.join(", "))
-        }
-    }
-}
-
-pub fn shape_form(at: Region, found: Option<&str>) -> LexemeMessage {
-    let known = || Solid::ALL.iter().map(|solid| solid.keyword());
-    let list: Vec<&str> = known().collect();
-    let list = format!(
-        "shapes here: {}, as in `shape: {}`, several in brackets",
-        list.join(", "),
-        solid_form(Solid::Box)
-    );
-    let Some(found) = found else {
-        return LexemeMessage::new(at, format!("expected a shape. {list}"));
-    };
-    if found == "mesh" {
-        return LexemeMessage::new(at, foreign::NO_MESH.to_string());
-    }
-    let suggestion = match foreign::translated(foreign::FOREIGN_SHAPES, found) {
-        Some(ours) => format!("; here it is called `{ours}`."),
-        None => ended(did_you_mean(found, known())),
-    };
-    LexemeMessage::new(at, format!("unknown shape `{found}`{suggestion} {list}"))
-}
-
-pub fn shape_sizes(at: Region, solid: Solid) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!("a {} is written `{}`", solid.keyword(), solid_form(solid)),
-    )
-}
-
-pub fn missing_size(at: Region, solid: Solid, word: &str) -> LexemeMessage {
-    let word = format!("the {} has no `{word}`", solid.keyword());
-    LexemeMessage::new(at, format!("{word}: write `{}`", solid_form(solid)))
-}
-
-pub fn tube_without_wall(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "the tube of `{name}` has no wall: its `inner` radius must be smaller than its `radius`"
-        ),
-    )
-}
-
-pub fn no_edge(at: Region, name: &str, axis: &str, found: f64) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!("the box of `{name}` is {found} m along {axis}: its edges must be positive"),
-    )
-}
-
-pub fn mass_and_density(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!("body `{name}` has a `mass` and a `density`: give one of them"),
-    )
-}
-
-pub fn density_alone(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "the `density` of `{name}` has nothing to fill: give a `mass`; or give a `shape` and no `inertia`, and mass and inertia follow from both"
-        ),
-    )
-}
-
-pub fn center_of_shapes(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "the centre of mass of `{name}` follows from its shapes, as its inertia does: leave out `center_of_mass`, or give `inertia`"
-        ),
-    )
-}
-
 pub fn range_of_sign(
     at: Region,
     (owner, field): (&str, &str),
@@ -399,78 +282,6 @@ pub fn range_of_sign(
     )
 }
 
-pub fn inertia_form(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "expected an inertia such as `diag(1.0, 1.0, 2.0) kg*m^2`, or `full { xx: 1.0, yy: 1.0, zz: 2.0, xy: 0.1 } kg*m^2 (matrix elements)`",
-    )
-}
-
-pub fn missing_element(at: Region, word: &str) -> LexemeMessage {
-    LexemeMessage::new(at, format!("the inertia has no element `{word}`"))
-}
-
-pub fn products_sign(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "say how products are meant: `(matrix elements)`, xy = -∫ x y dm, or `(products of inertia)`, xy = +∫ x y dm",
-    )
-}
-
-pub fn impossible_inertia(at: Region, owner: &str, wrong: WrongInertia) -> LexemeMessage {
-    let text = match wrong {
-        WrongInertia::NotPositive(_) => format!(
-            "the inertia of `{owner}` must be positive about every axis: {}",
-            no_body(wrong)
-        ),
-        WrongInertia::Triangle(..) => format!(
-            "{}. check the unit, and that it is about the centre of mass",
-            no_body(wrong)
-        ),
-    };
-    LexemeMessage::new(at, text)
-}
-
-/// Why principal moments are those of no rigid body.
-pub fn no_body(wrong: WrongInertia) -> String {
-    match wrong {
-        WrongInertia::NotPositive(smallest) => format!(
-            "its smallest principal moment is {} kg*m^2",
-            short(smallest)
-        ),
-        WrongInertia::Triangle(largest, others) => format!(
-            "no rigid body has these principal moments: the largest ({}) exceeds the sum of the other two ({})",
-            short(largest),
-            short(others)
-        ),
-    }
-}
-
-/// A number with six digits, without zeros at its end.
-fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_string();
-    }
-    let digits = 5 - value.abs().log10().floor().clamp(-300.0, 300.0) as i32;
-    let scale = 10f64.powi(digits);
-    let rounded = (value * scale).round() / scale;
-    rounded.to_string()
-}
-
-pub fn rotation_form(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "expected a rotation: `about(axis, angle)`, `rpy(roll, pitch, yaw)` about fixed axes, `euler_zyx(yaw, pitch, roll)` about moving axes, or `matrix(row, row, row)`",
-    )
-}
-
-pub fn no_rotation(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "this matrix is no rotation: its rows must be perpendicular unit vectors in right-handed order",
-    )
-}
-
 pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> LexemeMessage {
     LexemeMessage::new(
         at,
@@ -478,199 +289,6 @@ pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> Lexem
             "unknown {what} `{word}`{} known: {}",
             ended(did_you_mean(word, known.iter().copied())),
             known.join(", ")
-        ),
-    )
-}
-
-pub fn unknown_gravity(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
-    let report = unknown_word(at, "gravity", word, known);
-    let text = report.text;
-    LexemeMessage::new(
-        at,
-        format!(
-            "{text}; where it is uniform it is a vector, such as `[0, 0, -9.81] m/s^2` where z points up"
-        ),
-    )
-}
-
-pub fn mass_and_equilibrium(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "point `{name}` has a mass and an equilibrium: a point with mass moves by Newton's law, so remove one"
-        ),
-    )
-}
-
-pub fn load_twice(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "a load has a value after `=`, or is `: external`, not both",
-    )
-}
-
-pub fn load_without_value(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "this load has no value: write `= expression`, or `: external`",
-    )
-}
-
-pub fn load_kind(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "expected `external`; a load that is an expression is written with `=`",
-    )
-}
-
-/// `in body` behind a load on a body of this name.
-pub fn load_axes(at: Region, body: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "a load is given in the axes of the world, and `in` takes its unit; along the axes of a body it is written with them: `fx * {body}.x + fy * {body}.y + fz * {body}.z`"
-        ),
-    )
-}
-
-pub fn load_on_world(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "a load on the world moves nothing: name a body or a point",
-    )
-}
-
-pub fn load_on_joint(at: Region, joint: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "a load acts on a body or a point, and `{joint}` is a joint; what acts along its coordinate is its field `force`, such as `{{ axis: y, force: 3 N*m }}`"
-        ),
-    )
-}
-
-pub fn load_on_frame(at: Region, body: &str, frame: &str) -> LexemeMessage {
-    LexemeMessage::new(at, format!("write `on {body} at {frame}`"))
-}
-
-pub fn load_at(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "expected the name of a frame of the body, such as `at com`",
-    )
-}
-
-pub fn load_at_point(at: Region) -> LexemeMessage {
-    LexemeMessage::new(at, "a load on a point needs no `at`: remove it")
-}
-
-pub fn load_is_scalar(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "a load must be a vector, this is one number: multiply it by a direction, such as `body.z`",
-    )
-}
-
-pub fn load_dimension(at: Region, found: Dimension) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "a load is a force (N) or a couple (N*m), this is {}",
-            described(found)
-        ),
-    )
-}
-
-pub fn couple_on_point(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!("`{name}` is a point and takes no couple (N*m): it does not rotate"),
-    )
-}
-
-pub fn load_on_node(at: Region, node: &str, culprit: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "a load on the massless point `{node}` cannot depend on `{culprit}`: the place of a node follows from the balance of its forces. give the point a mass, or use the motion of a body"
-        ),
-    )
-}
-
-pub fn event_without_value(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "this event has no crossing: write `crosses`, `rises` or `falls` and a value",
-    )
-}
-
-pub fn name_wanted(at: Region) -> LexemeMessage {
-    LexemeMessage::new(at, "a name stands here, or several in brackets: `[a, b]`")
-}
-
-pub fn setting_wanted(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "what is set is written `name = value`, several in brackets: `[a = 1 m, b = 2 kg]`",
-    )
-}
-
-pub fn event_names_twice(at: Region, name: &str, first: Region) -> LexemeMessage {
-    LexemeMessage::new(at, format!("this event names `{name}` twice"))
-        .also(first, "first named here")
-}
-
-pub fn no_line_of_event(at: Region, action: &str, word: &str, known: &[&str]) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "no line, spring or joint named `{word}` to {action}{}",
-            known_or_near(word, known)
-        ),
-    )
-}
-
-pub fn not_a_line_of_event(at: Region, action: &str, word: &str, kind: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "`{word}` is {} {kind}; lines, springs and joints are what an event can {action}",
-            article(kind)
-        ),
-    )
-}
-
-pub fn holds_nothing(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!("the joint `{name}` holds nothing that could be detached"),
-    )
-}
-
-pub fn stopped_joint_detached(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "the joint `{name}` has stops and cannot be detached: give the stops to a joint that stays, or leave them out"
-        ),
-    )
-}
-
-pub fn coupled_joint_detached(at: Region, name: &str, other: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "`{other}` couples coordinates of the joint `{name}`, which then cannot be detached: detach `{other}`, or couple others"
-        ),
-    )
-}
-
-pub fn nothing_to_set(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "no param or state named `{word}` to set{}",
-            known_or_near(word, known)
         ),
     )
 }
@@ -685,82 +303,13 @@ pub(super) fn known_or_near(word: &str, known: &[&str]) -> String {
     }
 }
 
-pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> LexemeMessage {
-    let why = match kind {
-        "const" => format!("a const is folded into the code: declare it `param {word} = …`"),
-        "event" => "an event is told by itself".to_owned(),
-        "input" => "inputs are given by the program that runs the model".to_owned(),
-        "let" => "a let says what follows from other numbers: set one of these".to_owned(),
-        _ => "what moves is moved by forces".to_owned(),
-    };
-    LexemeMessage::new(
-        at,
-        format!(
-            "`{word}` is {} {kind}, and events set params and states; {why}",
-            article(kind)
-        ),
-    )
-}
-
-pub fn moving_set(at: Region, path: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "`{path}` cannot be set: events set params and states alone; what moves is moved by forces, and its speed jumps where `attach` or `lock` takes hold"
-        ),
-    )
-}
-
-pub fn set_to_no_number(at: Region, name: &str) -> LexemeMessage {
-    LexemeMessage::new(at, format!("`{name}` is set to what is no finite number"))
-}
-
-pub fn set_outside(at: Region, name: &str, found: f64, [low, high]: [f64; 2]) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "`{name}` is set to {}, outside its range {} ..= {} (SI units)",
-            short(found),
-            short(low),
-            short(high)
-        ),
-    )
-}
-
-pub fn event_twice(at: Region) -> LexemeMessage {
-    LexemeMessage::new(at, "an event has one of `crosses`, `rises` and `falls`")
-}
-
-pub fn no_gravity(at: Region) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        "no gravity is declared: write `gravity: [0.0, 0.0, -9.81] m/s^2;`, or `gravity: none;` if there is none",
-    )
-}
-
-pub fn gravity_of_one(at: Region, number: &str, unit: &str) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!("gravity has a direction: write `[0, 0, -{number}] {unit}` where z points up"),
-    )
-}
-
-pub fn gravity_field(at: Region, field: &str, wanted: Dimension) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "this gravity has no `{field}`: add it, {}",
-            described(wanted)
-        ),
-    )
-}
-
-pub fn no_direction(at: Region, length: f64) -> LexemeMessage {
-    LexemeMessage::new(
-        at,
-        format!(
-            "`axis` must be a unit vector, this one has the length {}",
-            short(length)
-        ),
-    )
+/// A number with six digits, without zeros at its end.
+pub(super) fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let digits = 5 - value.abs().log10().floor().clamp(-300.0, 300.0) as i32;
+    let scale = 10f64.powi(digits);
+    let rounded = (value * scale).round() / scale;
+    rounded.to_string()
 }

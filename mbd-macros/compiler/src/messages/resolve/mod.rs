@@ -1,7 +1,10 @@
 //! Messages of resolving.
 
+mod bodies;
+mod events;
 mod items;
 mod joints;
+mod loads;
 mod locks;
 mod metrics;
 mod names;
@@ -10,8 +13,11 @@ mod origin;
 mod tables;
 mod values;
 
+pub use bodies::*;
+pub use events::*;
 pub use items::*;
 pub use joints::*;
+pub use loads::*;
 pub use locks::*;
 pub use metrics::*;
 pub use names::*;

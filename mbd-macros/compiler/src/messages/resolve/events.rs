@@ -1,0 +1,129 @@
+//! Messages about events and what they do.
+
+use super::items::{known_or_near, short};
+use crate::lexeme::Region;
+use crate::messages::{LexemeMessage, article};
+
+pub fn event_without_value(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        "this event has no crossing: write `crosses`, `rises` or `falls` and a value",
+    )
+}
+
+pub fn name_wanted(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "a name stands here, or several in brackets: `[a, b]`")
+}
+
+pub fn setting_wanted(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        "what is set is written `name = value`, several in brackets: `[a = 1 m, b = 2 kg]`",
+    )
+}
+
+pub fn event_names_twice(at: Region, name: &str, first: Region) -> LexemeMessage {
+    LexemeMessage::new(at, format!("this event names `{name}` twice"))
+        .also(first, "first named here")
+}
+
+pub fn no_line_of_event(at: Region, action: &str, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "no line, spring or joint named `{word}` to {action}{}",
+            known_or_near(word, known)
+        ),
+    )
+}
+
+pub fn not_a_line_of_event(at: Region, action: &str, word: &str, kind: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{word}` is {} {kind}; lines, springs and joints are what an event can {action}",
+            article(kind)
+        ),
+    )
+}
+
+pub fn holds_nothing(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("the joint `{name}` holds nothing that could be detached"),
+    )
+}
+
+pub fn stopped_joint_detached(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "the joint `{name}` has stops and cannot be detached: give the stops to a joint that stays, or leave them out"
+        ),
+    )
+}
+
+pub fn coupled_joint_detached(at: Region, name: &str, other: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{other}` couples coordinates of the joint `{name}`, which then cannot be detached: detach `{other}`, or couple others"
+        ),
+    )
+}
+
+pub fn nothing_to_set(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "no param or state named `{word}` to set{}",
+            known_or_near(word, known)
+        ),
+    )
+}
+
+pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> LexemeMessage {
+    let why = match kind {
+        "const" => format!("a const is folded into the code: declare it `param {word} = …`"),
+        "event" => "an event is told by itself".to_owned(),
+        "input" => "inputs are given by the program that runs the model".to_owned(),
+        "let" => "a let says what follows from other numbers: set one of these".to_owned(),
+        _ => "what moves is moved by forces".to_owned(),
+    };
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{word}` is {} {kind}, and events set params and states; {why}",
+            article(kind)
+        ),
+    )
+}
+
+pub fn moving_set(at: Region, path: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{path}` cannot be set: events set params and states alone; what moves is moved by forces, and its speed jumps where `attach` or `lock` takes hold"
+        ),
+    )
+}
+
+pub fn set_to_no_number(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(at, format!("`{name}` is set to what is no finite number"))
+}
+
+pub fn set_outside(at: Region, name: &str, found: f64, [low, high]: [f64; 2]) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{name}` is set to {}, outside its range {} ..= {} (SI units)",
+            short(found),
+            short(low),
+            short(high)
+        ),
+    )
+}
+
+pub fn event_twice(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, "an event has one of `crosses`, `rises` and `falls`")
+}
