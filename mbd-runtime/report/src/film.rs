@@ -294,7 +294,7 @@ impl<'a> Film<'a> {
     pub fn load(&self, (index, values): &(usize, Vec<[f64; 3]>)) -> Option<DrawnArrow> {
         let load = self.stage.scene.loads.get(*index)?;
         let unit = match load.kind {
-            LoadKind::Torque(_) => "N m",
+            LoadKind::Torque(_) => "N*m",
             LoadKind::Force(_) | LoadKind::External => "N",
         };
         let acts = values.iter().flatten().any(|x| *x != 0.0);
@@ -323,7 +323,7 @@ impl<'a> Film<'a> {
                 v: self.vectors(vector),
             })
         };
-        [("force", "N"), ("torque", "N m")]
+        [("force", "N"), ("torque", "N*m")]
             .into_iter()
             .filter_map(arrow)
             .collect()

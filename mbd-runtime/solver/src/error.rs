@@ -312,6 +312,19 @@ step_errors! {
     format!("at {time:.9} s `free_length` of `{line}` is {length:.3e} m, and must be zero or positive"),
     format!("stop the winch before: `event wound_in = {line}.length falls 0.1 m {{ then: stop }}`, a `rate` that is zero there, or `max(…, 0 m)` in the `free_length`");
 
+    /// A spring that pushes or pulls where both its ends are at the same place, at a start: which way, nothing says.
+    NoDirection {
+        /// The spring.
+        spring: String,
+        /// When [s].
+        time: f64,
+        /// Its force, negative where it pushes [N].
+        force: f64,
+    }
+    "no_direction",
+    format!("at {time:.9} s both ends of `{spring}` are at the same place, and its force of {force:.3e} N has no direction"),
+    "let what is at one of its ends start elsewhere, `start at [0.0, 0.0, -1.0] m`, or end it at another frame";
+
     /// A joint came to where its rows have no rank and hold on other positions, too: which way it goes on from there they do not say.
     FoldedJoint {
         /// The joint.

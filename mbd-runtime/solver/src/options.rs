@@ -8,9 +8,6 @@ use crate::error::StepError;
 use crate::integrate::Scales;
 use crate::turns;
 
-/// The loosest relative tolerance: at 0.1 errors were 400 times the tolerance.
-const LOOSEST: f64 = 0.01;
-
 /// The integrator and its step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Method {
@@ -58,6 +55,9 @@ pub enum Method {
 }
 
 impl Method {
+    /// The loosest relative tolerance: at 0.1 errors were 400 times the tolerance.
+    pub const LOOSEST: f64 = 0.01;
+
     /// The words of the methods with a fixed step, as [`Method::fixed`] reads them.
     pub const FIXED: [&str; 2] = ["rk4", "rattle"];
 
@@ -334,9 +334,12 @@ impl Options {
         if let Some([rtol, max_step]) = self.method.tolerance() {
             positive("max_step", max_step, false)?;
             positive("rtol", rtol, true)?;
-            if rtol > LOOSEST {
+            if rtol > Method::LOOSEST {
                 return Err(StepError::InvalidInput {
-                    slot: format!("rtol (at most {LOOSEST}: above it nothing is resolved)"),
+                    slot: format!(
+                        "rtol (at most {}: above it nothing is resolved)",
+                        Method::LOOSEST
+                    ),
                     value: rtol,
                 });
             }

@@ -234,7 +234,7 @@ pub(crate) fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Nam
     }
     if content.reactions && layout.len(Quantity::Reactions) > 0 {
         for joint in 0..scene.joints.len() {
-            for (kind, unit) in [("force", "N"), ("torque", "N m")] {
+            for (kind, unit) in [("force", "N"), ("torque", "N*m")] {
                 let owner = format!("{}.{kind}", joint_name(scene, joint));
                 let remark = match layout.redundancy.is_unique(joint) {
                     true => "",

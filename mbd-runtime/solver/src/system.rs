@@ -21,6 +21,7 @@ use crate::watch;
 
 mod branches;
 mod by_laws;
+mod directions;
 mod ends;
 mod known;
 mod near_side;

@@ -1,8 +1,11 @@
 //! Dampers between two things: springs with a damping and no stiffness, against their closed form.
 
-use mbd_runtime::{Content, Model, Options, Sampling, Simulation, Trajectory, model};
+use mbd_runtime::{
+    Content, Generic, Model, Options, Sampling, Simulation, StepError, Trajectory, model,
+};
 use tests::agreement::agrees;
 use tests::assert_close;
+use tests::declared::read;
 
 model! {
     /// Two carts with a damper between them, one pushed off; beside it a spring whose stiffness may be zero.
@@ -44,4 +47,36 @@ fn a_damper_slows_what_it_joins_and_keeps_its_momentum() {
     assert_eq!(heat.unit, "mN*m");
     let found = heat.value.expect("an integral");
     assert_close(&[found], &[4000.0 / 3.0], 1e-6, 1e-6, "heat");
+}
+
+/// A point that nobody puts anywhere starts at the origin, where the spring begins.
+#[test]
+fn a_spring_that_pushes_with_both_ends_at_one_place_is_refused_by_name_and_others_are_not() {
+    let begun = |coil: &str, start: &str, family: &str| {
+        let scene = read(&format!(
+            "model Coil {{ coordinates: {family}; gravity: [0.0, 0.0, -9.81] m/s^2;
+                body sled {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+                joint guide: prismatic from world to sled.com {{ axis: z{start} }}
+                spring coil from world to sled.com {{ stiffness: 1 kN/m, damping: 2 N*s/m, free_length: {coil} }}
+                event taken = time rises 1 s {{ attach: coil }}
+            }}"
+        ));
+        let model = Generic::<f64>::with_defaults(scene).expect("no params");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-6)).expect("options");
+        run.start().map_err(|error| error.cause)
+    };
+    for family in ["absolute", "relative"] {
+        let error = begun("0.1 m", "", family).expect_err("a force without a direction");
+        let StepError::NoDirection { spring, force, .. } = &error else {
+            panic!("{error}");
+        };
+        assert_eq!((spring.as_str(), *force), ("coil", -100.0));
+        for (coil, start) in [
+            ("0.1 m", ", start: -1 mm"),
+            ("0.1 m, at_start: detached", ""),
+            ("0 m", ""),
+        ] {
+            assert_eq!(begun(coil, start, family), Ok(()), "{coil} {family}");
+        }
+    }
 }

@@ -209,7 +209,19 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
         ));
     }
     let fixed = || step.map_or(Ok(STEP), |step| positive("step", step, "s"));
-    let adaptive = || tolerance.map_or(Ok(TOLERANCE), |given| positive("tolerance", given, ""));
+    let adaptive = || {
+        let given = tolerance.map_or(Ok(TOLERANCE), |given| positive("tolerance", given, ""))?;
+        match given > Method::LOOSEST {
+            true => Err(wrong(
+                "tolerance",
+                format!(
+                    "must be at most {}: above it nothing is resolved",
+                    Method::LOOSEST
+                ),
+            )),
+            false => Ok(given),
+        }
+    };
     // Books write RK4 and Tsit5.
     let word = settings.method.as_deref().map(|word| {
         let mut known = Method::FIXED.into_iter().chain(Method::ADAPTIVE);

@@ -531,7 +531,7 @@ pub(crate) fn input_names(scene: &Scene, layout: &mbd_scene::Layout) -> Vec<Name
             names.push(match (slots.len, k) {
                 (1, _) => Name::new(&owner, "", &unit),
                 (6, 0..3) => Name::new(&owner, &format!("force_{axis}"), "N"),
-                (6, _) => Name::new(&owner, &format!("couple_{axis}"), "N m"),
+                (6, _) => Name::new(&owner, &format!("couple_{axis}"), "N*m"),
                 _ => Name::new(&owner, axis, &unit),
             });
         }

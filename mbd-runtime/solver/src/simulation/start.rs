@@ -292,6 +292,8 @@ impl<T: Float> Simulation<T> {
             self.system.projection.any() && self.system.fallback.margin < SINGULAR;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
+        self.system
+            .check_directions(self.time, &self.state, self.length)?;
         self.begin_watch()?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;

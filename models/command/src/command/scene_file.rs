@@ -8,7 +8,7 @@ use mbd_compiler::{
     Emitted, Interpreted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf,
     write_toml,
 };
-use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::{Scene, check_params};
 use mbd_runtime::{Generic, Layout, Model, ParamError, Simulation, StepError};
 use models::in_lanes::in_lanes;
 use models::scenes::{self, Make};
@@ -161,7 +161,10 @@ impl SceneFile {
         let mut settings = settings.clone();
         settings.until.get_or_insert(1.0.into());
         let told = match RunPlan::new(&self.scene, &settings) {
-            Ok(plan) => self.open_start(&plan).filter(|_| begins),
+            Ok(plan) => match check_params(&self.scene, &plan.params) {
+                Ok(()) => self.open_start(&plan).filter(|_| begins),
+                Err(error) => Some(error.to_string()),
+            },
             Err(error) => match self.line_of(&error) {
                 Some(line) => Some(format!("line {line}: {error}")),
                 // What the declaration says of its start stands in no setting.

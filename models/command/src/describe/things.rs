@@ -156,7 +156,7 @@ fn along(scene: &Scene, numbers: &Numbers<f64>) -> ReportTable {
             let number = |x: Option<f64>| x.map_or_else(|| Cell::from("–"), Cell::from);
             let name = format!("{}.{}", joint.name, coordinate.name);
             let unit = if coordinate.is_angle() {
-                "rad, N m"
+                "rad, N*m"
             } else {
                 "m, N"
             };

@@ -145,7 +145,7 @@ impl Sizes {
     fn scale(&self, unit: &str, own: f64) -> f64 {
         // Torques are measured by the energy that moves, and forces by that over the way: where nothing else has their unit, zero has a size.
         let other = match unit {
-            "N m" => self.largest("J"),
+            "N*m" => self.largest("J"),
             "N" => self.largest("J") / self.largest("m"),
             _ => 0.0,
         };

@@ -29,6 +29,25 @@ fn check_tells_bodies_nodes_and_operations() {
 }
 
 #[test]
+fn what_no_run_can_be_made_with_is_told_by_check_with_its_line() {
+    let folder = Folder::new("check_settings");
+    let drop = include_str!("../../../../scenes/drop.toml");
+    for (setting, said) in [
+        ("[run.params]\nriser_k = \"3 MN/m\"\n", "riser_k"),
+        (
+            "[run]\nmethod = \"tsit5\"\ntolerance = 1\n",
+            "`tolerance`: must be at most 0.01",
+        ),
+    ] {
+        let (scene, _) = drop.split_once("[run]").unwrap();
+        let path = folder.file("scene.toml", &format!("{scene}{setting}"));
+        let error = run(&["check", &path]).unwrap_err();
+        assert_eq!(error.code(), 2);
+        assert!(error.to_string().contains(said), "{error}");
+    }
+}
+
+#[test]
 fn every_mistake_of_a_file_is_told_with_its_place() {
     let folder = Folder::new("mistakes");
     let drop = include_str!("../../../../scenes/drop.toml");
