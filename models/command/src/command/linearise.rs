@@ -16,13 +16,15 @@ use toml::Value;
 
 use super::check::pretty;
 use super::failure::CommandFailure;
-use super::run::{Flag, INPUT, SET, assign, assigned};
+use super::run::{Flag, INPUT, SET, assign, assigned, value};
 use super::scene_file::SceneFile;
 use crate::run::RunPlan;
 
 /// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
 const MOMENT: f64 = 1e-3;
 const NOTED: f64 = 1e-2;
+/// Rates of growth below this part of the largest eigenvalue are rounding: a root of multiplicity two has half the digits.
+const GROWS: f64 = 1e-6;
 
 /// Where and in which coordinates.
 #[derive(Args, Debug)]
@@ -32,6 +34,9 @@ pub struct LineariseArgs {
     /// About the rest that is found from the start, instead of about the start.
     #[arg(long)]
     trim: bool,
+    /// About where the run is at this time, `60s`; with --trim the rest that is found from there [default: the start].
+    #[arg(long, value_name = "TIME")]
+    after: Option<String>,
     /// A coordinate that is to be one of the linear system, `crank.angle`; may be repeated [default: joint coordinates in order of declaration].
     #[arg(long = "along", value_name = "COORDINATE")]
     along: Vec<String>,
@@ -67,16 +72,27 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     } = SceneFile::find(&args.scene)?;
     assign(&mut settings.params, SET, &args.set)?;
     assign(&mut settings.inputs, INPUT, &args.input)?;
-    // Nothing runs: a scene need not say until when.
-    settings.until.get_or_insert(Value::Float(1.0));
+    settings.until = match &args.after {
+        Some(_) => value(&args.after),
+        // Nothing runs: a scene need not say until when.
+        None => settings.until.or(Some(Value::Float(1.0))),
+    };
     let invalid = |error: &dyn std::fmt::Display| {
         CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
     };
-    let plan = RunPlan::new(&scene, &settings).map_err(|error| invalid(&error))?;
+    let plan = RunPlan::new(&scene, &settings).map_err(|error| match &args.after {
+        Some(_) if error.setting == "until" => {
+            CommandFailure::Usage(error.to_string().replacen("`until`", "`--after`", 1))
+        }
+        _ => invalid(&error),
+    })?;
     let model = Generic::new(scene, &plan.params).map_err(|error| invalid(&error))?;
     let mut run = Simulation::new(&model, plan.options).map_err(|e| invalid(&e))?;
     plan.begin(&mut run).map_err(|e| invalid(&e))?;
     run.start().map_err(|e| invalid(&e))?;
+    if args.after.is_some() {
+        run.run(plan.until).map_err(|e| invalid(&e))?;
+    }
     let along: Vec<&str> = args.along.iter().map(String::as_str).collect();
     let numbers = |flag, list: &[String]| -> Result<Vec<_>, CommandFailure> {
         let each = list.iter();
@@ -96,7 +112,11 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
             note if note.is_empty() => changing(&mut run, &space, &along),
             note => note,
         };
-        return Ok(format!("{}{}", told(&space, "start"), note));
+        let place = match &args.after {
+            Some(time) => format!("motion after {time}"),
+            None => "start".to_owned(),
+        };
+        return Ok(format!("{}{}", told(&space, &place), note));
     }
     let begun = trim(&model).begin_at(&run);
     let begun = along.iter().fold(begun, |it, name| it.along(name));
@@ -120,10 +140,11 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         false => "steady motion",
     };
     Ok(format!(
-        "{}\n{}\n{}{}",
+        "{}\n{}\n{}{}{}",
         told_rest(&rest, place),
         told_there(&there),
         told(&rest.space, place),
+        growing(&rest.space, place),
         turning(&there, &rest.space)
     ))
 }
@@ -349,6 +370,20 @@ fn told_rest(rest: &Trimmed, place: &str) -> String {
             "{}\nNothing decides `{undecided}`: what stayed where it began.\n",
             table.text()
         ),
+    }
+}
+
+/// A note where the motion leaves a rest by itself.
+fn growing(space: &StateSpace, place: &str) -> String {
+    let all = space.vibrations();
+    let fastest = all.iter().map(|one| one.frequency()).fold(0.0, f64::max);
+    let rate = all.iter().map(|one| one.real).fold(0.0, f64::max);
+    match rate > GROWS * fastest {
+        true => format!(
+            "\nnote: this {place} is unstable: what leaves it grows by a factor of e in {} s. Another one is found from another `--guess`, or `--after` a run that comes to it.\n",
+            significant(1.0 / rate, 3)
+        ),
+        false => String::new(),
     }
 }
 

@@ -393,7 +393,7 @@ pub(super) fn assigned(
     })
 }
 
-fn value(flag: &Option<String>) -> Option<Value> {
+pub(super) fn value(flag: &Option<String>) -> Option<Value> {
     flag.as_deref().map(typed)
 }
 

@@ -182,9 +182,12 @@ impl SceneFile {
         }
     }
 
-    /// What a run says of joints that cannot hold where it begins; `None` where they do, or where something else keeps it from beginning.
+    /// What a run says of joints that cannot hold where it begins, and of springs without a direction there; `None` where there are none, or where
+    /// something else keeps it from beginning.
     fn open_start(&self, plan: &RunPlan) -> Option<String> {
-        if self.scene.joints.is_empty() {
+        let springs = self.scene.lines.iter();
+        let springs = springs.filter(|line| !line.kind.is_unilateral());
+        if self.scene.joints.is_empty() && springs.count() == 0 {
             return None;
         }
         let model = Generic::<f64>::new(self.scene.clone(), &plan.params).ok()?;
@@ -193,7 +196,9 @@ impl SceneFile {
         let cause = run.start().err()?.cause;
         let opens = matches!(
             cause,
-            StepError::InconsistentStart { .. } | StepError::WrongBranch { .. }
+            StepError::InconsistentStart { .. }
+                | StepError::WrongBranch { .. }
+                | StepError::NoDirection { .. }
         );
         opens.then(|| format!("{cause}; {}", cause.advice()))
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io;
 
 use mbd_campaign::run::RunPlan;
-use mbd_report::{Cell, ReportTable};
+use mbd_report::{Cell, ReportTable, significant};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
@@ -117,9 +117,10 @@ impl StartAbout {
             false => (1.0, "m"),
         };
         let [said, taken] = [self.said, self.taken].map(|x| factor * x);
-        let by = taken - said;
+        let sign = if taken < said { '-' } else { '+' };
+        let by = significant((taken - said).abs(), 2);
         format!(
-            "`{}` at {taken:.6} {unit}, {by:+.1e} {unit} from {said:.6} {unit}",
+            "`{}` at {taken:.6} {unit}, {sign}{by} {unit} from {said:.6} {unit}",
             self.name
         )
     }

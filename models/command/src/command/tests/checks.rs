@@ -45,6 +45,14 @@ fn what_no_run_can_be_made_with_is_told_by_check_with_its_line() {
         assert_eq!(error.code(), 2);
         assert!(error.to_string().contains(said), "{error}");
     }
+    let coil = "model Coil { gravity: none; point bob { mass: 1 kg } spring coil from world to bob { free_length: 1 m, stiffness: 1 kN/m } }";
+    let error = run(&["check", &folder.file("coil.mbd", coil)]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("both ends of `coil` are at the same place"),
+        "{error}"
+    );
 }
 
 #[test]
