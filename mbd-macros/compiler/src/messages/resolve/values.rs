@@ -29,13 +29,25 @@ pub fn three_components(at: Region, found: usize) -> LexemeMessage {
     )
 }
 
-pub fn scalar_wanted(at: Region, what: &str) -> LexemeMessage {
+/// `axis`: what is said of an axis of a body or a frame.
+pub fn scalar_wanted(at: Region, what: &str, axis: Option<&str>) -> LexemeMessage {
+    let remedy = axis.unwrap_or("take a component of it, such as `.x`, or its size, `norm(…)`");
     LexemeMessage::new(
         at,
-        format!(
-            "{what} must be one number, this is a vector: take a component of it, such as `.x`, or its size, `norm(…)`"
-        ),
+        format!("{what} must be one number, this is a vector: {remedy}"),
     )
+}
+
+/// The letter behind a point is its place, behind a body or a frame its axis.
+pub fn axis_and_place(owner: &str, letter: &str) -> String {
+    format!(
+        "`{owner}.{letter}` is its {letter} axis; its place along {letter} is `{owner}.position.{letter}`"
+    )
+}
+
+/// A note, no mistake: an output may show an axis. `axis`: what is said of it.
+pub fn output_of_an_axis(output: &str, axis: &str) -> String {
+    format!("output `{output}` has three numbers: {axis}")
 }
 
 pub fn vector_wanted(at: Region, what: &str) -> LexemeMessage {
@@ -103,8 +115,13 @@ pub fn divide_by_vector(at: Region) -> LexemeMessage {
     )
 }
 
-pub fn number_and_vector(at: Region) -> LexemeMessage {
-    LexemeMessage::new(at, "a number and a vector cannot be added or compared")
+/// `axis`: what is said of the vector, if it is an axis of a body or a frame.
+pub fn number_and_vector(at: Region, axis: Option<&str>) -> LexemeMessage {
+    let axis = axis.map_or_else(String::new, |axis| format!(": {axis}"));
+    LexemeMessage::new(
+        at,
+        format!("a number and a vector cannot be added or compared{axis}"),
+    )
 }
 
 pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> LexemeMessage {
@@ -208,6 +225,16 @@ pub fn unit_or_name(
         Some(declared) => report.also(declared, format!("the {kind} `{word}`")),
         None => report,
     }
+}
+
+/// `number`: what stands above the line, `word`: the unit below it that is a thing of the model, too.
+pub fn unit_or_thing(at: Region, number: &str, word: &str, kind: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{word}` is a {kind} of this model: write `{number} (1/{word})` for the unit, or give the {kind} another name, such as `{word}_1`"
+        ),
+    )
 }
 
 /// `word`: what stands behind the default of a param.
