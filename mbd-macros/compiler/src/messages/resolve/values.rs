@@ -3,9 +3,9 @@
 use mbd_scene::Dimension;
 
 use crate::lexeme::Region;
-use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
+use crate::messages::{LexemeMessage, article};
 use crate::syntax::foreign;
 use crate::syntax::quantities::{BODY_QUANTITIES, LINE_QUANTITIES};
 use crate::units::{self, described, si_text};
@@ -214,10 +214,11 @@ pub fn unit_or_name(
     let sign = if before.ends_with('/') { '/' } else { '*' };
     let before = before.trim_end_matches(['*', '/']);
     let behind = behind.replace('*', " * ").replace('/', " / ");
+    let article = article(kind);
     let report = LexemeMessage::new(
         at,
         format!(
-            "`{unit}` behind a number is read as a unit, and `{word}` is also a {kind} of this model: give the {kind} another name, \
+            "`{unit}` behind a number is read as a unit, and `{word}` is also {article} {kind} of this model: give the {kind} another name, \
              such as `{word}_1`, or write `({number} {before}) {sign} {behind}` for the {kind} and `{number} ({unit})` for the unit"
         ),
     );
