@@ -3,7 +3,7 @@
 use mbd_scene::Unit;
 
 use crate::lexeme::{self, Bracket, LexemeKind, Region};
-use crate::messages::LexemeMessage;
+use crate::messages::{LexemeMessage, syntax as say};
 use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
 
@@ -84,6 +84,11 @@ fn number(cursor: &mut Cursor<'_>, text: &str) -> Result<(f64, Unit), String> {
         _ => None,
     };
     let Some(number) = number.filter(|number| number.is_finite()) else {
+        if let (Some(_), Some(LexemeKind::Number(digits))) =
+            (cursor.sign('.'), cursor.peek().map(|lexeme| &lexeme.kind))
+        {
+            return Err(told(say::leading_point(cursor.here(), digits)));
+        }
         return Err(format!(
             "`{text}` is no number with a unit, such as `2.5 kN/m`"
         ));
@@ -120,6 +125,8 @@ mod tests {
         ] {
             assert!(read_number(text).is_err(), "{text}");
         }
+        let point = read_number("-.5 kg").unwrap_err();
+        assert!(point.contains("write `0.5`"), "{point}");
         assert!(
             read_number("1 tons")
                 .unwrap_err()

@@ -2,6 +2,7 @@
 //!
 //! Exponents of mass, length, time and current are doubled so that √ stays whole. An angle has no dimension; `deg` is π/180.
 
+use mbd_scene::similar::all_nearest;
 use mbd_scene::{Dimension, Unit};
 
 /// A dimension from (not doubled) exponents of mass, length and time.
@@ -222,6 +223,7 @@ const INSTEAD: &[(&str, &str)] = &[
     ("pound", POUND_TEXT),
     ("pounds", POUND_TEXT),
     ("oz", "`0.028349523125 kg` for one"),
+    ("lbm", POUND_TEXT),
     ("slug", "`1 lbf*s^2/ft` for one"),
     ("kgf", "`9.80665 N` for one"),
     ("mile", "`1609.344 m` for one"),
@@ -312,6 +314,21 @@ pub fn same_but_for_case(word: &str) -> Option<&'static str> {
         (Some((only, ..)), None) => Some(only),
         _ => None,
     }
+}
+
+/// The units that a word of three letters or more may be a slip of: their first letter is that of the word, since another one is another power of ten.
+pub fn near(word: &str) -> Vec<&'static str> {
+    let long = |known: &&str| known.len() >= 3 && known.chars().next() == word.chars().next();
+    let all = UNITS.iter().map(|(word, ..)| *word);
+    let all = all.chain(SPELLINGS.iter().map(|(theirs, _)| *theirs));
+    let mut found: Vec<&str> = Vec::new();
+    for near in all_nearest(word, all.filter(long)) {
+        let ours = spelled(near).unwrap_or(near);
+        if word.chars().count() >= 3 && !found.contains(&ours) {
+            found.push(ours);
+        }
+    }
+    found
 }
 
 /// Units written as one word, as a product: `N*m` of `Nm`, `N*m*s` of `Nms`, `kg*m^2` of `kgm2`. `kgs` is a plural.
@@ -531,6 +548,18 @@ mod tests {
         }
         let near = ["KN", "mv", "M", "MPH", "S"].map(same_but_for_case);
         assert_eq!(near, ["kN", "mV", "m", "mph", "s"].map(Some));
+    }
+
+    #[test]
+    fn a_unit_with_a_slip_in_it_is_proposed_and_no_other_power_of_ten() {
+        let near = ["rmp", "degr", "degre", "rpmm", "kNn"].map(near);
+        assert_eq!(
+            near,
+            [vec!["rpm"], vec!["deg"], vec!["deg"], vec!["rpm"], vec![]]
+        );
+        for word in ["mHz", "MHz", "mdeg", "xPa", "ab", "kN"] {
+            assert_eq!(super::near(word), Vec::<&str>::new(), "{word}");
+        }
     }
 
     #[test]

@@ -192,6 +192,17 @@ fn a_byte_order_mark_is_left_out() {
 }
 
 #[test]
+fn a_unit_in_brackets_is_written_as_one_behind_a_number() {
+    let text = |rate: &str, mass: &str| {
+        format!(
+            "model A {{\n    gravity: none;\n    state a = 1 m {{ rate: -0.1 ({rate}) * a }}\n    let b = {mass} * ([1, 2, 3] ({rate}) / 2).x;\n}}\n"
+        )
+    };
+    let found = format_text(&text("1 / s", "2 (kN / m)")).unwrap();
+    assert_eq!(found, text("1/s", "2 (kN/m)"));
+}
+
+#[test]
 fn fields_stay_on_one_line_while_they_fit_and_were_not_written_one_a_line() {
     let before = "model A{gravity:none;point   a{mass:1kg,}
       point b {

@@ -337,6 +337,55 @@ fn the_remainder_lies_between_zero_and_the_divisor() {
     assert_eq!(scene.outputs[1].value, mbd_scene::Formula::Number(4.0));
 }
 
+#[test]
+fn an_angle_that_is_computed_needs_no_unit_and_may_be_so_many_radians() {
+    let of = |start: &str| {
+        let pin = format!("joint pin: hinge from world to rod.top {{ axis: y, start: {start} }}");
+        let read = pendulum(&pin);
+        assert!(read.scene.is_some(), "{}", told(&read));
+        read.scene
+    };
+    assert_eq!(of("pi / 6"), of("(pi / 6) * 1 rad"));
+}
+
+#[test]
+fn a_second_in_brackets_is_the_unit_beside_a_spring_of_that_name() {
+    let decay = |spring: &str, rate: &str| {
+        let pin = "joint pin: hinge from world to rod.top { axis: y }";
+        let ends = "{ free_length: 1 m, stiffness: 1 kN/m }";
+        let spring = format!("spring {spring} from world to rod.com {ends}");
+        pendulum(&format!(
+            "{pin} {spring} state a = 1 m {{ rate: {rate} * a }}"
+        ))
+    };
+    let read = decay("s", "-0.1 (1/s)");
+    let states = |reading: &Reading| reading.scene.as_ref().map(|scene| scene.states.clone());
+    assert!(read.scene.is_some(), "{}", told(&read));
+    assert_eq!(states(&read), states(&decay("s_1", "-0.1/s")));
+}
+
+#[test]
+fn an_output_of_an_axis_is_noted_and_one_of_a_place_is_not() {
+    let noted = |output: &str| {
+        let pin = "joint pin: hinge from world to rod.top { axis: y }";
+        let read = pendulum(&format!("{pin} output up = {output};"));
+        assert!(read.scene.is_some(), "{}", told(&read));
+        assert!(read.warnings.is_empty(), "{:?}", read.warnings);
+        read.notes.join("; ")
+    };
+    assert_eq!(
+        noted("rod.z"),
+        "output `up` has three numbers: `rod.z` is its z axis; its place along z is `rod.position.z`"
+    );
+    assert_eq!(
+        noted("rod.top.x"),
+        "output `up` has three numbers: `rod.top.x` is its x axis; its place along x is `rod.top.position.x`"
+    );
+    for place in ["rod.position.z", "rod.z.x", "dot(rod.z, rod.position)"] {
+        assert_eq!(noted(place), "", "{place}");
+    }
+}
+
 /// Compares what every file of a folder is told with its first lines; `UPDATE_GOLDEN` writes them.
 fn compare(folder: &str, told: impl Fn(&str, &Reading) -> Vec<String>) {
     let mut wrong = Vec::new();

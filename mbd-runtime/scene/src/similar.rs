@@ -28,7 +28,8 @@ pub fn distance(a: &str, b: &str) -> usize {
 }
 
 /// The words of a set that may have been meant: the nearest, at most a third of the letters away; several where they are equally near.
-fn all_nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+#[must_use]
+pub fn all_nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let limit = (word.chars().count() / 3).max(1);
     let near = set.into_iter().filter_map(|candidate| {
         let bare = distance(&word.to_lowercase(), &candidate.to_lowercase());

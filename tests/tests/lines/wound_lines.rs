@@ -228,6 +228,26 @@ fn a_drum_as_the_language_describes_it_makes_no_energy_and_falls_as_its_load() {
 }
 
 #[test]
+fn a_commanded_length_behind_the_two_states_of_the_language_follows_as_behind_a_filter() {
+    let language = include_str!("../../../mbd-macros/LANGUAGE.md");
+    let mut examples = language.split("```text\n").skip(1);
+    let example = examples.find(|example| example.starts_with("model Hoist"));
+    let example = example.and_then(|example| example.split("```").next());
+    let scene = read(example.expect("the example"));
+    let model = Generic::<f64>::with_defaults(scene).expect("no params");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-10)).expect("options that fit");
+    run.set_inputs(&vec![4.0]).expect("one input");
+    for time in [0.02, 0.05, 0.1, 0.3] {
+        run.run(time).expect("a command that jumps");
+        // A step of 1 m is followed by 1 − (1 + t/τ) exp(−t/τ).
+        let passed: f64 = time / 0.05;
+        let want = 4.0 + (1.0 + passed) * (-passed).exp();
+        let found = run.state().last().copied().expect("the last state");
+        assert!((found - want).abs() < 1e-8, "{found} against {want}");
+    }
+}
+
+#[test]
 fn a_wound_line_is_the_same_in_every_execution() {
     let crane = Crane::<f64>::new(CraneParams::default()).expect("defaults");
     agrees(&crane);

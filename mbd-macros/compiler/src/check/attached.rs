@@ -5,14 +5,13 @@ use std::collections::BTreeMap;
 
 use mbd_scene::{Joint, Place};
 
-use super::any_bad;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
 
 /// Every body is attached, and free at most once.
 pub fn check_attached(resolver: &mut Resolver<'_>) {
     check_free_once(resolver);
-    if any_bad(resolver, "joint") {
+    if resolver.any_bad("joint") {
         return;
     }
     let bodies = resolver.scene.bodies.len();
@@ -52,7 +51,7 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
 
 /// A joint marked `loop` closes one: without the marked joints its two ends are joined already.
 pub fn check_marks(resolver: &mut Resolver<'_>) {
-    if any_bad(resolver, "joint") {
+    if resolver.any_bad("joint") {
         return;
     }
     let scene = &resolver.scene;

@@ -16,6 +16,7 @@ pub use winding::wound_by_themselves;
 
 use mbd_scene::{Place, PointKind};
 
+use crate::describe;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
 use crate::syntax::ModelSyntax;
@@ -36,11 +37,6 @@ pub fn check(resolver: &mut Resolver<'_>, model: &ModelSyntax<'_>, whole: bool) 
     nodes::check_models(resolver);
     planar::check_planar(resolver);
     unused::check_used(resolver, model);
-}
-
-/// Whether anything of this kind has a mistake.
-fn any_bad(resolver: &Resolver<'_>, kind: &str) -> bool {
-    !resolver.whole || resolver.bad.iter().any(|named| named.kind() == kind)
 }
 
 fn check_not_empty(resolver: &mut Resolver<'_>) {
@@ -69,7 +65,7 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
                 at,
                 kind,
                 &line.name,
-                &place_name(resolver, from),
+                &describe::place(scene, from),
             )),
             (Place::World(_), Place::World(_)) => {
                 Some(say::one_body(at, kind, &line.name, "the world"))
@@ -94,7 +90,7 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
         if let Some(why) = line.kind.not_at_node() {
             for place in [line.from, line.to] {
                 if is_node(resolver, place) {
-                    let point = place_name(resolver, place);
+                    let point = describe::place(scene, place);
                     let report = say::line_at_node(at, kind, &line.name, &point, why);
                     resolver.messages.push(report);
                 }
@@ -104,7 +100,7 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
 }
 
 fn check_lonely_points(resolver: &mut Resolver<'_>) {
-    if any_bad(resolver, "line") {
+    if resolver.any_bad("line") {
         return;
     }
     let mut others = vec![Vec::new(); resolver.scene.points.len()];
@@ -127,11 +123,12 @@ fn check_lonely_points(resolver: &mut Resolver<'_>) {
         let (Some(at), true) = (at, node && !resolver.bad.contains(&named)) else {
             continue;
         };
-        let pulled = loads.iter().any(|load| load.at == Place::Point(index));
+        let pulled =
+            resolver.any_bad("load") || loads.iter().any(|load| load.at == Place::Point(index));
         match others {
             [first, rest @ ..] if !rest.is_empty() => {
                 if !pulled && rest.iter().all(|other| other == first) {
-                    let place = place_name(resolver, *first);
+                    let place = describe::place(&resolver.scene, *first);
                     let report = say::undecided_point(at, &point.name, &place);
                     resolver.warnings.push(report);
                 }
@@ -150,28 +147,5 @@ fn is_node(resolver: &Resolver<'_>, place: Place) -> bool {
             .get(point)
             .is_some_and(|point| matches!(point.kind, PointKind::Node(_))),
         _ => false,
-    }
-}
-
-/// A place in the user's words.
-fn place_name(resolver: &Resolver<'_>, place: Place) -> String {
-    let scene = &resolver.scene;
-    match place {
-        Place::World(0) => "world".to_string(),
-        Place::World(frame) => scene
-            .world_frames
-            .get(frame)
-            .map(|frame| format!("world.{}", frame.name))
-            .unwrap_or_default(),
-        Place::Body(body, frame) => scene
-            .bodies
-            .get(body)
-            .and_then(|b| Some(format!("{}.{}", b.name, b.frames.get(frame)?.name)))
-            .unwrap_or_default(),
-        Place::Point(point) => scene
-            .points
-            .get(point)
-            .map(|point| point.name.clone())
-            .unwrap_or_default(),
     }
 }

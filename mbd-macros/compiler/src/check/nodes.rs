@@ -2,7 +2,6 @@
 
 use mbd_scene::{Clamp, Difference, Layout, LineEnd, Network, NodeModel, PointKind, Redundancy};
 
-use super::any_bad;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver, fold};
 
@@ -10,7 +9,7 @@ use crate::resolve::{Named, Resolver, fold};
 /// all lines undamped: `static`; one node with at least four lines, all damped: `rate`; otherwise `stepwise`.
 /// Where a point of the network has a declared model, the others take it.
 pub fn choose_models(resolver: &mut Resolver<'_>) {
-    if any_bad(resolver, "line") {
+    if resolver.any_bad("line") {
         return;
     }
     let layout = Layout::keeping(&resolver.scene, Redundancy::default());
@@ -97,7 +96,7 @@ fn word(model: NodeModel) -> &'static str {
 
 /// What the models forbid.
 pub fn check_models(resolver: &mut Resolver<'_>) {
-    if any_bad(resolver, "line") || any_bad(resolver, "point") {
+    if resolver.any_bad("line") || resolver.any_bad("point") {
         return;
     }
     let layout = Layout::keeping(&resolver.scene, Redundancy::default());

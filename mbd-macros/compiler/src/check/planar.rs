@@ -2,7 +2,7 @@
 
 use mbd_scene::{Layout, Plane};
 
-use super::place_name;
+use crate::describe;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
 
@@ -20,7 +20,7 @@ pub fn check_planar(resolver: &mut Resolver<'_>) {
         let joint = scene.joints.get(apart.joint);
         let at = resolver.declared.get(&Named::Joint(apart.joint));
         if let (Some(joint), Some(&at)) = (joint, at) {
-            let places = [joint.parent, joint.child].map(|place| place_name(resolver, place));
+            let places = [joint.parent, joint.child].map(|place| describe::place(scene, place));
             let axes = (plane.word(), normal(plane));
             reports.push(match apart.gap {
                 Some(gap) => say::apart(at, &joint.name, axes, &places, gap),

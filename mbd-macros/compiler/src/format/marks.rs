@@ -137,6 +137,8 @@ impl Marks<'_> {
         let begins = match (self.kind(first), self.kind(first + 1)) {
             (Some(LexemeKind::Word(word)), _) => units::find(word).is_some(),
             (Some(LexemeKind::Number(one)), Some(LexemeKind::Sign('/'))) => one == "1",
+            // `2 (kN/m)`
+            (Some(LexemeKind::Open(Bracket::Round, _)), _) => true,
             _ => false,
         };
         let Some(lexemes) = self.lexemes.get(first..).filter(|_| begins) else {

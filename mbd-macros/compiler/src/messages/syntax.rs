@@ -102,6 +102,39 @@ pub fn expected(at: Region, what: &str, found: &str) -> LexemeMessage {
     LexemeMessage::new(at, format!("expected {what}, found `{found}`"))
 }
 
+/// `ours`: the word before a value that is meant.
+pub fn misspelt_word(at: Region, what: &str, found: &str, ours: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("expected {what}, found `{found}`; did you mean `{ours}`?"),
+    )
+}
+
+/// A unit behind what is computed, or behind a name.
+pub fn unit_behind_value(at: Region, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "a unit stands behind a number; what is computed or has a name has its own: leave `{unit}` out, or write `* 1 {unit}` for so many of it"
+        ),
+    )
+}
+
+pub fn no_number(at: Region, word: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("`{word}` cannot stand here: {}", foreign::NOT_FINITE),
+    )
+}
+
+/// `.5`: a number begins with a digit.
+pub fn leading_point(at: Region, digits: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("a number begins with a digit: write `0.{digits}` instead of `.{digits}`"),
+    )
+}
+
 pub fn expected_at_end(at: Region, what: &str) -> LexemeMessage {
     LexemeMessage::new(at, format!("expected {what} after this"))
 }
@@ -480,14 +513,23 @@ pub fn unknown_unit(at: Region, word: &str) -> LexemeMessage {
         }
         None => format!(
             "unknown unit `{word}`{} known: {}, combined with * / ^ ( )",
-            ended(
-                crate::units::same_but_for_case(word)
-                    .map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
-            ),
+            ended(unit_meant(word)),
             known.join(" ")
         ),
     };
     LexemeMessage::new(at, text)
+}
+
+/// The unit that differs in capitals only, or those that a word may be a slip of.
+fn unit_meant(word: &str) -> String {
+    let near = match crate::units::same_but_for_case(word) {
+        Some(only) => vec![only],
+        None => crate::units::near(word),
+    };
+    match near.as_slice() {
+        [] => String::new(),
+        near => format!("; did you mean `{}`?", near.join("` or `")),
+    }
 }
 
 pub fn two_branches(at: Region) -> LexemeMessage {

@@ -110,6 +110,7 @@ impl<'a> Resolver<'a> {
                     self.messages.push(say::twice(second, &label, first));
                 }
                 self.broken.insert(name.word.text.clone());
+                self.dropped.insert(named.kind());
                 continue;
             }
             self.declared.insert(named, at);

@@ -140,6 +140,19 @@ impl Resolver<'_> {
             return self.fail(say::no_coordinates(at, owner, law.keyword()));
         }
         let word = step.word.text.as_str();
+        if word == "lock" {
+            let (Some(coordinate), Some(declared)) =
+                (measured.first(), self.scene.joints.get(joint))
+            else {
+                return None;
+            };
+            let asked = after
+                .first()
+                .map_or("torque", |step| step.word.text.as_str());
+            let report =
+                say::lock_of_a_joint(step.word.at.into(), &declared.name, coordinate.name, asked);
+            return self.fail(report);
+        }
         let held = measured.iter().position(|c| c.name == word);
         if let (Some(index), Some(("lock", what))) = (
             held,

@@ -7,10 +7,25 @@ use mbd_scene::{
 
 use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
 use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
+use crate::messages::similar::nearest;
 use crate::messages::{LexemeMessage, resolve as say, syntax as say_syntax};
 use crate::syntax::expression::{self, Expression, PathStep};
-use crate::syntax::{Cursor, Item, ValueSyntax, foreign, words};
+use crate::syntax::{Cursor, Item, ValueSyntax, Word, foreign, words};
 use crate::units;
+
+/// The words for a passage.
+const PASSAGES: [(&str, Direction); 3] = [
+    ("crosses", Direction::Crosses),
+    ("rises", Direction::Rises),
+    ("falls", Direction::Falls),
+];
+
+/// The field of an event that was meant for its passage, such as the key `fall` in TOML, and that passage.
+fn passage_among_fields<'i>(item: &'i Item<'_>) -> Option<(&'i Word, &'static str)> {
+    let known = || PASSAGES.map(|(word, _)| word);
+    let mut words = item.block.iter().map(|field| &field.word);
+    words.find_map(|word| Some((word, nearest(&word.text, known())?)))
+}
 
 /// A number that an event sets.
 struct EventTarget {
@@ -62,18 +77,22 @@ impl Resolver<'_> {
             return self.fail(report);
         }
         let left = self.value(guard, scope);
-        let mut passages = [
-            ("crosses", Direction::Crosses),
-            ("rises", Direction::Rises),
-            ("falls", Direction::Falls),
-        ]
-        .into_iter()
-        .filter_map(|(sign, direction)| item.given(sign).map(|given| (given, direction)));
+        let mut passages = PASSAGES
+            .into_iter()
+            .filter_map(|(sign, direction)| item.given(sign).map(|given| (given, direction)));
         let Some((given, direction)) = passages.next() else {
             if item.broken || left.is_none() {
                 return None;
             }
-            return self.fail(say::event_without_value(item.name_at()));
+            return self.fail(match passage_among_fields(item) {
+                Some((field, ours)) if field.text == ours => say_syntax::clause_behind_braces(
+                    field.at.into(),
+                    words::find("event", false)?,
+                    ours,
+                ),
+                Some((field, ours)) => say::misspelt_passage(field.at.into(), &field.text, ours),
+                None => say::event_without_value(item.name_at()),
+            });
         };
         if let Some((extra, _)) = passages.next() {
             return self.fail(say::event_twice(extra.at));
@@ -93,7 +112,7 @@ impl Resolver<'_> {
         let right = self.value(given.value, scope)?;
         let left = left?;
         if left.vector {
-            return self.fail(say::scalar_wanted(left.at, "an event"));
+            return self.fail_as_vector(&left, "an event");
         }
         if let (Some(wanted), Some(found)) = (left.dimension, right.dimension)
             && wanted != found

@@ -234,12 +234,23 @@ impl Resolver<'_> {
         let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
         let typed = self.reading_as(typed, wanted.as_slice());
         self.shown.insert(instance.slot, typed.clone());
+        self.note_axis(instance.slot, &typed);
         let (value, components, unit) = self.column(typed, asked)?;
         let entry = self.scene.outputs.get_mut(instance.slot)?;
         entry.value = value;
         entry.components = components;
         entry.unit = unit;
         Some(())
+    }
+
+    /// Notes that an output is an axis of a body or a frame, which is seldom meant: of a point the same letter is its place.
+    fn note_axis(&mut self, output: usize, shown: &Typed) {
+        let axis = self.axis_of_a_place(&shown.formula);
+        let output = self.scene.outputs.get(output);
+        if let (Some(axis), Some(output)) = (axis, output) {
+            let note = say::output_of_an_axis(&output.name, &axis);
+            self.notes.push(note);
+        }
     }
 
     /// One number of a list that is no vector.
@@ -251,7 +262,7 @@ impl Resolver<'_> {
         };
         let typed = self.read_either_way(parts.get(part)?, scope)?;
         if typed.vector {
-            return self.fail(say::scalar_wanted(typed.at, "one of several values"));
+            return self.fail_as_vector(&typed, "one of several values");
         }
         self.in_brackets(typed, unit.as_ref())
     }

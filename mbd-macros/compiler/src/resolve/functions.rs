@@ -361,7 +361,7 @@ impl Resolver<'_> {
         match all.iter().find(|a| a.vector) {
             Some(wrong) => {
                 let what = format!("an argument of `{}`", name.text);
-                self.fail(say::scalar_wanted(wrong.at, &what))
+                self.fail_as_vector(wrong, &what)
             }
             None => Some(all),
         }

@@ -395,11 +395,16 @@ impl Resolver<'_> {
         if let Some(axis) = by_letter(value) {
             return Some(axis);
         }
-        if Cursor::new(value)
+        let mut behind = Cursor::new(value);
+        behind.sign('-');
+        if behind
             .peek_word()
             .is_some_and(|word| self.names.get(word).is_none())
         {
-            return self.fail(say::axis_wanted(value.at, field, &letter(default)));
+            return self.fail(match letter_meant(value) {
+                Some((at, meant)) => say::axis_in_capitals(at, meant),
+                None => say::axis_wanted(value.at, field, &letter(default)),
+            });
         }
         let scope = Scope {
             stage: MayDependOn::Constant,
@@ -464,6 +469,16 @@ pub(super) fn by_letter(value: ValueSyntax<'_>) -> Option<Axis> {
     };
     cursor.at_end().then_some(())?;
     Axis::new(axis.map(|component| sign * component))
+}
+
+/// The axis whose capital letter a value is, and where that stands.
+fn letter_meant(value: ValueSyntax<'_>) -> Option<(Region, &'static str)> {
+    let mut cursor = Cursor::new(value);
+    cursor.sign('-');
+    let word = cursor.word().filter(|_| cursor.at_end())?;
+    let mut axes = ["x", "y", "z"].into_iter();
+    let meant = axes.find(|axis| word.text.eq_ignore_ascii_case(axis))?;
+    Some((word.at.into(), meant))
 }
 
 /// How many axes a list of them has; `None`: it is one direction, if it is any.

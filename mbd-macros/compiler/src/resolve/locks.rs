@@ -95,15 +95,17 @@ impl Resolver<'_> {
 
     /// Tells of coordinates that events free, or whose locks are asked for, and none locks.
     pub(super) fn unlocked(&mut self) {
-        let mut named = self.bad.iter();
         let mut asked = std::mem::take(&mut self.asked_of_locks);
-        if named.any(|named| matches!(named, Named::Event(_))) {
+        let mut freed = std::mem::take(&mut self.freed);
+        if self.any_bad("event") {
             // What an event with a mistake of its own would lock is not known.
             asked.clear();
         }
-        let freed = std::mem::take(&mut self.freed).into_iter();
+        if self.dropped.contains("event") {
+            freed.clear();
+        }
         let say: [fn(Region, &str) -> _; 2] = [say::freed_never_locked, say::asked_never_locked];
-        let freed = freed.map(|one| (one, say[0]));
+        let freed = freed.into_iter().map(|one| (one, say[0]));
         let asked = asked.into_iter().map(|one| (one, say[1]));
         for ((lock, at), say) in freed.chain(asked) {
             let what = Detachable::Joint(lock);

@@ -60,7 +60,7 @@ impl Resolver<'_> {
         } else {
             let typed = self.value(of, instance.scope(MayDependOn::Result))?;
             if typed.vector {
-                return self.fail(say::scalar_wanted(typed.at, "a metric"));
+                return self.fail_as_vector(&typed, "a metric");
             }
             let mut asked = self.in_unit(item.clause("in"))?;
             if asked.is_none() {

@@ -130,6 +130,8 @@ pub struct Resolver<'a> {
     pub bad: BTreeSet<Named>,
     /// Names of items that could not be read, or are used twice: what refers to them is not blamed.
     pub broken: BTreeSet<String>,
+    /// Kinds of which an item was dropped because its name is taken: what seems to be missing may be that item.
+    pub dropped: BTreeSet<&'static str>,
     /// Names that are declared but not collected yet, while the numbers are made.
     pub later: BTreeSet<String>,
     /// Items whose repetition is empty: they declare nothing.
@@ -241,6 +243,7 @@ impl<'a> Resolver<'a> {
             mentioned: BTreeSet::new(),
             bad: BTreeSet::new(),
             broken: BTreeSet::new(),
+            dropped: BTreeSet::new(),
             later: BTreeSet::new(),
             idle: Vec::new(),
             turning: BTreeMap::new(),
@@ -268,6 +271,13 @@ impl<'a> Resolver<'a> {
         if !self.used.contains(&(named, at)) && self.used.len() < 2000 {
             self.used.push((named, at));
         }
+    }
+
+    /// Whether anything of this kind has a mistake, or was dropped: then what it would supply is not known to be missing.
+    pub fn any_bad(&self, kind: &str) -> bool {
+        !self.whole
+            || self.dropped.contains(kind)
+            || self.bad.iter().any(|named| named.kind() == kind)
     }
 
     /// The instances of a kind.

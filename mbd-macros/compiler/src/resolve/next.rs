@@ -155,10 +155,7 @@ impl Resolver<'_> {
         }
         let typed = self.value(value, scope)?;
         if typed.vector {
-            return self.fail(say::scalar_wanted(
-                typed.at,
-                "what a state or a param goes on with",
-            ));
+            return self.fail_as_vector(&typed, "what a state or a param goes on with");
         }
         Some(MapSource::Value {
             dimension: typed.dimension,

@@ -7,6 +7,7 @@ use super::fields::Accept;
 use super::joints::by_letter;
 use super::{Emitted, MayDependOn, Resolver, Scope, fold};
 use crate::lexeme::{Bracket, Region};
+use crate::messages::similar::nearest;
 use crate::messages::{LexemeMessage, resolve as say, syntax as say_syntax};
 use crate::syntax::expression::{self, Expression};
 use crate::syntax::item::items;
@@ -95,7 +96,13 @@ impl Resolver<'_> {
     pub fn gravity(&mut self, model: &ModelSyntax<'_>) {
         let item = model.items.iter().find(|item| item.word.text == "gravity");
         let Some(item) = item else {
-            self.messages.push(say::no_gravity(self.head));
+            // One that is misspelt is told where it stands.
+            let mut words = model.items.iter().map(|item| item.word.text.as_str());
+            if !words.any(|word| {
+                words::find(word, false).is_none() && nearest(word, ["gravity"]).is_some()
+            }) {
+                self.messages.push(say::no_gravity(self.head));
+            }
             return;
         };
         if let Some(value) = item.clause(":")

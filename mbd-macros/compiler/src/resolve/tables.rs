@@ -240,7 +240,7 @@ impl Resolver<'_> {
         let any = |unit: &Unit, si: bool| si && unit.text.is_empty();
         for (argument, unit) in arguments.iter().zip(declared.argument_units()) {
             if argument.vector {
-                return self.fail(say::scalar_wanted(argument.at, "the argument of a table"));
+                return self.fail_as_vector(argument, "the argument of a table");
             }
             let wanted: Dimension = unit.dimension;
             if let Some(found) = argument.dimension

@@ -431,6 +431,39 @@ impl Resolver<'_> {
         }
     }
 
+    /// The report of `0.1/s` where `s` is a thing, such as a spring: it has no value, and the second is meant.
+    pub fn number_per_thing(
+        &self,
+        above: &Expression,
+        below: &Expression,
+    ) -> Option<LexemeMessage> {
+        let number = match above {
+            Expression::Negative(inner, _) => inner,
+            above => above,
+        };
+        let (
+            Expression::Number {
+                text, unit: None, ..
+            },
+            Expression::Path(steps),
+        ) = (number, below)
+        else {
+            return None;
+        };
+        let [step] = steps.as_slice() else {
+            return None;
+        };
+        let word = step.word.text.as_str();
+        units::find(word).filter(|_| step.index.is_none())?;
+        let named = self.names.get(word)?.first()?;
+        let kind = match named {
+            Named::Line(line) => self.scene.lines.get(line)?.kind.word(),
+            Named::Body(_) | Named::Point(_) | Named::Joint(_) => named.kind(),
+            _ => return None,
+        };
+        Some(say::unit_or_thing(step.word.at.into(), text, word, kind))
+    }
+
     /// An expression of words of units alone that are no names.
     fn unit_of_words(&self, parsed: &Expression, scope: Scope<'_>) -> Option<Unit> {
         match parsed {

@@ -4,6 +4,7 @@ use mbd_scene::{Dimension, Formula, Function, Unit};
 
 use super::turns::Turns;
 use super::{Resolver, fold};
+use crate::describe;
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, resolve as say};
 use crate::syntax::expression::{self, Expression};
@@ -123,6 +124,24 @@ impl Resolver<'_> {
         None
     }
 
+    /// Reports a vector where one number is wanted, and gives up.
+    pub fn fail_as_vector<T>(&mut self, found: &Typed, what: &str) -> Option<T> {
+        let axis = self.axis_of_a_place(&found.formula);
+        self.fail(say::scalar_wanted(found.at, what, axis.as_deref()))
+    }
+
+    /// What to say of `trunk.z`, an axis, where the place along it may be meant; `None` of anything else.
+    pub fn axis_of_a_place(&self, formula: &Formula) -> Option<String> {
+        let Formula::Axis(place, axis) = formula else {
+            return None;
+        };
+        let letter = ["x", "y", "z"].get(*axis)?;
+        let owner = describe::place(&self.scene, *place);
+        // A body stands for its centre of mass.
+        let owner = owner.strip_suffix(".com").unwrap_or(&owner);
+        Some(say::axis_and_place(owner, letter))
+    }
+
     /// A parsed expression with its shape and dimension.
     pub fn typed(&mut self, parsed: &Expression, scope: Scope<'_>) -> Option<Typed> {
         match parsed {
@@ -166,6 +185,11 @@ impl Resolver<'_> {
                     && let Some(number) = self.reciprocal(&sides[0], &sides[1], scope)
                 {
                     return self.typed(&number, scope);
+                }
+                if *sign == '/'
+                    && let Some(report) = self.number_per_thing(&sides[0], &sides[1])
+                {
+                    return self.fail(report);
                 }
                 let left = self.typed(&sides[0], scope);
                 let right = self.typed(&sides[1], scope);
@@ -220,7 +244,7 @@ impl Resolver<'_> {
         let mut turns = unit.and_then(|unit| Turns::of_unit("[…]", unit));
         for part in typed {
             if part.vector {
-                return self.fail(say::scalar_wanted(part.at, "a component"));
+                return self.fail_as_vector(&part, "a component");
             }
             if let Some(list) = bare.as_mut() {
                 match part.bare {
@@ -340,7 +364,7 @@ impl Resolver<'_> {
     /// a − b ⌊a / b⌋: between zero and b, of negative a, too.
     pub fn remainder(&mut self, a: Typed, b: Typed, at: Region) -> Option<Typed> {
         if let Some(vector) = [&a, &b].into_iter().find(|side| side.vector) {
-            return self.fail(say::scalar_wanted(vector.at, "a side of `%`"));
+            return self.fail_as_vector(vector, "a side of `%`");
         }
         let ratio = self.product(Function::Div, a.clone(), b.clone(), at)?;
         let whole = self.apply(Function::Floor, vec![ratio.formula], at)?;
@@ -355,7 +379,9 @@ impl Resolver<'_> {
     /// A function of two values of the same shape and dimension.
     pub fn alike(&mut self, function: Function, a: Typed, b: Typed, at: Region) -> Option<Typed> {
         if a.vector != b.vector {
-            return self.fail(say::number_and_vector(at));
+            let vector = if a.vector { &a } else { &b };
+            let axis = self.axis_of_a_place(&vector.formula);
+            return self.fail(say::number_and_vector(at, axis.as_deref()));
         }
         if let (Some(first), Some(second)) = (a.dimension, b.dimension)
             && first != second
@@ -503,11 +529,10 @@ impl Resolver<'_> {
         let typed = self.reading(typed, &[wanted]);
         if typed.vector != vector {
             let what = format!("`{field}`");
-            return self.fail(if vector {
-                say::vector_wanted(typed.at, &what)
-            } else {
-                say::scalar_wanted(typed.at, &what)
-            });
+            return match vector {
+                true => self.fail(say::vector_wanted(typed.at, &what)),
+                false => self.fail_as_vector(&typed, &what),
+            };
         }
         match typed.dimension {
             Some(found) if found != wanted => {
@@ -540,8 +565,8 @@ fn shown(formula: &Formula) -> Option<String> {
 
 /// The exponent of radians in a unit as written.
 pub fn angle_of(unit: &Unit) -> i8 {
-    // `1/deg`
-    if unit.text.starts_with("1/") {
+    // `1/deg`, `(1/deg)`
+    if unit.text.trim_start_matches('(').starts_with("1/") {
         return 0;
     }
     let mut words = unit

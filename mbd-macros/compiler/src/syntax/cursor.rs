@@ -2,9 +2,10 @@
 
 use mbd_scene::metrics::Take;
 
-use super::{ValueSyntax, Word, foreign};
+use super::{ValueSyntax, Word, foreign, words};
 use crate::lexeme::{Bracket, Lexeme, LexemeIndex, LexemeKind, Region};
 use crate::messages::{LexemeMessage, syntax as say};
+use crate::units;
 
 /// A position in a list of balanced lexemes.
 #[derive(Clone, Copy, Debug)]
@@ -229,7 +230,33 @@ impl<'a> Cursor<'a> {
     pub fn finish_expression(&self, what: &str) -> Result<(), LexemeMessage> {
         match self.at_end() {
             true => Ok(()),
-            false => Err(self.operand_expected(what)),
+            false => Err(self
+                .word_behind_value(what)
+                .unwrap_or_else(|| self.operand_expected(what))),
+        }
+    }
+
+    /// The report of a word right behind a value: a unit where none can stand, or a word that begins a value with a slip in it.
+    fn word_behind_value(&self, what: &str) -> Option<LexemeMessage> {
+        let word = self
+            .peek_word()
+            .filter(|_| self.foreign_operator().is_none())?;
+        let mut ahead = *self;
+        let here = self.here();
+        match super::unit::suffix(&mut ahead) {
+            Ok(Some(unit))
+                if units::find(word)
+                    .or_else(|| units::find(units::spelled(word)?))
+                    .is_some() =>
+            {
+                Some(match self.behind(1).map(|lexeme| &lexeme.kind) {
+                    Some(LexemeKind::Word(text)) if foreign::is_not_finite(text) => {
+                        say::no_number(self.before(), text)
+                    }
+                    _ => say::unit_behind_value(here.to(ahead.before()), &unit.text),
+                })
+            }
+            _ => words::near_clause(word).map(|ours| say::misspelt_word(here, what, word, ours)),
         }
     }
 

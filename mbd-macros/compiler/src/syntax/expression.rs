@@ -312,6 +312,12 @@ impl Parser {
                 Ok(parsed)
             }
             Some(LexemeKind::Sign('|')) => Err(say::bars(here)),
+            Some(LexemeKind::Sign('.'))
+                if let Some(LexemeKind::Number(digits)) = cursor.ahead(1).map(|it| &it.kind) =>
+            {
+                let digit = cursor.ahead(1).map_or(here, |it| here.to(it.at.into()));
+                Err(say::leading_point(digit, digits))
+            }
             Some(LexemeKind::Open(Bracket::Square, _)) => {
                 let group = cursor
                     .group(Bracket::Square)

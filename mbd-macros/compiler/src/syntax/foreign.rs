@@ -427,8 +427,19 @@ pub const FOREIGN_NAMES: Dictionary = &[
     ("kinetic_energy", ENERGY),
     ("potential_energy", ENERGY),
     ("total_energy", ENERGY),
+    ("nan", NOT_FINITE),
+    ("inf", NOT_FINITE),
+    ("infinity", NOT_FINITE),
 ];
 
+/// Whether a word means what is no number, in other languages.
+pub fn is_not_finite(word: &str) -> bool {
+    translated(FOREIGN_NAMES, word) == Some(NOT_FINITE)
+}
+
+/// What is said of what is no number.
+pub const NOT_FINITE: &str =
+    "it is no number; write a finite one, or a `param` with a default, which every run may change";
 const NO_G: &str = "gravity has no name in expressions: declare `const g = 9.81 m/s^2;`";
 const ENERGY: &str =
     "the energies of the whole scene are `energy.kinetic`, `energy.potential` and `energy.total`";

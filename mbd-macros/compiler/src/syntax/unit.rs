@@ -48,11 +48,14 @@ fn trailing(cursor: &mut Cursor<'_>, strict: bool) -> Result<Option<Unit>, Lexem
     Ok(Some(unit))
 }
 
-/// Takes a unit in brackets alone, `(kg*m)`: how it is told from a name that is a unit, too. What is no unit stays.
+/// Takes a unit in brackets alone, `(kg*m)`, `(1/s)`: how it is told from a name that is a unit, too. What is no unit stays.
 fn in_brackets(cursor: &mut Cursor<'_>) -> Option<Unit> {
     let mut ahead = *cursor;
     let group = ahead.group(Bracket::Round)?;
-    Cursor::new(group).peek_word()?;
+    let mut first = Cursor::new(group);
+    if first.peek_word().is_none() && reciprocal(&mut first).is_none() {
+        return None;
+    }
     let inner = whole(Cursor::new(group)).ok()?;
     *cursor = ahead;
     Some(Unit {

@@ -1,5 +1,7 @@
 //! The vocabulary: every item with its clauses and fields, once. The text reader, the TOML reader and writer, and all messages use it.
 
+use mbd_scene::similar::nearest;
+
 use super::quantities;
 
 /// An item of the language, or a setting.
@@ -134,6 +136,18 @@ pub const START: ItemWord = ItemWord {
     fields: None,
     form: "start at [x, y, z] m rotated rpy(a, b, c) velocity [x, y, z] m/s angular_velocity [x, y, z] rad/s",
 };
+
+/// The word before a value that another one is a slip of: `velocity` of `velocty`.
+pub fn near_clause(word: &str) -> Option<&'static str> {
+    // What is shorter is near to too much.
+    const SHORTEST: usize = 4;
+    let inner = [&FRAME, &START].into_iter();
+    let clauses = inner.chain(ITEMS).flat_map(|item| item.clauses);
+    let long = clauses
+        .map(|clause| clause.sign)
+        .filter(|sign| sign.len() >= SHORTEST);
+    nearest(word, long.filter(|_| word.len() >= SHORTEST))
+}
 
 /// Every item and setting of a model.
 pub const ITEMS: &[ItemWord] = &[

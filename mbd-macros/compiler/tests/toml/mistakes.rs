@@ -73,6 +73,11 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
         ),
         (
             "[body.link]",
+            "[event.low]\nvalue = \"link.position.z\"\nfall = \"-1 m\"\n[body.link]",
+            &["scene.toml:23:1: unknown field `fall`; did you mean `falls`?"],
+        ),
+        (
+            "[body.link]",
             "[bdy.link]",
             &[
                 "scene.toml:21:2: unknown item `bdy`; did you mean `body`? items here: coordinates, angular_velocity, planar, origin, units, gravity, emit, urdf, extend, verify, const, param, input, state, table, let, world, body, point, joint, line, spring, load, output, metric, event",

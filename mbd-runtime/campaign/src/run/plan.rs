@@ -656,3 +656,42 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
         None => Ok(numbers),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn params_and_inputs_without_a_unit_are_in_si_as_their_declaration_is() {
+        let read = mbd_compiler::read_text(
+            "model Cart {
+                gravity: none;
+                param m = 2 kg;
+                param m_g = 50 g;
+                input push: force = 2 kN;
+                input aim: angle;
+                point cart { mass: m + m_g }
+                load drive on cart = [push * cos(aim), 0, 0];
+            }",
+        );
+        let scene = read.scene.expect("a cart");
+        let told = |table: &str| {
+            let settings = Settings::read(&format!("[run]\nuntil = 1\n{table}")).unwrap();
+            check_units(&scene, &settings)?;
+            let plan = RunPlan::new(&scene, &settings)?;
+            Ok::<_, PlanError>((plan.params, plan.inputs))
+        };
+        let numbers = |table: &str| told(table).map_err(|error| error.to_string());
+        let si = numbers("[run.params]\nm = 3\n[run.inputs]\npush = 3\n");
+        assert_eq!(si, Ok((vec![3.0, 0.05], vec![3.0, 0.0])));
+        for (table, why) in [
+            ("[run.params]\nm_g = 3\n", "declared in g"),
+            ("[run.params]\nm = \"3\"\n", "needs a unit, such as kg"),
+            ("[run.inputs]\npush = \"3\"\n", "needs a unit, such as N"),
+            ("[run.inputs]\naim = 30\n", "more than a full turn"),
+        ] {
+            let error = numbers(table).unwrap_err();
+            assert!(error.contains(why), "{table}: {error}");
+        }
+    }
+}

@@ -11,6 +11,14 @@ pub fn event_without_value(at: Region) -> LexemeMessage {
     )
 }
 
+/// `ours`: the passage that a field is meant for.
+pub fn misspelt_passage(at: Region, field: &str, ours: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("unknown field `{field}`; did you mean `{ours}`?"),
+    )
+}
+
 pub fn name_wanted(at: Region) -> LexemeMessage {
     LexemeMessage::new(at, "a name stands here, or several in brackets: `[a, b]`")
 }

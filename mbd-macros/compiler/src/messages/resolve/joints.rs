@@ -139,6 +139,11 @@ pub fn joint_to_itself(at: Region, name: &str, owner: &str) -> LexemeMessage {
     )
 }
 
+pub fn axis_in_capitals(at: Region, meant: &str) -> LexemeMessage {
+    let text = format!("an axis is a small letter; did you mean `{meant}`?");
+    LexemeMessage::new(at, text)
+}
+
 pub fn axis_wanted(at: Region, field: &str, example: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

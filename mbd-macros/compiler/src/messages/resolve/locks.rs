@@ -79,3 +79,13 @@ pub fn asked_never_locked(at: Region, coordinate: &str) -> LexemeMessage {
         ),
     )
 }
+
+/// `pin.lock.torque`: a lock is asked for by its coordinate. `asked`: what stands behind `lock`.
+pub fn lock_of_a_joint(at: Region, joint: &str, coordinate: &str, asked: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{joint}` has no quantity `lock`: a lock is of a coordinate, write `{joint}.{coordinate}.lock.{asked}`"
+        ),
+    )
+}

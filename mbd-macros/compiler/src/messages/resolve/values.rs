@@ -3,9 +3,9 @@
 use mbd_scene::Dimension;
 
 use crate::lexeme::Region;
-use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
+use crate::messages::{LexemeMessage, article};
 use crate::syntax::foreign;
 use crate::syntax::quantities::{BODY_QUANTITIES, LINE_QUANTITIES};
 use crate::units::{self, described, si_text};
@@ -29,13 +29,25 @@ pub fn three_components(at: Region, found: usize) -> LexemeMessage {
     )
 }
 
-pub fn scalar_wanted(at: Region, what: &str) -> LexemeMessage {
+/// `axis`: what is said of an axis of a body or a frame.
+pub fn scalar_wanted(at: Region, what: &str, axis: Option<&str>) -> LexemeMessage {
+    let remedy = axis.unwrap_or("take a component of it, such as `.x`, or its size, `norm(…)`");
     LexemeMessage::new(
         at,
-        format!(
-            "{what} must be one number, this is a vector: take a component of it, such as `.x`, or its size, `norm(…)`"
-        ),
+        format!("{what} must be one number, this is a vector: {remedy}"),
     )
+}
+
+/// The letter behind a point is its place, behind a body or a frame its axis.
+pub fn axis_and_place(owner: &str, letter: &str) -> String {
+    format!(
+        "`{owner}.{letter}` is its {letter} axis; its place along {letter} is `{owner}.position.{letter}`"
+    )
+}
+
+/// A note, no mistake: an output may show an axis. `axis`: what is said of it.
+pub fn output_of_an_axis(output: &str, axis: &str) -> String {
+    format!("output `{output}` has three numbers: {axis}")
 }
 
 pub fn vector_wanted(at: Region, what: &str) -> LexemeMessage {
@@ -103,8 +115,13 @@ pub fn divide_by_vector(at: Region) -> LexemeMessage {
     )
 }
 
-pub fn number_and_vector(at: Region) -> LexemeMessage {
-    LexemeMessage::new(at, "a number and a vector cannot be added or compared")
+/// `axis`: what is said of the vector, if it is an axis of a body or a frame.
+pub fn number_and_vector(at: Region, axis: Option<&str>) -> LexemeMessage {
+    let axis = axis.map_or_else(String::new, |axis| format!(": {axis}"));
+    LexemeMessage::new(
+        at,
+        format!("a number and a vector cannot be added or compared{axis}"),
+    )
 }
 
 pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> LexemeMessage {
@@ -197,10 +214,11 @@ pub fn unit_or_name(
     let sign = if before.ends_with('/') { '/' } else { '*' };
     let before = before.trim_end_matches(['*', '/']);
     let behind = behind.replace('*', " * ").replace('/', " / ");
+    let article = article(kind);
     let report = LexemeMessage::new(
         at,
         format!(
-            "`{unit}` behind a number is read as a unit, and `{word}` is also a {kind} of this model: give the {kind} another name, \
+            "`{unit}` behind a number is read as a unit, and `{word}` is also {article} {kind} of this model: give the {kind} another name, \
              such as `{word}_1`, or write `({number} {before}) {sign} {behind}` for the {kind} and `{number} ({unit})` for the unit"
         ),
     );
@@ -208,6 +226,16 @@ pub fn unit_or_name(
         Some(declared) => report.also(declared, format!("the {kind} `{word}`")),
         None => report,
     }
+}
+
+/// `number`: what stands above the line, `word`: the unit below it that is a thing of the model, too.
+pub fn unit_or_thing(at: Region, number: &str, word: &str, kind: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{word}` is a {kind} of this model: write `{number} (1/{word})` for the unit, or give the {kind} another name, such as `{word}_1`"
+        ),
+    )
 }
 
 /// `word`: what stands behind the default of a param.
