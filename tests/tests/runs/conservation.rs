@@ -312,7 +312,7 @@ fn momentum_is_not_told_of_what_the_ground_holds_and_the_holder_has_a_name() {
     );
     assert_eq!(
         by(
-            "joint loose: free from world to a.com; spring s from bob to world { free_length: 1 m, stiffness: 1 N/m }"
+            "joint loose: free from world to a.com; spring s from bob to world { free_length: 0 m, stiffness: 1 N/m }"
         ),
         ["s", "bob"]
     );
