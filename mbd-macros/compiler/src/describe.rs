@@ -194,17 +194,16 @@ pub fn forces(scene: &Scene, coordinate: &Coordinate, forces: &JointForces) -> S
         let unit = STOPS.measured.unit(coordinate);
         parts.push(format!("stops = [{low}, {high}] {unit}"));
     }
-    let filter = forces.filter.as_ref();
-    let motor = filter
-        .map(|filter| &filter.command)
-        .or(forces.motor.as_ref());
-    for (field, formula) in [(&FORCE, forces.force.as_ref()), (&MOTOR, motor)] {
+    for (field, formula) in [
+        (&FORCE, forces.force.as_ref()),
+        (&MOTOR, forces.declared_motor()),
+    ] {
         if let Some(formula) = formula {
             let unit = field.measured.unit(coordinate);
             parts.push(format!("{} = {} {unit}", field.name, text(scene, formula)));
         }
     }
-    if let Some(filter) = filter {
+    if let Some(filter) = &forces.filter {
         parts.push(format!("{FILTER} = {} s", text(scene, &filter.time)));
     }
     parts.join(", ")

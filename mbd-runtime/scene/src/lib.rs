@@ -78,7 +78,7 @@ pub use starts::{
 pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
-    EnergyKind, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,
-    Pose, Quantity, Relative, RowSet, Rule, SecondArgument, Table, Twist, Unit, Variable,
-    twelve_digits,
+    EnergyKind, Field, Fields, Fixed, Formula, FrameMotion, Function, LINE_NUMBERS, Measure, Part,
+    Place, Plane, Pose, Quantity, Relative, RowSet, Rule, SecondArgument, Table, Twist, Unit,
+    Variable, twelve_digits,
 };

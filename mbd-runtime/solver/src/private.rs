@@ -1,7 +1,9 @@
 //! What generated code calls and nobody else should.
 
 use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{Float, Layout, Packed, ParamError, Plan, Real, Scene, checked_numbers};
+use mbd_scene::{
+    Float, LINE_NUMBERS, Layout, Packed, ParamError, Plan, Real, Scene, checked_numbers,
+};
 
 use crate::{CoordInfo, LineState, Reaction};
 
@@ -148,11 +150,11 @@ pub fn split_with_states<T, const Q: usize, const V: usize, const Z: usize, cons
 /// Ten numbers a line as line states.
 #[must_use]
 pub fn line_states<T: Real, const N: usize>(numbers: &[T]) -> [LineState<T>; N] {
-    let mut lines = numbers.chunks_exact(10);
+    let mut lines = numbers.chunks_exact(LINE_NUMBERS);
     std::array::from_fn(|_| {
-        let line: Option<&[T; 10]> = lines.next().and_then(fixed);
+        let line: Option<&[T; LINE_NUMBERS]> = lines.next().and_then(fixed);
         let [tension, length, stretch, rate, xx, xy, xz, yy, yz, zz] =
-            *line.unwrap_or(&[T::zero(); 10]);
+            *line.unwrap_or(&[T::zero(); LINE_NUMBERS]);
         LineState {
             tension,
             length,

@@ -1,6 +1,6 @@
 //! A row of a history: the numbers of its columns at a state.
 
-use mbd_scene::{Float, Layout, Model, Quantity, Scene};
+use mbd_scene::{Float, LINE_NUMBERS, Layout, Model, Quantity, Scene};
 
 use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
 use crate::content::Content;
@@ -87,7 +87,7 @@ impl RowMaker {
                 None => f64::NAN,
                 Some(line) if line < of_lines => {
                     // Tension and stretch begin what is told of each.
-                    let index = 10 * (line / 2) + 2 * (line % 2);
+                    let index = LINE_NUMBERS * (line / 2) + 2 * (line % 2);
                     attempt.number(LINES, index).to_f64()
                 }
                 Some(other) => attempt.number(OUTPUTS, other - of_lines).to_f64(),
@@ -144,7 +144,7 @@ impl RowMaker {
         }
         if content.lines {
             let lines = read(system, (Quantity::Lines, None), time, state, scratch);
-            for line in lines.chunks_exact(10) {
+            for line in lines.chunks_exact(LINE_NUMBERS) {
                 row.extend(line.iter().step_by(2).take(2).map(|x| x.to_f64()));
             }
         }

@@ -21,12 +21,12 @@ use crate::watch;
 
 mod branches;
 mod by_laws;
-mod directions;
 mod ends;
 mod known;
 mod near_side;
 mod no_number;
 mod rates;
+mod spring_ends;
 mod supplied;
 
 use known::KnownAtEnd;

@@ -2,6 +2,7 @@
 //!
 //! `cargo test -p tests --test inputs control` runs one of the files.
 
+mod assembly;
 mod control;
 mod declared_starts;
 mod driving;

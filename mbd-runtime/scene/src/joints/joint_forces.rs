@@ -221,6 +221,13 @@ impl Measured {
 }
 
 impl JointForces {
+    /// What the motor is declared to follow: the command before its filter, or its course.
+    #[must_use]
+    pub fn declared_motor(&self) -> Option<&Formula> {
+        let command = self.filter.as_ref().map(|filter| &filter.command);
+        command.or(self.motor.as_ref())
+    }
+
     /// Its numbers, in the order of [`NUMBERS`].
     #[must_use]
     pub fn numbers(&self) -> [&Option<Formula>; 7] {

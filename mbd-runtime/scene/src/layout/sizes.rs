@@ -2,7 +2,7 @@
 
 use crate::layout::{FromSolution, Layout, LineEnd, Network, Node};
 use crate::scene::NodeModel;
-use crate::{Differentiated, Quantity, Scene, Variable};
+use crate::{Differentiated, LINE_NUMBERS, Quantity, Scene, Variable};
 
 /// Nodes of the largest network whose sensitivities are spelt out.
 const MOST_SPELT_OUT: usize = 8;
@@ -39,7 +39,7 @@ impl Layout {
             Quantity::CentreOfMass => 6,
             Quantity::CentreOfMassJacobian => 3 * self.nv,
             Quantity::FrameJacobian(..) => 6 * self.nv,
-            Quantity::Lines => 10 * self.lines.len(),
+            Quantity::Lines => LINE_NUMBERS * self.lines.len(),
             Quantity::NodeByAnchor(k) => self
                 .placed(k)
                 .map_or(0, |n| 9 * n.nodes.len() * n.anchors.len()),

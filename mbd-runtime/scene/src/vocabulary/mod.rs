@@ -27,6 +27,6 @@ pub use formula::{EnergyKind, Fixed, Formula, Function, Place};
 pub use motion::{FrameMotion, Pose, Relative, Twist};
 pub use part::Part;
 pub use plane::{Directions, Plane};
-pub use quantity::{Arguments, At, Differentiated, Quantity, Variable};
+pub use quantity::{Arguments, At, Differentiated, LINE_NUMBERS, Quantity, Variable};
 pub use row_set::RowSet;
 pub use table::{SecondArgument, Table};

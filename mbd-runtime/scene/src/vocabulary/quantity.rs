@@ -4,6 +4,9 @@ use std::fmt;
 
 use crate::Real;
 
+/// How many numbers [`Quantity::Lines`] has of a line.
+pub const LINE_NUMBERS: usize = 10;
+
 /// A quantity of a scene. Its value is a flat list of numbers whose length is [`Layout::len`](crate::Layout::len).
 ///
 /// Frames: world axes unless said otherwise. Signs: tension is positive in tension; forces act *on* the named thing.
@@ -61,7 +64,7 @@ pub enum Quantity {
     /// The Jacobian of frame (second index) of a body (first), dense, row by row (6 × n_v): velocity of its origin [m/s] and angular velocity [rad/s],
     /// world axes, = J v but for what moves by itself in time; only structural non-zeros are written.
     FrameJacobian(usize, usize),
-    /// Per line: tension [N], length [m], stretch [m], stretch rate [m/s] and the stiffness ∂(force on the `to` end)/∂(position of the `from`
+    /// Per line [`LINE_NUMBERS`] of them: tension [N], length [m], stretch [m], stretch rate [m/s] and the stiffness ∂(force on the `to` end)/∂(position of the `from`
     /// end) = K u uᵀ + (T/d)(I − u uᵀ) (6 numbers: xx xy xz yy yz zz) [N/m].
     Lines,
     /// ∂p/∂(anchor positions) of one network, dense, row by row: (3 nodes) × (3 anchors). Σ over anchors of one node row = I.

@@ -293,7 +293,7 @@ impl<T: Float> Simulation<T> {
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.system
-            .check_directions(self.time, &self.state, self.length)?;
+            .check_spring_ends(self.time, &self.state, self.length)?;
         self.begin_watch()?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;

@@ -1,6 +1,6 @@
 //! The search of a trim: (2) of [`crate::trim`](super), and Newton steps that close the joints.
 
-use mbd_scene::{JointStart, Model, Quantity, Scene, StartNumber};
+use mbd_scene::{JointStart, LINE_NUMBERS, Model, Quantity, Scene, StartNumber};
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
@@ -430,7 +430,12 @@ impl Search {
     /// The lines that are slack here, by name.
     fn slack(&mut self) -> Vec<String> {
         let lines = self.moment.evaluate(Quantity::Lines, &[]);
-        let all = self.moment.scene().lines.iter().zip(lines.chunks(10));
+        let all = self
+            .moment
+            .scene()
+            .lines
+            .iter()
+            .zip(lines.chunks(LINE_NUMBERS));
         let slack = all.filter(|(line, numbers)| line.kind.is_unilateral() && numbers[0] <= 0.0);
         slack.map(|(line, _)| line.name.clone()).collect()
     }

@@ -18,7 +18,7 @@ use super::check::pretty;
 use super::failure::CommandFailure;
 use super::run::{Flag, INPUT, SET, assign, assigned, value};
 use super::scene_file::SceneFile;
-use crate::run::RunPlan;
+use crate::run::{PlanError, RunPlan};
 
 /// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
 const MOMENT: f64 = 1e-3;
@@ -82,7 +82,8 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     };
     let plan = RunPlan::new(&scene, &settings).map_err(|error| match &args.after {
         Some(_) if error.setting == "until" => {
-            CommandFailure::Usage(error.to_string().replacen("`until`", "`--after`", 1))
+            let setting = "--after".to_owned();
+            CommandFailure::Usage(PlanError { setting, ..error }.to_string())
         }
         _ => invalid(&error),
     })?;

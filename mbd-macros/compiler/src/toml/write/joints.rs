@@ -131,10 +131,10 @@ fn forces(out: &mut String, index: usize, joint: &Joint, scene: &Scene) {
             entry(out, STOPS.name, &format!("[{low}, {high}]"));
         }
         let filter = forces.filter.as_ref();
-        let motor = filter
-            .map(|filter| &filter.command)
-            .or(forces.motor.as_ref());
-        for (field, formula) in [(&FORCE, forces.force.as_ref()), (&MOTOR, motor)] {
+        for (field, formula) in [
+            (&FORCE, forces.force.as_ref()),
+            (&MOTOR, forces.declared_motor()),
+        ] {
             if let Some(formula) = formula {
                 entry(out, field.name, &text(formula, scene));
             }
