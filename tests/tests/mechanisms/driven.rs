@@ -389,3 +389,80 @@ fn a_gear_with_an_offset_starts_with_its_first_coordinate_at_zero() {
         }
     }
 }
+
+#[test]
+fn what_a_gear_puts_at_the_start_is_what_it_says_and_not_the_nearest_tooth() {
+    // A turn of the axle is 50.27 mm of the rack, and a twentieth of a turn of the shaft 18° of the axle.
+    let rack = "joint mesh: gear from axle.angle to rod.slide { ratio: 8 mm, offset: -60 mm }";
+    let wheel = "joint mesh: gear from shaft.angle to axle.angle { ratio: 1 / 20, offset: 90 deg }";
+    let back = "joint mesh: gear from rod.slide to axle.angle { ratio: 20 / (1 m), offset: 2 rad }";
+    let both = &format!(
+        "{rack} joint train: gear from shaft.angle to axle.angle {{ ratio: 1 / 20, offset: 90 deg }}"
+    );
+    let turn = std::f64::consts::TAU;
+    for (mesh, axle, rod, [slide, angle]) in [
+        (rack, "", "", [-0.06, 0.0]),
+        (rack, "start: 0 deg", "", [-0.06, 0.0]),
+        (
+            rack,
+            "start: 90 deg",
+            "",
+            [0.008 * turn / 4.0 - 0.06, turn / 4.0],
+        ),
+        (
+            rack,
+            "start: about 90 deg",
+            "",
+            [0.008 * turn / 4.0 - 0.06, turn / 4.0],
+        ),
+        (
+            rack,
+            "start: 720 deg",
+            "",
+            [0.016 * turn - 0.06, 2.0 * turn],
+        ),
+        (
+            rack,
+            "motor: 30 deg",
+            "",
+            [0.008 * turn / 12.0 - 0.06, turn / 12.0],
+        ),
+        (rack, "start_rate: 1 rad/s", "", [-0.06, 0.0]),
+        // The slide is said, and the axle follows; where both are, the nearest tooth.
+        (rack, "", "start: -60 mm", [-0.06, 0.0]),
+        (rack, "", "start: -62 mm", [-0.062, -0.25]),
+        (
+            rack,
+            "start: 0 deg",
+            "start: about -9.7 mm",
+            [-0.06 + 0.008 * turn, 0.0],
+        ),
+        (wheel, "", "", [0.0, turn / 4.0]),
+        (wheel, "start: 90 deg", "", [0.0, turn / 4.0]),
+        (back, "", "start: 100 mm", [0.1, 4.0 - turn]),
+        (both, "", "", [0.008 * turn / 4.0 - 0.06, turn / 4.0]),
+    ] {
+        for family in FAMILIES {
+            let text = format!(
+                "model Rack {{ gravity: none; coordinates: {family};
+                 body pinion {{ mass: 1 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2 }}
+                 body rotor {{ mass: 1 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2 }}
+                 body rack {{ mass: 1 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2 }}
+                 joint shaft: hinge from world to rotor.com {{ axis: y }}
+                 joint axle: hinge from world to pinion.com {{ axis: y{}{axle} }}
+                 joint rod: prismatic from world to rack.com {{ axis: x{}{rod} }}
+                 {mesh}
+                 output s = rod.slide; output a = axle.angle; }}",
+                if axle.is_empty() { "" } else { ", " },
+                if rod.is_empty() { "" } else { ", " },
+            );
+            let mut run = run_of::<f64>(&text, Options::tsit5(1e-9), 0.0);
+            let out = outputs(&mut run);
+            let gaps = [out[0] - slide, out[1] - angle];
+            assert!(
+                gaps.iter().all(|gap| gap.abs() < 1e-9),
+                "{family} {mesh} {axle} {rod}: {out:?}"
+            );
+        }
+    }
+}

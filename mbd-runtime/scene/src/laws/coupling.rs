@@ -66,9 +66,14 @@ impl<S: Real> Coupling<S> {
         factors.copied().nth(number).unwrap_or_else(S::zero)
     }
 
+    /// Φ for Σ f x, by (1) alone: turns of the angles count.
+    pub fn off(&self, sum: S) -> S {
+        sum - self.relation.constant
+    }
+
     /// Φ for Σ f x, by (1) and (2).
     pub fn value(&self, sum: S) -> S {
-        let off = sum - self.relation.constant;
+        let off = self.off(sum);
         self.measure.map_or(off, |measure| {
             let (sin, cos) = (off / measure).sin_cos();
             measure * sin.atan2(cos)

@@ -5,21 +5,10 @@ use super::{CLOSED, JointStart, Placement, PlacingJoint};
 use crate::{Part, Quantity};
 
 impl Placement<'_> {
-    /// All coordinates zero but these and what is coupled to something else than zero. Loops that are open there are closed. Where none closes,
+    /// All coordinates zero but those of motors and what couplings make of them, as they are here. Loops that are open there are closed. Where none closes,
     /// parts between the ends of a joint that does not hold, and all that hangs on them, stay where they are; those that lead to a part with a
     /// place of its own are at zero, since what does not fit is that place.
     pub(super) fn rest(&mut self, motors: &[JointStart], state: &mut [f64]) {
-        for motor in motors {
-            let lists = [&mut self.q, &mut self.u];
-            for (list, number) in lists.into_iter().zip([motor.value, motor.rate]) {
-                let slot = list.get_mut(motor.joint);
-                let slot = slot.and_then(|list| list.get_mut(motor.coordinate));
-                if let (Some(slot), Some(number)) = (slot, number) {
-                    *slot = number;
-                }
-            }
-        }
-        self.follow_couplings(motors);
         if self.holds_anywhere() {
             self.walk(state);
             return;

@@ -61,22 +61,18 @@ impl Placement<'_> {
             if self.scene.joints[joint].law.freedoms() == FREE {
                 continue;
             }
-            for (k, q) in self.q[joint].iter_mut().enumerate() {
+            for k in 0..self.q[joint].len() {
                 let start = find(joint, k);
-                match start.and_then(|start| start.value) {
-                    Some(value) => *q = value,
-                    None => unknowns.push((joint, k)),
+                if start.and_then(|start| start.value).is_none() {
+                    unknowns.push((joint, k));
                 }
                 if start.is_some_and(|start| start.about && start.value.is_some()) {
                     yielding.push((joint, k));
                 }
             }
-            for (k, u) in self.u[joint].iter_mut().enumerate() {
+            for k in 0..self.u[joint].len() {
                 match find(joint, k).and_then(|start| start.rate) {
-                    Some(rate) => {
-                        *u = rate;
-                        said_rates.push((joint, k));
-                    }
+                    Some(_) => said_rates.push((joint, k)),
                     None => rates.push((joint, k)),
                 }
             }
@@ -243,10 +239,13 @@ impl Placement<'_> {
         [said, rates]: [&[(usize, usize)]; 2],
         state: &mut [f64],
     ) -> Result<(), PlacementError> {
-        let mut gaps = self.rows(Quantity::ConstraintRate, state);
-        if gaps.amax() <= CLOSED {
+        if self.rows(Quantity::ConstraintRate, state).amax() <= CLOSED {
             return Ok(());
         }
+        for &(joint, k) in rates {
+            self.u[joint][k] = 0.0;
+        }
+        let mut gaps = self.rows(Quantity::ConstraintRate, state);
         if !rates.is_empty() {
             let mut slopes = DMatrix::zeros(gaps.len(), rates.len());
             for (column, &(joint, k)) in rates.iter().enumerate() {

@@ -4,17 +4,23 @@
 //! Σ f x = c      x_d = −(Σ' f x − c)/f_d,   u_d = −Σ' f u/f_d          Σ' without the coordinate d that follows                  (1)
 //! ```
 //!
-//! What a motor drives stays where it is driven to; of a coupling that names nothing driven the coordinate that it is written for follows, `to` of a
-//! gear, and the others stay at zero. Trains of couplings follow from there, in whatever order they are declared, as the speeds of the tree do
-//! (`plan/relative.rs`).
+//! What is said of a coordinate stays, and what a motor drives stays where it is driven to; of a coupling that names neither the coordinate that it is
+//! written for follows, `to` of a gear, and the others stay at zero. Trains of couplings follow from there, or from the coordinate that follows none, in
+//! whatever order they are declared. A row that angles are part of holds modulo their turns (`laws/coupling.rs`); here the relation holds as
+//! it is written, so that a rack stands where its offset says and not at the tooth next to zero.
+
+use std::f64::consts::TAU;
 
 use super::{JointStart, Placement};
 
 impl Placement<'_> {
-    /// Sets the coordinates that follow, by (1).
-    pub(super) fn follow_couplings(&mut self, motors: &[JointStart]) {
-        let driven = motors.iter().map(|motor| (motor.joint, motor.coordinate));
-        let mut named: Vec<(usize, usize)> = driven.collect();
+    /// Sets the coordinates that follow those of which the value is said, by (1), and their rates where nothing is said of these.
+    pub(super) fn follow_couplings(&mut self, said: &[JointStart]) {
+        let of = |start: &JointStart| (start.joint, start.coordinate);
+        let values = said.iter().filter(|start| start.value.is_some());
+        let mut named: Vec<(usize, usize)> = values.map(of).collect();
+        let rates = said.iter().filter(|start| start.rate.is_some());
+        let rates: Vec<(usize, usize)> = rates.map(of).collect();
         let scene = self.scene;
         let joints = scene.joints.iter().enumerate();
         let couplings = joints.filter(|(joint, declared)| {
@@ -28,20 +34,26 @@ impl Placement<'_> {
             let follows = |(_, all): &(usize, &[(usize, usize)])| {
                 all.iter().any(|coordinate| named.contains(coordinate))
             };
+            let leads = |(own, all): &(usize, &[(usize, usize)])| {
+                let mut others = couplings.iter().filter(|(other, _)| other != own);
+                others.all(|(_, of)| !all.iter().skip(1).any(|from| of.first() == Some(from)))
+            };
             let next = couplings.iter().position(follows);
+            let next = next.or_else(|| couplings.iter().position(leads));
             let (joint, all) = couplings.remove(next.unwrap_or_default());
             let follower = all
                 .iter()
                 .position(|coordinate| !named.contains(coordinate));
             named.extend_from_slice(all);
             if let Some(follower) = follower {
-                self.follow(joint, all, follower);
+                let keeps_rate = rates.contains(&all[follower]);
+                self.follow(joint, all, follower, keeps_rate);
             }
         }
     }
 
     /// (1) for one coupling.
-    fn follow(&mut self, joint: usize, all: &[(usize, usize)], follower: usize) {
+    fn follow(&mut self, joint: usize, all: &[(usize, usize)], follower: usize, keeps_rate: bool) {
         let Some(Some(coupling)) = self.numbers.couplings.get(joint) else {
             return;
         };
@@ -55,15 +67,16 @@ impl Placement<'_> {
                 .sum()
         };
         let factor = coupling.factor(follower);
-        let moves = [coupling.value(sum(&self.q)) / factor, sum(&self.u) / factor];
-        let Some(&(of, index)) = all.get(follower) else {
-            return;
-        };
-        for (list, by) in [&mut self.q, &mut self.u].into_iter().zip(moves) {
-            let slot = list.get_mut(of).and_then(|list| list.get_mut(index));
-            if let (Some(slot), true) = (slot, by.is_finite()) {
-                *slot -= by;
-            }
+        let (of, index) = all[follower];
+        let value = self.q[of][index] - coupling.off(sum(&self.q)) / factor;
+        let rate = self.u[of][index] - sum(&self.u) / factor;
+        let periodic = (self.scene.coordinate(of, index)).is_some_and(|(_, it)| it.is_periodic());
+        if value.is_finite() {
+            let turns = if periodic { (value / TAU).round() } else { 0.0 };
+            self.q[of][index] = value - TAU * turns;
+        }
+        if rate.is_finite() && !keeps_rate {
+            self.u[of][index] = rate;
         }
     }
 }

@@ -112,18 +112,14 @@ pub(crate) fn place_near(
         scratch: Scratch::new(layout),
         numbers,
     };
-    for start in near {
-        let list = placement.q.get_mut(start.joint);
-        let slot = list.and_then(|list| list.get_mut(start.coordinate));
-        if let (Some(slot), Some(value)) = (slot, start.value) {
-            *slot = value;
-        }
-    }
+    placement.set(near);
     let mut all = given.to_vec();
     for driven in placement.driven(state) {
         all.retain(|it| (it.joint, it.coordinate) != (driven.joint, driven.coordinate));
         all.push(driven);
     }
+    placement.set(&all);
+    placement.follow_couplings(&[all.as_slice(), near].concat());
     match given.is_empty() {
         true => {
             placement.rest(&all, state);
@@ -140,6 +136,20 @@ pub(crate) fn place_near(
 impl Placement<'_> {
     fn here(&self, state: &[f64]) -> Arguments<f64> {
         Arguments::before_a_run(self.scene, self.layout, self.time, state)
+    }
+
+    /// Coordinates and rates as they are said.
+    fn set(&mut self, said: &[JointStart]) {
+        for start in said {
+            let lists = [&mut self.q, &mut self.u];
+            for (list, number) in lists.into_iter().zip([start.value, start.rate]) {
+                let slot = list.get_mut(start.joint);
+                let slot = slot.and_then(|list| list.get_mut(start.coordinate));
+                if let (Some(slot), Some(number)) = (slot, number) {
+                    *slot = number;
+                }
+            }
+        }
     }
 
     /// What motors follow is what the state and the defaults of the inputs say, as in the rows of (3).
