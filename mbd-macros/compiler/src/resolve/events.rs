@@ -124,6 +124,7 @@ impl Resolver<'_> {
                 _ => say::wrong_dimension(right.at, given.sign, wanted, found),
             });
         }
+        self.bare_beside_output(guard, &right, instance)?;
         let guard = if right.formula == Formula::Number(0.0) {
             left.formula
         } else {

@@ -93,6 +93,7 @@ impl Resolver<'_> {
                     angle,
                     turns: None,
                     bare: None,
+                    without_unit: None,
                     at,
                 })
             }
@@ -104,6 +105,7 @@ impl Resolver<'_> {
                     angle: 1,
                     turns: None,
                     bare: None,
+                    without_unit: None,
                     ..ratio
                 })
             }
@@ -177,6 +179,7 @@ impl Resolver<'_> {
         Some(Typed {
             formula: self.apply(function, vec![a, b, then, otherwise], at)?,
             bare: None,
+            without_unit: None,
             ..like
         })
     }
@@ -276,6 +279,9 @@ impl Resolver<'_> {
 
     /// t² (3 − 2 t) with t = (a − low)/(high − low) between 0 and 1: from 0 to 1 without a kink.
     fn smoothstep(&mut self, low: Typed, high: Typed, a: Typed, at: Region) -> Option<Typed> {
+        for edge in [&low, &high] {
+            self.alike_in_turns(&a, edge)?;
+        }
         let width = self.alike(Function::Sub, high, low.clone(), at)?;
         let rise = self.alike(Function::Sub, a, low, at)?;
         let part = self.product(Function::Div, rise, width, at)?;
@@ -312,6 +318,7 @@ impl Resolver<'_> {
             angle: 0,
             turns: None,
             bare: None,
+            without_unit: None,
             at,
         })
     }
@@ -333,6 +340,7 @@ impl Resolver<'_> {
             angle,
             turns: None,
             bare: None,
+            without_unit: None,
             at,
         })
     }

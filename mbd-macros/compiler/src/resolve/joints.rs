@@ -6,7 +6,7 @@ use mbd_scene::{Detachable, Dimension, Formula, JointLaw, Place, PointKind};
 
 use super::fields::ItemFields;
 use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed, fold, joint_forces};
-use crate::lexeme::{Bracket, Region};
+use crate::lexeme::{Bracket, Lexeme, Region};
 use crate::messages::resolve as say;
 use crate::syntax::words::{AT_START, LOCKED};
 use crate::syntax::{Cursor, ValueSyntax, Word};
@@ -176,6 +176,10 @@ impl Answers<'_, '_, '_, '_> {
         let resolver = &mut *self.resolver;
         let typed = resolver.value(value, self.scope)?;
         let at = typed.at;
+        if typed.angle < 0 && dimension == units::LENGTH {
+            let written: Vec<String> = value.lexemes.iter().map(Lexeme::shown).collect();
+            return resolver.fail(say::length_per_angle(at, field.name, &written.join(" ")));
+        }
         let formula = resolver.fits(typed, field.name, false, dimension)?;
         match fold::at_defaults(&formula, &resolver.scene) {
             Some(found) if !field.rule.holds(found) => {

@@ -172,7 +172,7 @@ impl Resolver<'_> {
             self.turns_told_in(&typed, &wanted, at)?;
             unit = wanted;
         }
-        self.remember_turns(Named::Let(instance.slot), &typed);
+        self.remember_units(Named::Let(instance.slot), &typed);
         let (depth, length) = self.extent(&typed.formula);
         let entry = self.scene.lets.get_mut(instance.slot)?;
         entry.value = typed.formula;

@@ -72,7 +72,7 @@ impl Resolver<'_> {
                 wanted.extend(rate);
             }
             let typed = self.reading_as(typed, &wanted);
-            let (dimension, of) = (typed.dimension.unwrap_or(units::NONE), typed.clone());
+            let (dimension, quantity) = (typed.dimension.unwrap_or(units::NONE), typed.clone());
             if take == Take::Integral
                 && let Some((unit, _)) = &mut asked
                 && units::times(dimension, units::TIME) == Some(unit.dimension)
@@ -84,7 +84,8 @@ impl Resolver<'_> {
             let (value, components, unit) = self.column(typed, asked)?;
             if let Some(value) = fields.value("level") {
                 let (number, typed) = self.fixed_number("level", value, dimension, instance)?;
-                self.alike_in_turns(&of, &typed)?;
+                self.alike_in_turns(&quantity, &typed)?;
+                self.bare_beside_output(of, &typed, instance)?;
                 level = Some(number);
             }
             let metric = self.scene.runs.metrics.get(instance.slot)?;
@@ -116,6 +117,24 @@ impl Resolver<'_> {
         };
         let unit = self.scene.outputs.get(output)?.unit.clone();
         (!unit.text.is_empty()).then_some((unit, of.at))
+    }
+
+    /// Refuses a number without a unit beside an output alone that is told in degrees: it would be radians.
+    pub(super) fn bare_beside_output(
+        &mut self,
+        of: ValueSyntax<'_>,
+        number: &Typed,
+        instance: &Instance<'_>,
+    ) -> Option<()> {
+        let (Some(text), false) = (&number.bare, number.without_unit == Some(0.0)) else {
+            return Some(());
+        };
+        match self.told_in(of, instance) {
+            Some((unit, _)) if unit.dimension == units::NONE && unit.factor != 1.0 => {
+                self.fail(say::unit_of_output(number.at, text, &unit.text))
+            }
+            _ => Some(()),
+        }
     }
 
     /// The word in front, and what it is about.

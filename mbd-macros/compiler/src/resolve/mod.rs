@@ -138,6 +138,8 @@ pub struct Resolver<'a> {
     pub idle: Vec<&'a Item<'a>>,
     /// Names that count turns, and where those of no unit stand for radians.
     turning: BTreeMap<Named, turns::Turns>,
+    /// Names of what is made of numbers without a unit alone, and its size.
+    without_unit: BTreeMap<Named, f64>,
     radians_of_states: Vec<turns::RadiansOfState>,
     /// What is known of each `let`.
     lets: Vec<lets::LetProgress>,
@@ -247,6 +249,7 @@ impl<'a> Resolver<'a> {
             later: BTreeSet::new(),
             idle: Vec::new(),
             turning: BTreeMap::new(),
+            without_unit: BTreeMap::new(),
             radians_of_states: Vec::new(),
             lets: Vec::new(),
             shown: BTreeMap::new(),

@@ -204,7 +204,7 @@ impl Resolver<'_> {
         let typed = typed?;
         let unit = written_unit(parsed).unwrap_or_else(|| typed.unit());
         let at = typed.at;
-        self.remember_turns(Named::Const(instance.slot), &typed);
+        self.remember_units(Named::Const(instance.slot), &typed);
         let value = match fold::known(&typed.formula, &self.scene, false) {
             Some(value) => value,
             None => return self.fail(say::not_constant(at, "this")),
@@ -242,7 +242,7 @@ impl Resolver<'_> {
         let unit = written_unit(&parsed).unwrap_or_else(|| typed.unit());
         let (at, dimension) = (typed.at, typed.dimension);
         let bare = typed.bare.clone();
-        self.remember_turns(Named::Param(instance.slot), &typed);
+        self.remember_units(Named::Param(instance.slot), &typed);
         let default = self.constant_value(typed)?;
         if let Some(entry) = self.scene.params.get_mut(instance.slot) {
             entry.default = default;
@@ -374,6 +374,7 @@ impl Resolver<'_> {
         }
         let unit = self.scene.inputs.get(instance.slot)?.unit.clone();
         self.turns_as_in(&typed, &unit, &format!("the default of `{name}`"))?;
+        self.remember_units(Named::Input(instance.slot), &typed);
         let (components, default) = match fold::known(&typed.formula, &self.scene, false) {
             Some(fold::Fixed::Vector(value)) => (3, value),
             Some(fold::Fixed::Scalar(_)) if components == 3 => {

@@ -42,7 +42,11 @@ impl Resolver<'_> {
         let word = first.word.text.as_str();
         let here = Region::from(first.word.at);
         if let Some((_, value)) = scope.indices.iter().find(|(name, _)| name == word) {
-            let index = Typed::of(Formula::Number(*value as f64), false, units::NONE, here);
+            let value = *value as f64;
+            let index = Typed {
+                without_unit: Some(value.abs()),
+                ..Typed::of(Formula::Number(value), false, units::NONE, here)
+            };
             return self.tail(index, rest);
         }
         if word == "time" {
@@ -235,6 +239,7 @@ impl Resolver<'_> {
             dimension: (!free).then_some(dimension),
             angle: unit.map_or(0, angle_of),
             turns: self.turns_of(named, word),
+            without_unit: self.without_unit.get(&named).copied().filter(|_| bare),
             ..Typed::of(formula, vector, dimension, at)
         }
     }

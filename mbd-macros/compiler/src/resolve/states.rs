@@ -41,6 +41,7 @@ impl Resolver<'_> {
         if let Some(unit) = &kind {
             self.turns_as_in(&typed, unit, "the start of a state")?;
         }
+        self.remember_units(Named::State(instance.slot), &typed);
         let start = self.fits(typed, "start", false, unit.dimension)?;
         if fold::at_defaults(&start, &self.scene).is_none_or(|start| !start.is_finite()) {
             return self.fail(say::not_finite(at));

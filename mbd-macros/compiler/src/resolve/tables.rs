@@ -238,7 +238,10 @@ impl Resolver<'_> {
         }
         let arguments: Vec<Typed> = arguments.into_iter().collect::<Option<_>>()?;
         let any = |unit: &Unit, si: bool| si && unit.text.is_empty();
-        for (argument, unit) in arguments.iter().zip(declared.argument_units()) {
+        let largest = |list: &[f64]| list.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let knots = std::iter::once(&declared.x).chain(declared.second.iter().map(|it| &it.z));
+        for ((argument, unit), knots) in arguments.iter().zip(declared.argument_units()).zip(knots)
+        {
             if argument.vector {
                 return self.fail_as_vector(argument, "the argument of a table");
             }
@@ -252,6 +255,11 @@ impl Resolver<'_> {
             }
             let what = format!("the argument of `{}`", declared.name);
             self.turns_as_in(argument, unit, &what)?;
+            let last = largest(knots);
+            let bare = unit.text.is_empty() && !self.si;
+            if bare && argument.is_in_radians() && last > std::f64::consts::TAU {
+                return self.fail(say::knots_without_unit(argument.at, &declared.name, last));
+            }
         }
         let any_value = any(&declared.y_unit, self.si);
         let formulas = arguments.into_iter().map(|argument| argument.formula);
@@ -262,6 +270,11 @@ impl Resolver<'_> {
             angle: angle_of(&declared.y_unit),
             turns: Turns::of_unit(&format!("{}(…)", declared.name), &declared.y_unit),
             bare: None,
+            without_unit: declared
+                .y_unit
+                .text
+                .is_empty()
+                .then(|| largest(&declared.y)),
             at,
         })
     }

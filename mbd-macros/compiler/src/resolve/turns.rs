@@ -94,11 +94,13 @@ impl Resolver<'_> {
 
     /// Refuses a number without a unit that would be an angle of more than a full turn, unless bare numbers are declared to be SI.
     fn no_bare_degrees(&mut self, typed: &Typed, what: &str) -> Option<()> {
-        let bare = typed.bare.is_some() && !typed.vector && !self.si;
-        let known = bare.then(|| fold::at_defaults(&typed.formula, &self.scene));
-        match known.flatten() {
-            Some(angle) if angle.abs() > std::f64::consts::TAU => {
-                self.fail(say::angle_without_unit(typed.at, angle, what))
+        let size = typed.without_unit.filter(|_| !typed.vector && !self.si);
+        match size {
+            Some(size) if size > std::f64::consts::TAU => {
+                let known = fold::at_defaults(&typed.formula, &self.scene);
+                let literal = typed.bare.is_some();
+                let angle = known.unwrap_or(size);
+                self.fail(say::angle_without_unit(typed.at, angle, literal, what))
             }
             _ => Some(()),
         }
@@ -144,8 +146,11 @@ impl Resolver<'_> {
         self.turns_as_in(typed, unit, &format!("`in {}`", unit.text))
     }
 
-    /// Keeps that a name counts turns: a product of numbers loses its unit as it was written.
-    pub fn remember_turns(&mut self, named: Named, typed: &Typed) {
+    /// Keeps that a name counts turns, or is made of numbers without a unit: a product of numbers loses its unit as it was written.
+    pub fn remember_units(&mut self, named: Named, typed: &Typed) {
+        if let Some(size) = typed.without_unit {
+            self.without_unit.insert(named, size);
+        }
         if let Some(turns) = &typed.turns {
             self.turning.insert(named, turns.clone());
         }

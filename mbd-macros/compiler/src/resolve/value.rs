@@ -52,6 +52,8 @@ pub struct Typed {
     pub turns: Option<Turns>,
     /// Its text, if it is numbers without a unit.
     pub bare: Option<String>,
+    /// Its size, or about what it comes to, if it is made of numbers without a unit alone, by their names, too; not of `pi`.
+    pub without_unit: Option<f64>,
     /// Its place.
     pub at: Region,
 }
@@ -66,6 +68,7 @@ impl Typed {
             angle: 0,
             turns: None,
             bare: None,
+            without_unit: None,
             at,
         }
     }
@@ -221,6 +224,7 @@ impl Resolver<'_> {
             angle: unit.map_or(0, angle_of),
             turns: unit.and_then(|unit| Turns::of_unit(text, unit)),
             bare: unit.is_none().then(|| text.to_string()),
+            without_unit: unit.is_none().then(|| value.abs()),
             at,
         }
     }
@@ -269,6 +273,7 @@ impl Resolver<'_> {
             angle,
             turns,
             bare: bare.map(|list| format!("[{}]", list.join(", "))),
+            without_unit: None,
             at,
         })
     }
@@ -312,6 +317,7 @@ impl Resolver<'_> {
             angle,
             turns: Turns::of_unit("[…]", unit),
             bare: None,
+            without_unit: None,
             ..typed
         })
     }
@@ -329,6 +335,7 @@ impl Resolver<'_> {
             formula: fold::component(of.formula, index, &self.scene),
             vector: false,
             bare: None,
+            without_unit: None,
             at: of.at.to(axis.at.into()),
             ..of
         })
@@ -366,6 +373,7 @@ impl Resolver<'_> {
         if let Some(vector) = [&a, &b].into_iter().find(|side| side.vector) {
             return self.fail_as_vector(vector, "a side of `%`");
         }
+        self.alike_in_turns(&a, &b)?;
         let ratio = self.product(Function::Div, a.clone(), b.clone(), at)?;
         let whole = self.apply(Function::Floor, vec![ratio.formula], at)?;
         let multiple = self.apply(Function::Mul, vec![b.formula.clone(), whole], at)?;
@@ -397,6 +405,7 @@ impl Resolver<'_> {
             0
         };
         let turns = a.turns.or(b.turns);
+        let sizes = a.without_unit.zip(b.without_unit);
         let nothing = function == Function::Sub && !a.vector && a.formula == b.formula;
         let formula = if nothing {
             // A difference of the same thing: whoever divides by it divides by zero.
@@ -406,6 +415,7 @@ impl Resolver<'_> {
         };
         Some(Typed {
             bare: bare.then(|| shown(&formula)).flatten(),
+            without_unit: sizes.map(|(a, b)| size(&formula).unwrap_or(a.max(b))),
             formula,
             vector: a.vector,
             dimension: a.dimension.or(b.dimension),
@@ -459,8 +469,12 @@ impl Resolver<'_> {
         // An angular rate over a speed is one over a radius.
         let curvature = divide && a.turns_per_way(&b);
         let formula = self.apply(function, vec![a.formula, b.formula], at)?;
+        let sizes = a.without_unit.zip(b.without_unit);
+        let sized =
+            |(a, b): (f64, f64)| size(&formula).unwrap_or(if divide { a / b } else { a * b });
         Some(Typed {
             bare: bare.then(|| shown(&formula)).flatten(),
+            without_unit: sizes.map(sized),
             formula,
             vector: a.vector || b.vector,
             dimension,
@@ -509,6 +523,7 @@ impl Resolver<'_> {
         };
         Some(Typed {
             bare: a.bare.is_some().then(|| shown(&formula)).flatten(),
+            without_unit: a.without_unit.and_then(|_| size(&formula)),
             formula,
             vector: false,
             dimension,
@@ -563,19 +578,22 @@ fn shown(formula: &Formula) -> Option<String> {
     }
 }
 
+/// The size of a folded number.
+fn size(formula: &Formula) -> Option<f64> {
+    match formula {
+        Formula::Number(value) => Some(value.abs()),
+        _ => None,
+    }
+}
+
 /// The exponent of radians in a unit as written.
 pub fn angle_of(unit: &Unit) -> i8 {
-    // `1/deg`, `(1/deg)`
-    if unit.text.trim_start_matches('(').starts_with("1/") {
-        return 0;
-    }
-    let mut words = unit
-        .text
-        .split(|c: char| !c.is_ascii_alphabetic())
-        .filter(|word| !word.is_empty());
-    i8::from(
-        words
-            .next()
-            .is_some_and(|word| units::ANGLES.contains(&word)),
-    )
+    let text = unit.text.trim_start_matches('(');
+    let (above, below) = text.split_once('/').unwrap_or((text, ""));
+    let is_angle = |text: &str| {
+        let mut words = text.split(|c: char| !c.is_ascii_alphabetic());
+        let first = words.find(|word| !word.is_empty());
+        first.is_some_and(|word| units::ANGLES.contains(&word))
+    };
+    i8::from(is_angle(above)) - i8::from(above != "1" && is_angle(below))
 }

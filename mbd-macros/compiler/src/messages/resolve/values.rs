@@ -268,11 +268,23 @@ pub fn turns_for_radians(at: Region, turns: &str, what: &str) -> LexemeMessage {
 }
 
 /// `what`: where the angle stands.
-pub fn angle_without_unit(at: Region, angle: f64, what: &str) -> LexemeMessage {
+pub fn angle_without_unit(at: Region, angle: f64, literal: bool, what: &str) -> LexemeMessage {
+    let said = match literal {
+        true => format!(
+            "{angle} has no unit and would be more than a full turn in radians, which {what} takes: write `{angle} deg`, or `{angle} rad` if that is meant"
+        ),
+        false => format!(
+            "this is made of numbers without a unit and comes to {angle}, more than a full turn in radians, which {what} takes: write a unit where the number stands, `{angle} deg`, or `{angle} rad` if that is meant"
+        ),
+    };
+    LexemeMessage::new(at, said)
+}
+
+pub fn knots_without_unit(at: Region, table: &str, last: f64) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "{angle} has no unit and would be more than a full turn in radians, which {what} takes: write `{angle} deg`, or `{angle} rad` if that is meant"
+            "this is an angle, and the arguments of `{table}` go to {last} without a unit, more than a full turn in radians: write `{last} deg` in the table, or `{last} rad` if that is meant"
         ),
     )
 }
@@ -327,6 +339,31 @@ pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> Lex
         format!(
             "`{field}` needs a unit: {kind}. write it as `{text} {unit}`, or put `units: si;` at the top of the model"
         ),
+    )
+}
+
+pub fn unit_of_output(at: Region, text: &str, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{text}` has no unit, and the output beside it is told in {unit}: write `{text} {unit}`"
+        ),
+    )
+}
+
+pub fn length_per_angle(at: Region, field: &str, written: &str) -> LexemeMessage {
+    let length = written.split('/').next().unwrap_or_default().trim();
+    let remedy = match written.contains('/') {
+        true => format!("write `{field}: {length}`"),
+        false => "leave out the angle where it is declared".to_string(),
+    };
+    let what = match field {
+        "pitch" => "the length of a full turn",
+        _ => "a length",
+    };
+    LexemeMessage::new(
+        at,
+        format!("`{field}` is {what}, and this is one per angle: {remedy}"),
     )
 }
 
