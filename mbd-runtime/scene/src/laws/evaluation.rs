@@ -204,10 +204,8 @@ impl<'a, S: Real> Evaluation<'a, S> {
 
     /// Position of a node [m].
     pub fn node_position(&self, node: usize) -> Vector3<S> {
-        match self.layout.nodes.get(node).and_then(|node| node.z) {
-            Some(z) => vector(self.at.state, self.layout.nq + self.layout.nv + z),
-            None => vector(self.at.nodes, 3 * node),
-        }
+        self.layout
+            .node_position(node, self.at.state, self.at.nodes)
     }
 
     fn node_velocity(&self, node: usize) -> Option<Vector3<S>> {

@@ -19,7 +19,10 @@ pub use tree::{Grouped, Link, LinkAxes, Tree};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Detachable, Directions, Part, Scene};
+use nalgebra::Vector3;
+
+use crate::scalar::algebra::vector;
+use crate::{Detachable, Directions, Part, Real, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
@@ -128,6 +131,29 @@ impl Layout {
             },
             Part::Joint(_) | Part::Coordinates(_) => None,
         }
+    }
+
+    /// Where a node is [m]: a `rate` node has its place in the state, of another one it is what is solved for.
+    pub(crate) fn node_position<S: Real>(
+        &self,
+        node: usize,
+        state: &[S],
+        unknowns: &[S],
+    ) -> Vector3<S> {
+        match self.nodes.get(node).and_then(|node| node.z) {
+            Some(z) => vector(state, self.nq + self.nv + z),
+            None => vector(unknowns, 3 * node),
+        }
+    }
+
+    /// Where all nodes are, 3 each [m], at a state with these unknowns of the nodes ([`At::nodes`](crate::At::nodes)).
+    #[must_use]
+    pub fn node_positions<S: Real>(&self, state: &[S], unknowns: &[S]) -> Vec<S> {
+        let nodes = 0..self.nodes.len();
+        let places = nodes.map(|node| self.node_position(node, state, unknowns));
+        places
+            .flat_map(|place| [place.x, place.y, place.z])
+            .collect()
     }
 
     /// The joints of the tree with the links they carry, in the order of declaration, which is that of their coordinates.

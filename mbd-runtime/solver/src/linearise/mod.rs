@@ -201,6 +201,11 @@ pub enum LinearisationError {
         /// Its name.
         name: String,
     },
+    /// Lines of a `stepwise` node are damped: by differences from step to step, which is a rule of whole steps and has no linear system.
+    Stepwise {
+        /// The node.
+        node: String,
+    },
     /// The model has another layout than this room was made for.
     OtherModel,
     /// The equations, or their derivatives, are no finite numbers at this state.
@@ -250,6 +255,10 @@ impl fmt::Display for LinearisationError {
             LinearisationError::DependentCoordinate { name } => write!(
                 f,
                 "`{name}` is held by joints, or follows from the coordinates named before it: leave it out, or name it first"
+            ),
+            LinearisationError::Stepwise { node } => write!(
+                f,
+                "the lines of `{node}` are damped by differences from step to step (`equilibrium: stepwise`), which has no linear system: declare `equilibrium: rate`, give the point a mass, or look for a rest, which damping does not move"
             ),
             LinearisationError::OtherModel => write!(
                 f,

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use mbd_scene::{At, Float, JointStart, Layout, Model, Quantity, Scene, Variable, Work};
+use mbd_scene::{At, Float, JointStart, Layout, Model, NodeModel, Quantity, Scene, Variable, Work};
 use nalgebra::DMatrix;
 
 use super::{Linearisation, LinearisationError};
@@ -20,6 +20,8 @@ pub(crate) struct SceneMoment {
     pub time: f64,
     pub state: Vec<f64>,
     pub inputs: Vec<f64>,
+    /// The `stepwise` nodes with damped lines, by name.
+    pub damped_by_steps: Vec<String>,
     system: System<f64>,
     work: Work<f64>,
     slopes: Slopes,
@@ -29,14 +31,39 @@ impl SceneMoment {
     /// The scene of a model at a time and a state, for these inputs. Its nodes are not placed yet.
     pub(crate) fn new<T: Float>(
         model: &dyn Model<T>,
+        at: (f64, &[f64], &[f64]),
+    ) -> Result<Self, LinearisationError> {
+        Self::with_layout(model, model.layout().clone(), at)
+    }
+
+    /// The same for a scene at rest, or in steady motion, where damping by differences from step to step pulls with nothing: nodes with it are in the balance
+    /// of `static` ones.
+    pub(crate) fn at_rest<T: Float>(
+        model: &dyn Model<T>,
+        at: (f64, &[f64], &[f64]),
+    ) -> Result<Self, LinearisationError> {
+        let mut layout = model.layout().clone();
+        let nodes = layout.nodes.iter_mut().map(|node| &mut node.model);
+        let networks = layout.networks.iter_mut();
+        for own in nodes.chain(networks.map(|network| &mut network.model)) {
+            if let NodeModel::Stepwise { .. } = own {
+                *own = NodeModel::Static;
+            }
+        }
+        Self::with_layout(model, layout, at)
+    }
+
+    fn with_layout<T: Float>(
+        model: &dyn Model<T>,
+        layout: Layout,
         (time, state, inputs): (f64, &[f64], &[f64]),
     ) -> Result<Self, LinearisationError> {
-        let (scene, layout) = (model.scene(), model.layout());
-        check_lists((scene, layout), (time, state, inputs))?;
+        let scene = model.scene();
+        check_lists((scene, &layout), (time, state, inputs))?;
         let (params, numbers) = (params_of(model.params()), numbers_of(model));
         let generic = Arc::new(Generic {
             scene: Arc::new(scene.clone()),
-            layout: Arc::new(layout.clone()),
+            layout: Arc::new(layout),
             lines: numbers.lines.clone(),
             numbers,
             params,
@@ -45,7 +72,8 @@ impl SceneMoment {
         system.hold(inputs);
         system.remember_starts(&[], (time, state));
         Ok(SceneMoment {
-            slopes: Slopes::new(scene, layout, &generic.params),
+            slopes: Slopes::new(scene, &generic.layout, &generic.params),
+            damped_by_steps: damped_by_steps(model),
             work: generic.scratch(),
             system,
             model: generic,
@@ -71,7 +99,7 @@ impl SceneMoment {
         self.system.count_turns_from(angles);
     }
 
-    /// Puts the nodes in balance at the state as it is now.
+    /// Puts the nodes in balance at the state as it is now; `guess` has their positions, of `rate` nodes those that they keep.
     pub(crate) fn settle(&mut self, guess: Option<&[f64]>) -> Result<(), LinearisationError> {
         self.system.hold(&self.inputs);
         let started = self.system.start(self.time, &mut self.state, guess);
@@ -159,10 +187,27 @@ impl SceneMoment {
         }
     }
 
-    /// Node unknowns of the last balance.
-    pub(crate) fn nodes(&self) -> &[f64] {
-        self.system.nodes.nodes()
+    /// Positions of the nodes at the state as it is now, as the last balance has them.
+    pub(crate) fn node_positions(&self) -> Vec<f64> {
+        let layout = &self.model.layout;
+        layout.node_positions(&self.state, self.system.nodes.nodes())
     }
+}
+
+/// The `stepwise` nodes with damped lines.
+fn damped_by_steps<T: Float>(model: &dyn Model<T>) -> Vec<String> {
+    let (scene, layout) = (model.scene(), model.layout());
+    let is_damped = |&line: &usize| {
+        let numbers = model.lines().get(line);
+        numbers.is_some_and(|numbers| numbers.damping > T::zero())
+    };
+    let by_steps = layout.nodes.iter().filter(|node| {
+        let network = layout.networks.get(node.network);
+        let damped = network.is_some_and(|network| network.lines.iter().any(is_damped));
+        matches!(node.model, NodeModel::Stepwise { .. }) && damped
+    });
+    let names = by_steps.filter_map(|node| scene.points.get(node.point));
+    names.map(|point| point.name.clone()).collect()
 }
 
 /// Refuses a time, a state and inputs that are no moment of a scene: lists of another length, numbers that are not finite.

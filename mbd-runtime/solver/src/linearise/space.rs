@@ -38,6 +38,8 @@ pub struct StateSpace {
     pub tangent: DMatrix<f64>,
     /// Accelerations of the coordinates at the state [m/s² or rad/s²], then ż: zero where the motion is steady.
     pub accelerations: DVector<f64>,
+    /// `stepwise` nodes with damped lines, which are in this system without their damping; only that of a rest has such.
+    pub undamped: Vec<String>,
 }
 
 impl StateSpace {
@@ -89,6 +91,9 @@ impl StateSpace {
         let mut moment = SceneMoment::new(model, at)?;
         if let Some([_, turns]) = known {
             moment.count_turns_from(turns.iter().copied());
+        }
+        if let Some(node) = moment.damped_by_steps.first().cloned() {
+            return Err(LinearisationError::Stepwise { node });
         }
         moment.settle(known.map(|[nodes, _]| nodes))?;
         let chart = Chart::choose(&mut moment, coordinates)?;
@@ -189,6 +194,7 @@ impl StateSpace {
             outputs: output_names(scene),
             tangent,
             accelerations,
+            undamped: moment.damped_by_steps.clone(),
             a,
             b,
         })

@@ -16,10 +16,10 @@ impl<T: Float> Simulation<T> {
         let state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
         let inputs = wide(&self.system.inputs);
-        let nodes: Vec<f64> = self
-            .system
-            .nodes_in_world(self.time, self.system.nodes.nodes())
-            .collect();
+        let layout = self.system.model.layout();
+        let unknowns = self.system.nodes.nodes();
+        let unknowns: Vec<f64> = self.system.nodes_in_world(self.time, unknowns).collect();
+        let nodes = layout.node_positions(&state, &unknowns);
         let turns = wide(&self.system.memory.turns);
         let here = (
             self.time,

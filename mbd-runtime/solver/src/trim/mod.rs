@@ -63,7 +63,7 @@ pub struct Trimmed {
     pub state: Vec<f64>,
     /// The inputs, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
     pub inputs: Vec<f64>,
-    /// The node unknowns.
+    /// The positions of the nodes, 3 each [m], as [`Simulation::set_nodes`] takes them.
     pub nodes: Vec<f64>,
     /// The linear system there.
     pub space: StateSpace,
@@ -294,7 +294,8 @@ impl<T: Scalar> Trim<'_, T> {
         self.asked.time = run.time();
         self.asked.state = Some(wide(run.state()));
         self.asked.given = Some(wide(&run.system.inputs));
-        self.asked.nodes = Some(wide(run.nodes()));
+        let layout = run.model().layout();
+        self.asked.nodes = Some(wide(&layout.node_positions(run.state(), run.nodes())));
         self.asked.turns = Some(wide(&run.system.memory.turns));
         self
     }

@@ -80,7 +80,7 @@ pub(crate) fn find<T: Scalar>(
         _ => given.clone(),
     };
     let at = (asked.time, &state[..], &first[..]);
-    let mut moment = SceneMoment::new(model, at)?;
+    let mut moment = SceneMoment::at_rest(model, at)?;
     if asked.state.is_none() {
         moment.place(&asked.starts(model.scene()));
     }
@@ -382,7 +382,7 @@ impl Search {
         Ok(Trimmed {
             names: names.collect(),
             values: values.chain(others.copied().map(Some)).collect(),
-            nodes: self.moment.nodes().to_vec(),
+            nodes: self.moment.node_positions(),
             state: self.moment.state,
             inputs: self.moment.inputs,
             space,
@@ -423,7 +423,7 @@ impl Search {
         }
         let behind = step.rows(first + self.inputs.len(), rest).into_owned();
         self.advance(&moves, [&behind, &inputs], 0.0)?;
-        let nodes = self.moment.nodes().to_vec();
+        let nodes = self.moment.node_positions();
         self.residual(Some(&nodes))
     }
 

@@ -145,7 +145,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         told_rest(&rest, place),
         told_there(&there),
         told(&rest.space, place),
-        growing(&rest.space, place),
+        [undamped(&rest.space), growing(&rest.space, place)].concat(),
         turning(&there, &rest.space)
     ))
 }
@@ -261,7 +261,7 @@ fn json_of(
         })
     });
     pretty(&json!({
-        "rest": rest, "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs),
+        "rest": rest, "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs), "undamped": space.undamped,
         "a": rows(&space.a), "b": rows(&space.b), "c": rows(&space.c), "d": rows(&space.d),
         "accelerations": space.accelerations.as_slice(), "eigenvalues": eigenvalues,
     }))
@@ -370,6 +370,21 @@ fn told_rest(rest: &Trimmed, place: &str) -> String {
         false => format!(
             "{}\nNothing decides `{undecided}`: what stayed where it began.\n",
             table.text()
+        ),
+    }
+}
+
+/// Says which damping is not in the linear system of a rest.
+fn undamped(space: &StateSpace) -> String {
+    match space.undamped.as_slice() {
+        [] => String::new(),
+        nodes => format!(
+            "\nnote: the damping of the lines of {} is none of this linear system: differences from step to step (`equilibrium: stepwise`) have none. Declare `equilibrium: rate`, or give the point a mass.\n",
+            nodes
+                .iter()
+                .map(|node| format!("`{node}`"))
+                .collect::<Vec<_>>()
+                .join(", ")
         ),
     }
 }

@@ -5,6 +5,7 @@ mod efforts;
 mod emitted;
 mod mechanisms;
 mod names;
+mod nodes;
 mod parameters;
 mod trim;
 
