@@ -208,7 +208,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let (numbers, constants) = recorded(|| Numbers::new(scene, &params));
     let state = slots(layout.nx(), Slot::State);
     let nodes = slots(3 * layout.nodes.len(), Slot::Node);
-    let effective = slots(2 * layout.effective_lines, Slot::Effective);
+    let effective = slots(layout.effective_numbers, Slot::Effective);
     let mut hold = slots(layout.holds(), Slot::Hold);
     hold.extend(slots(layout.turns.len(), |number| Slot::Turn {
         number,

@@ -283,7 +283,10 @@ impl Sharing<'_> {
             Slot::Time => 0,
             Slot::State(i) => self.owners.get(i).copied().unwrap_or_default(),
             Slot::Node(i) => i / 3,
-            Slot::Effective(i) => i / 2,
+            Slot::Effective(i) => match i.checked_sub(2 * layout.effective_lines) {
+                Some(behind) => layout.effective_lines + behind / 3,
+                None => i / 2,
+            },
             Slot::Ends(i) => i / 6,
             Slot::Hold(i) | Slot::Param(i) | Slot::Turn { number: i, .. } => i,
             Slot::Origin { number, .. } => number / 3,

@@ -137,7 +137,7 @@ impl NumberList {
             NumberList::Z => layout.nz,
             NumberList::States => layout.ns,
             NumberList::Nodes => 3 * layout.nodes.len(),
-            NumberList::Effective => 2 * layout.effective_lines,
+            NumberList::Effective => layout.effective_numbers,
             NumberList::Hold => layout.holds(),
             NumberList::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
             NumberList::Inputs => layout.ni,

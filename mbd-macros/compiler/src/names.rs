@@ -66,6 +66,14 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             let name = node.map_or_else(String::new, |node| point(scene, node.point));
             format!("{name}_{}{}", if rate { "w" } else { "p" }, axis(index))
         }
+        Slot::Effective(index) if index >= 2 * layout.effective_lines => {
+            let all = layout.nodes.iter();
+            let own = all
+                .filter(|node| node.velocity.is_some_and(|at| at <= index))
+                .last();
+            let name = own.map_or_else(String::new, |node| point(scene, node.point));
+            format!("{name}_v{}", axis(index - 2 * layout.effective_lines))
+        }
         Slot::Effective(index) => {
             let line = layout
                 .lines

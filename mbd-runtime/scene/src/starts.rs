@@ -25,7 +25,7 @@ impl Arguments<f64> {
             time,
             state: state.to_vec(),
             nodes: vec![0.0; 3 * layout.nodes.len()],
-            effective: vec![0.0; 2 * layout.effective_lines],
+            effective: vec![0.0; layout.effective_numbers],
             // What locks hold is not said: that is where their coordinates are.
             hold: (layout.start_detached().map(hold))
                 .take(layout.holds() - layout.locks)

@@ -139,7 +139,7 @@ fn random_place(model: &dyn Model<f64>, seed: &mut u64) -> Arguments<f64> {
     let stiffness = |(index, x): (usize, f64)| if index % 2 == 0 { 1e3 * (2.0 + x) } else { 0.5 };
     Arguments {
         nodes: list(3 * layout.nodes.len()),
-        effective: list(2 * layout.effective_lines)
+        effective: list(layout.effective_numbers)
             .into_iter()
             .enumerate()
             .map(stiffness)

@@ -44,8 +44,10 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
     let turns = list(layout.turns.len(), 20.0);
     let origin = list(scene.runs.origin.map_or(0, |_| NUMBERS), 4.0);
     let effective = (0..layout.effective_lines)
-        .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
-        .collect();
+        .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)]);
+    let mut effective: Vec<f64> = effective.collect();
+    let velocities = layout.effective_numbers - effective.len();
+    effective.extend((0..velocities).map(|_| random.uniform(-3.0, 3.0)));
     let detachable = |at: usize| match layout.lines.get(at) {
         Some(slots) => slots.detachable,
         None => at >= layout.one_way(),

@@ -352,7 +352,7 @@ pub fn somewhere(scene: &Scene, random: &mut Random) -> Arguments<f64> {
     Arguments {
         time: 0.7,
         nodes: random.list(3 * layout.nodes.len(), |_| 0.0, 0.5),
-        effective: random.list(2 * layout.effective_lines, taut, 1.0),
+        effective: random.list(layout.effective_numbers, taut, 1.0),
         hold: random
             .list(layout.one_way(), |_| 0.0, 1.2)
             .iter()

@@ -114,7 +114,7 @@ fn coordinates_at_start(scene: &Scene, layout: &Layout, plan: &RunPlan) -> Vec<f
     let arguments = Arguments {
         state: plan.state.clone(),
         nodes: vec![0.0; 3 * layout.nodes.len()],
-        effective: vec![0.0; 2 * layout.effective_lines],
+        effective: vec![0.0; layout.effective_numbers],
         hold: vec![0.0; layout.holds()],
         inputs: plan.inputs.clone(),
         ..Arguments::default()

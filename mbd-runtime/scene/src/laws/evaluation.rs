@@ -117,7 +117,7 @@ impl<'a, S: Real> Evaluation<'a, S> {
         }
     }
 
-    /// Velocity of a place against the origin [m/s], world axes. The velocity of a `static` or `stepwise` node is Σ H⁻¹ J_i v_i.
+    /// Velocity of a place against the origin [m/s], world axes. The velocity of a node without damping is Σ H⁻¹ J_i v_i.
     pub fn velocity_of(&self, place: Place) -> Option<Vector3<S>> {
         match place {
             Place::World(frame) => Some(self.velocity_from_origin(self.ground_velocity(frame))),
@@ -212,6 +212,9 @@ impl<'a, S: Real> Evaluation<'a, S> {
         let declared = self.layout.nodes.get(node)?;
         if declared.model == NodeModel::Rate {
             return Some(vector(self.at.nodes, 3 * node));
+        }
+        if let Some(at) = declared.velocity {
+            return Some(vector(self.at.effective, at));
         }
         let velocities = self.networks.get(declared.network)?;
         let velocities = velocities.get_or_init(|| node::velocities(self, declared.network));

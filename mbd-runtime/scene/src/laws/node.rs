@@ -299,7 +299,7 @@ pub fn condensed_stiffness<S: Real>(
     }
 }
 
-/// Velocities of the nodes of a static or stepwise network at a state, by (4) [m/s].
+/// Velocities of the nodes of a network without damping at a state, by (4) [m/s].
 pub fn velocities<S: Real>(evaluation: &Evaluation<'_, S>, network: usize) -> Vec<Vector3<S>> {
     let layout = evaluation.layout;
     let Some(network) = layout.networks.get(network) else {

@@ -62,6 +62,8 @@ pub struct Layout {
     pub anchors: Vec<Anchor>,
     /// Number of lines with effective numbers (lines of static and stepwise nodes).
     pub effective_lines: usize,
+    /// Length of [`At::effective`](crate::At::effective): two numbers of each of these, then three of each node with a velocity there.
+    pub effective_numbers: usize,
     /// What the caller supplies at each evaluation.
     pub inputs: Vec<InputSlots>,
     /// Length of the list of inputs.

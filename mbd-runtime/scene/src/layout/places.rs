@@ -30,6 +30,7 @@ impl Layout {
         layout.place_lines(scene);
         layout.place_loads(scene);
         layout.place_networks();
+        layout.place_velocities(scene);
         layout.place_inputs(scene);
         let laws = laws(&layout);
         layout.place_rows(scene, laws);
@@ -101,6 +102,7 @@ impl Layout {
                         lines: Vec::new(),
                         loaded: false,
                         z,
+                        velocity: None,
                     });
                 }
             }
@@ -304,6 +306,23 @@ impl Layout {
                 .collect();
             target.lines = lines;
             target.anchors = anchors;
+        }
+    }
+
+    /// The velocities of nodes whose lines are damped by differences.
+    fn place_velocities(&mut self, scene: &Scene) {
+        self.effective_numbers = 2 * self.effective_lines;
+        let is_damped = |&line: &usize| {
+            let declared = scene.lines.get(line);
+            declared.is_some_and(|line| !scene.is_zero(&line.damping))
+        };
+        for node in &mut self.nodes {
+            let lines = self.networks.get(node.network).map(|it| &it.lines);
+            let damped = lines.is_some_and(|lines| lines.iter().any(is_damped));
+            if damped && matches!(node.model, NodeModel::Stepwise { .. }) {
+                node.velocity = Some(self.effective_numbers);
+                self.effective_numbers += 3;
+            }
         }
     }
 

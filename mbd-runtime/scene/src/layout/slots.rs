@@ -128,6 +128,9 @@ pub struct Node {
     pub loaded: bool,
     /// Offset of its position in z (`rate` only).
     pub z: Option<usize>,
+    /// Where its velocity is in [`At::effective`](crate::At::effective), of a `stepwise` one with damped lines: it moves by what it remembers, too, and not
+    /// by its anchors alone.
+    pub velocity: Option<usize>,
 }
 
 /// Nodes joined by lines.

@@ -223,7 +223,8 @@ pub struct At<'a, S> {
     pub state: &'a [S],
     /// Node unknowns, 3 a node: position [m] (`static`, `stepwise`) or velocity [m/s] (`rate`, whose position is in z).
     pub nodes: &'a [S],
-    /// Per line of a static or stepwise node: effective stiffness K_e [N/m] and effective free length L_e [m].
+    /// Per line of a static or stepwise node: effective stiffness K_e [N/m] and effective free length L_e [m]. Behind them, per stepwise node with damped
+    /// lines, its velocity [m/s], by the difference formula of its lines.
     pub effective: &'a [S],
     /// Per line, then per stop: 0 it decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing. Per
     /// joint that may be detached whether it is; per lock what it holds its coordinate at [m or rad]. Behind them, per angle

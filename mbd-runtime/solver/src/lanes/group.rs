@@ -177,7 +177,7 @@ impl<L: Lanes> LaneGroup<L> {
             watched: false,
             stages: Stages {
                 nodes: list(3 * layout.nodes.len()),
-                effective: list(2 * layout.effective_lines),
+                effective: list(layout.effective_numbers),
                 hold: list(layout.holds()),
                 ends: list(layout.len(Quantity::AnchorStates)),
                 inputs: list(layout.ni),

@@ -61,7 +61,7 @@ impl<L: Lanes> Networks<L> {
             end: list(layout.lines.len()),
             steps: list(layout.networks.len()),
             size: L::zero(),
-            effective: list(2 * layout.effective_lines),
+            effective: list(layout.effective_numbers),
             balances: networks
                 .map(|network| BalanceEvaluation::new(network.nodes.len(), network.blocks.len()))
                 .collect(),
@@ -213,6 +213,7 @@ impl<L: Lanes> Networks<L> {
             let [solved, is_slack] = self.descend(form, plan, stages, (time, state));
             usable *= solved;
             self.note_motion(plan, stages, span, is_slack);
+            self.note_velocities(plan, (&plans.layout, span), stages);
         }
         usable
     }
@@ -252,6 +253,32 @@ impl<L: Lanes> Networks<L> {
             let moved = moved.map(|x| L::select(L::zero().lt(is_slack), L::zero(), x));
             if let Some(own) = self.motion.get_mut(3 * node..3 * node + 3) {
                 own.copy_from_slice(moved.as_slice());
+            }
+        }
+    }
+
+    /// Notes the velocities of nodes whose lines are damped by differences.
+    fn note_velocities(
+        &self,
+        plan: &NetworkPlan<f64>,
+        (layout, span): (&Layout, L),
+        stages: &mut Stages<L>,
+    ) {
+        let Some(how) = plan.stepwise() else { return };
+        let formula = RateFormula::new(how, span, get(&self.steps, plan.index));
+        for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
+            let Some(at) = layout.nodes.get(node).and_then(|node| node.velocity) else {
+                continue;
+            };
+            let anchors = own_anchors
+                .iter()
+                .map(|anchor| crate::node::triple(&stages.ends, 6 * anchor + 3));
+            let place = crate::node::triple(&stages.nodes, 3 * node);
+            let moved = warm::against(place, self.carried(node, own_anchors, stages), span);
+            let before = crate::node::triple(&self.against, 3 * node);
+            let velocity = formula.velocity(anchors, [moved, before]);
+            if let Some(own) = stages.effective.get_mut(at..at + 3) {
+                own.copy_from_slice(velocity.as_slice());
             }
         }
     }

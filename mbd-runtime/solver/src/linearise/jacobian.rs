@@ -196,7 +196,7 @@ fn differentiates<T: Float>(model: &dyn Model<T>) -> bool {
         time: T::zero(),
         state: &state,
         nodes: &nodes,
-        effective: &zeros(2 * layout.effective_lines),
+        effective: &zeros(layout.effective_numbers),
         hold: &zeros(layout.holds()),
         ends: &[],
         inputs: &inputs,

@@ -43,7 +43,10 @@ impl SceneMoment {
         at: (f64, &[f64], &[f64]),
     ) -> Result<Self, LinearisationError> {
         let mut layout = model.layout().clone();
-        let nodes = layout.nodes.iter_mut().map(|node| &mut node.model);
+        let nodes = layout.nodes.iter_mut().map(|node| {
+            node.velocity = None;
+            &mut node.model
+        });
         let networks = layout.networks.iter_mut();
         for own in nodes.chain(networks.map(|network| &mut network.model)) {
             if let NodeModel::Stepwise { .. } = own {

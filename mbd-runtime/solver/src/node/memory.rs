@@ -81,7 +81,7 @@ impl<T: Float> NodeMemory<T> {
             anchors: list(3 * layout.anchors.len()),
             stretch: list(layout.lines.len()),
             previous: list(layout.lines.len()),
-            effective: list(2 * layout.effective_lines),
+            effective: list(layout.effective_numbers),
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
@@ -211,7 +211,7 @@ impl<T: Float> NodeMemory<T> {
         same(
             "memory of forces",
             self.effective.len(),
-            2 * layout.effective_lines,
+            layout.effective_numbers,
         )?;
         same("memory of networks", self.smooth.len(), networks)?;
         same("memory of networks", self.ranks.len(), networks)?;

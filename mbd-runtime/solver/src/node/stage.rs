@@ -88,7 +88,7 @@ impl<T: Float> Nodes<T> {
             plans: NetworkPlan::of(layout),
             ends: list(layout.len(Quantity::AnchorStates)),
             nodes: list(3 * layout.nodes.len()),
-            effective: list(2 * layout.effective_lines),
+            effective: list(layout.effective_numbers),
             hold: list(layout.origin_at()),
             stretch: list(layout.lines.len()),
             free_lengths: list(layout.lines.len()),
@@ -113,7 +113,8 @@ impl<T: Float> Nodes<T> {
         &self.nodes
     }
 
-    /// K_e [N/m] and L_e [m] of the last solve, for [`At::effective`]. All zero for a slack network: no force, no stiffness.
+    /// K_e [N/m] and L_e [m] of the lines at the last solve, all zero for a slack network: no force, no stiffness; behind them velocities of nodes [m/s]. For
+    /// [`At::effective`].
     #[must_use]
     pub fn effective(&self) -> &[T] {
         &self.effective
@@ -283,6 +284,7 @@ impl<T: Float> Nodes<T> {
             nodes.predict(plan, span, memory);
             let is_slack = nodes.balance(stage, plan, work)?;
             nodes.note_motion(plan, span, memory, is_slack);
+            nodes.note_velocities(plan, span, memory);
             Ok(())
         });
         // Most stages are followed by others: the lines are measured where somebody asks.
@@ -416,6 +418,24 @@ impl<T: Float> Nodes<T> {
         }
     }
 
+    /// Notes the velocities of nodes whose lines are damped by differences, `span` after the last accepted step.
+    fn note_velocities(&mut self, plan: &NetworkPlan<T>, span: T, memory: &NodeMemory<T>) {
+        let Some(how) = plan.stepwise() else { return };
+        let formula = RateFormula::new(how, span, memory.smooth_step(plan.index));
+        for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
+            let Some(at) = self.layout.nodes.get(node).and_then(|node| node.velocity) else {
+                continue;
+            };
+            let anchors = own_anchors
+                .iter()
+                .map(|anchor| triple(&self.ends, 6 * anchor + 3));
+            let place = triple(&self.nodes, 3 * node);
+            let moved = against(place, self.carried(node, own_anchors, memory), span);
+            let velocity = formula.velocity(anchors, [moved, triple(&memory.against, 3 * node)]);
+            self.effective[at..at + 3].copy_from_slice(velocity.as_slice());
+        }
+    }
+
     /// An accepted node, carried with the mean displacement of its anchors since.
     fn carried(&self, node: usize, own_anchors: &[usize], memory: &NodeMemory<T>) -> Vector3<T> {
         let steps = own_anchors
@@ -537,8 +557,13 @@ impl<T: Float> Nodes<T> {
             let slots = 3 * node..3 * node + 3;
             self.nodes[slots.clone()].copy_from_slice(&memory.nodes[slots]);
         }
-        for at in plan.lines.iter().filter_map(|line| line.effective) {
-            let slots = 2 * at..2 * at + 2;
+        let lines = plan.lines.iter().filter_map(|line| line.effective);
+        let nodes = plan
+            .nodes
+            .iter()
+            .filter_map(|&node| self.layout.nodes.get(node)?.velocity);
+        let numbers = lines.map(|at| 2 * at..2 * at + 2);
+        for slots in numbers.chain(nodes.map(|at| at..at + 3)) {
             self.effective[slots.clone()].copy_from_slice(&memory.effective[slots]);
         }
     }

@@ -2,6 +2,7 @@
 
 use mbd_scene::laws::line as law;
 use mbd_scene::{Clamp, Difference, Float, Model, Work};
+use nalgebra::Vector3;
 
 use super::balance::{Tie, Tied, triple};
 use super::error::{NodeError, Uneven};
@@ -10,6 +11,7 @@ use super::scene::{ENDLESS, NetworkPlan, is_detached};
 use super::solver::Tolerance;
 use super::stage::{Nodes, Stage};
 use super::stepwise::{History, effective};
+use super::warm::{against, carried};
 use crate::unilateral::{Mode, is_node_line};
 
 /// The tiny step that finds the first forces of networks without a rate problem, as a part of the shortest C/K.
@@ -171,9 +173,28 @@ impl<T: Float> Nodes<T> {
             self.balance(stage, plan, work)?;
         }
         if elastic {
+            self.start_velocities(plan, |nodes, local| {
+                nodes.mean_velocity(plan.own_anchors[local].iter().copied())
+            });
             return Ok(());
         }
         self.start_damped(stage, plan, work)
+    }
+
+    /// Gives the nodes whose lines are damped by differences their velocities.
+    fn start_velocities(&mut self, plan: &NetworkPlan<T>, of: impl Fn(&Self, usize) -> Vector3<T>) {
+        for (local, &node) in plan.nodes.iter().enumerate() {
+            if let Some(at) = self.layout.nodes.get(node).and_then(|node| node.velocity) {
+                let velocity = of(self, local);
+                self.effective[at..at + 3].copy_from_slice(velocity.as_slice());
+            }
+        }
+    }
+
+    /// The velocity of anchors on the average.
+    fn mean_velocity(&self, anchors: impl ExactSizeIterator<Item = usize>) -> Vector3<T> {
+        let velocities = anchors.map(|anchor| triple(&self.ends, 6 * anchor + 3));
+        carried(triple(&[], 0), velocities)
     }
 
     /// Each node at the mean of its anchors, weighted by the stiffness of their lines.
@@ -254,6 +275,7 @@ impl<T: Float> Nodes<T> {
                 *tension = if leg.active { pull } else { T::zero() };
             }
             self.carry_tensions(model, plan);
+            self.start_velocities(plan, |_, _| plan.rate.velocity());
             return Ok(());
         }
         self.tiny_step(stage, plan, work)
@@ -273,6 +295,7 @@ impl<T: Float> Nodes<T> {
         let shortest = relaxations.reduce(|least, one| least.min(one));
         let span = shortest.unwrap_or_default() * T::from_f64(TINY_STEP);
         self.place(plan);
+        let before = plan.p.clone();
         let (nodes, ends) = (&self.nodes, &self.ends);
         let stretches = plan.lines.iter().map(|line| {
             let free = line.numbers(model).map_or(T::zero(), |n| n.free_length);
@@ -286,18 +309,19 @@ impl<T: Float> Nodes<T> {
             effective(numbers, Difference::Euler, Clamp::Positive, span, history)
         });
         let ends = self.ends.clone();
-        let mut mean = triple(&[], 0);
-        let anchors = self.layout.anchors.len();
-        for anchor in 0..anchors {
-            mean += triple(&ends, 6 * anchor + 3);
-        }
-        let mean = mean.map(|x| x / T::from_f64(anchors.max(1) as f64));
-        for anchor in 0..anchors {
+        let anchors = 0..self.layout.anchors.len();
+        let mean = self.mean_velocity(anchors.clone());
+        for anchor in anchors {
             let slip = triple(&ends, 6 * anchor + 3) - mean;
             let moved = triple(&ends, 6 * anchor) + slip.map(|x| x * span);
             self.ends[6 * anchor..6 * anchor + 3].copy_from_slice(moved.as_slice());
         }
         let solved = self.balance(stage, plan, work);
+        self.start_velocities(plan, |nodes, local| {
+            let [before, now] = [(&before, local), (&nodes.nodes, plan.nodes[local])]
+                .map(|(list, place)| triple(list, 3 * place));
+            mean + against(now, before, span)
+        });
         for (line, (k, l)) in plan.lines.iter().zip(plan.k.iter_mut().zip(&plan.l)) {
             let vector = line.vector(&self.ends, &self.nodes);
             *k = law::effective_tension(*k, law::geometry(&vector, *l).stretch);

@@ -11,6 +11,9 @@
 
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Clamp, Difference, Float, Real};
+use nalgebra::Vector3;
+
+use super::warm::carried;
 
 /// The stretches of one line at the last two accepted steps.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +46,8 @@ pub(crate) struct RateFormula<T> {
     now: T,
     last: T,
     before: T,
+    /// b h_prev/τ.
+    earlier: T,
 }
 
 impl<T: Real> RateFormula<T> {
@@ -70,7 +75,23 @@ impl<T: Real> RateFormula<T> {
             now,
             last,
             before,
+            earlier: before * step / tau,
         }
+    }
+
+    /// The velocity of a node by the same formula [m/s]: that of its anchors on the average, and against them w a_n − b (h_prev/τ) a_{n−1}, with how fast it moved
+    /// against them since the last accepted step and in the step before; zero where that is not known: after a start, a switch or in a slack network.
+    #[inline]
+    pub(crate) fn velocity(
+        &self,
+        anchors: impl ExactSizeIterator<Item = Vector3<T>>,
+        [now, before]: [Vector3<T>; 2],
+    ) -> Vector3<T> {
+        let (zero, one) = (T::zero(), T::one());
+        let known = zero.lt(before.x.abs() + before.y.abs() + before.z.abs());
+        let weight = T::select(known, self.now, one);
+        let own = now.zip_map(&before, |now, before| weight * now - self.earlier * before);
+        carried(own, anchors)
     }
 
     /// K_e [N/m] and L_e [m] of a line with the stretches s_n and s_{n−1}, either sign [m].

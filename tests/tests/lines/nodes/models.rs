@@ -3,7 +3,7 @@
 use super::common::{COLUMNS, Run, body, frame, line, node, parachute, state_of};
 use mbd_runtime::Mode;
 use mbd_runtime::node::{NodeError, NodeMemory, Stage};
-use mbd_runtime::{Generic, Model, Options, Quantity, Simulation};
+use mbd_runtime::{Content, Generic, Model, Options, Quantity, Sampling, Simulation, Trajectory};
 use mbd_scene::{
     Clamp, Difference, Gravity, LineKind, Load, LoadKind, NodeModel, Place, PointKind, Scene,
 };
@@ -502,4 +502,98 @@ fn single_precision_runs_the_same_scene() {
             line[0]
         );
     }
+}
+
+/// A wire of damped knots under loads with a lamp at its middle, and one knot on three lines.
+const WIRE: &str = "model Wire { gravity: [0, 0, -9.81] m/s^2;
+    world { frame left at [-5, 0, 6] m, frame right at [5, 0, 6] m }
+    point knot[i in 0..3] { equilibrium: MODEL } point lamp { mass: 12 kg, start at [0, 0, 3.6] m }
+    line wire[0] from world.left to knot[0] { free_length: 2.6 m, stiffness: 80 kN/m, damping: 200 N*s/m }
+    line wire[i in 1..3] from knot[i - 1] to knot[i] { free_length: 2.6 m, stiffness: 80 kN/m, damping: 200 N*s/m }
+    line wire[3] from knot[2] to world.right { free_length: 2.6 m, stiffness: 80 kN/m, damping: 200 N*s/m }
+    line hook from knot[1] to lamp { free_length: 0.5 m, stiffness: 20 kN/m, damping: 100 N*s/m }
+    load ice[i in 0..3] on knot[i] = [0, 0, -15 N];
+    output place = [knot[0].position.x, knot[0].position.z, knot[1].position.z, knot[2].position.x] in m;
+    output speed = [knot[0].velocity.x, knot[0].velocity.z, knot[1].velocity.z, knot[2].velocity.x] in m/s; }";
+const KNOT: &str = "model Knot { gravity: [0, 0, -9.81] m/s^2;
+    world { frame left at [-1, 0, 2] m, frame right at [1, 0, 2] m, frame back at [0, 1, 2 + 0.1 * sin(5 rad/s * time)] m }
+    point knot { equilibrium: MODEL }
+    point lamp { mass: 2 kg, start at [0.1, 0, 1.2] m velocity [0.5, 0.2, -1] m/s }
+    line a from world.left to knot { free_length: 1.1 m, stiffness: 5 kN/m, damping: 200 N*s/m }
+    line b from world.right to knot { free_length: 1.1 m, stiffness: 5 kN/m, damping: 200 N*s/m }
+    line c from world.back to knot { free_length: 1.1 m, stiffness: 5 kN/m, damping: 200 N*s/m }
+    line hook from knot to lamp { free_length: 0.3 m, stiffness: 5 kN/m, damping: 100 N*s/m }
+    output place = [knot.position.x, knot.position.y, knot.position.z, time / (1 s) * 0 m] in m;
+    output speed = [knot.velocity.x, knot.velocity.y, knot.velocity.z, 0 m/s] in m/s; }";
+
+/// The columns of two outputs of four numbers at every step of RK4.
+fn places_and_speeds(text: &str, step: f64, end: f64) -> (Vec<Vec<f64>>, f64) {
+    let model = Generic::<f64>::with_defaults(tests::declared::read(text)).expect("defaults");
+    let options = Options {
+        work: true,
+        ..Options::rk4(step)
+    };
+    let mut run = Simulation::new(&model, options).expect("options");
+    let mut history = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+    run.record(end, &mut history).expect("a run");
+    let names = (0..4).map(|k| format!("place[{k}]"));
+    let names = names.chain((0..4).map(|k| format!("speed[{k}]")));
+    let columns = names.map(|name| history.column(&name).expect("a column").to_vec());
+    (
+        columns.collect(),
+        run.imbalance().expect("a balance").relative(),
+    )
+}
+
+#[test]
+fn a_stepwise_node_is_told_to_move_as_its_places_do() {
+    for formula in ["bdf2", "euler"] {
+        let model = format!("stepwise {{ formula: {formula} }}");
+        for text in [WIRE, KNOT].map(|text| text.replace("MODEL", &model)) {
+            let gap = |step: f64| {
+                let (columns, imbalance) = places_and_speeds(&text, step, 0.2);
+                let (places, speeds) = columns.split_at(4);
+                let mut gaps: Vec<f64> = Vec::new();
+                let mut size: f64 = 0.0;
+                for (place, speed) in places.iter().zip(speeds) {
+                    for k in 1..place.len() - 1 {
+                        let moves = (place[k + 1] - place[k - 1]) / (2.0 * step);
+                        gaps.push((moves - speed[k]).abs());
+                        size = size.max(speed[k].abs());
+                    }
+                }
+                // But for the first step, and those in which lines begin or cease to pull.
+                gaps.sort_by(f64::total_cmp);
+                [gaps[gaps.len() * 9 / 10] / size, imbalance]
+            };
+            let [coarse, fine] = [2e-3, 5e-4].map(gap);
+            println!("{formula}: {coarse:?} {fine:?}");
+            // The error of the balance of energy is of order one where lines begin or cease to pull, and in the first step.
+            let (bound, order) = if formula == "bdf2" {
+                (2e-3, 3.0)
+            } else {
+                (4e-2, 1.8)
+            };
+            assert!(
+                fine[0] < bound && coarse[0] > order * fine[0],
+                "{coarse:?} {fine:?} of {text}"
+            );
+            assert!(
+                fine[1] < 0.02 && coarse[1] > 1.8 * fine[1],
+                "{coarse:?} {fine:?} of {text}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_stepwise_node_starts_as_fast_as_a_rate_node() {
+    let first = |model: &str| -> Vec<f64> {
+        let text = KNOT.replace("MODEL", model);
+        let (columns, _) = places_and_speeds(&text, 1e-3, 1e-3);
+        columns.iter().map(|column| column[0]).collect()
+    };
+    let (stepwise, rate) = (first("stepwise"), first("rate"));
+    assert!(worst(&stepwise, &rate) < 1e-9, "{stepwise:?} {rate:?}");
+    assert!(rate[4..].iter().any(|speed| speed.abs() > 0.1), "{rate:?}");
 }
