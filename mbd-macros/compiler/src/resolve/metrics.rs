@@ -131,6 +131,16 @@ impl Resolver<'_> {
         let (Some(begin), Some(end)) = (rest.first(), rest.last()) else {
             return self.fail(say::metric_of_nothing(first.at.into(), take));
         };
+        // `time_of max height`, `max a - min a`: a quantity of this name would be followed by a sign.
+        let second = rest.windows(2).find_map(|pair| match pair {
+            [word, next] if matches!(next.kind, LexemeKind::Word(_)) => {
+                Some((word.at, Take::of(&word.shown())?))
+            }
+            _ => None,
+        });
+        if let Some((at, second)) = second {
+            return self.fail(say::metric_of_two(at.into(), take, second));
+        }
         let at = Region {
             first: begin.at,
             last: end.at,
