@@ -1,6 +1,6 @@
 //! Metrics: numbers of a run. The quantity of one is an output with its name, behind those that are declared.
 
-use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
+use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take, under_integral};
 use mbd_scene::{Formula, Output, Unit};
 
 use super::{Instance, MayDependOn, Named, Resolver, Typed, fold};
@@ -77,8 +77,8 @@ impl Resolver<'_> {
                 && let Some((unit, _)) = &mut asked
                 && units::times(dimension, units::TIME) == Some(unit.dimension)
             {
-                // `in kJ` of a power: its column is in kJ/s.
-                unit.text = format!("{}/s", unit.text);
+                // `in kJ` of a power: its column is in kW.
+                unit.text = under_integral(&unit.text);
                 unit.dimension = dimension;
             }
             let (value, components, unit) = self.column(typed, asked)?;

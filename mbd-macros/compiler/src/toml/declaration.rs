@@ -81,7 +81,7 @@ impl DeclarationWriter<'_> {
             self.lines(&self.comments_of(key), "");
         }
         self.doc(doc, "");
-        let _ = writeln!(self.text, "pub model {name} {{");
+        let _ = writeln!(self.text, "model {name} {{");
         let mut items = Vec::new();
         for (key, value) in entries(table) {
             match (words::find(key.get_ref(), false), value.get_ref()) {

@@ -178,7 +178,7 @@ fn what_events_do_is_the_same_in_text_and_toml() {
 fn a_document_as_text_keeps_its_consts_repetitions_and_units() {
     let text = toml_to_text(LINK).unwrap();
     for kept in [
-        "/// A link on a line.\npub model Link<T> {",
+        "/// A link on a line.\nmodel Link<T> {",
         "const L = 1.6 m;",
         "/// Mass of the link.\n    param mass = 2.0 kg in 1 kg ..= 3 kg;",
         "body bead[i in 0..2] {",

@@ -4,7 +4,6 @@ use mbd_scene::{JointStart, LINE_NUMBERS, Model, Quantity, Scene, StartNumber};
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
-use crate::columns::Name;
 use crate::compiled::Scalar;
 use crate::linearise::chart::{Chart, MinimalCoordinate, input_names, known, with_unit};
 use crate::linearise::moment::{SceneMoment, check_given, check_lists};
@@ -352,17 +351,18 @@ impl Search {
         if let Some((worst, left)) = worst
             && (left.is_nan() || left > STILL * scale.min(1e3))
         {
-            let name = match self.chart.minimal.get(worst) {
-                Some(one) => Name {
-                    unit: format!("{}^2", one.rate.unit),
-                    ..one.coordinate.clone()
-                },
-                None => space.states[n + worst].clone(),
+            let (name, unit) = match self.chart.minimal.get(worst) {
+                Some(one) => (&one.coordinate.name, format!("{}^2", one.rate.unit)),
+                None => {
+                    let state = &space.states[n + worst];
+                    (&state.name, a_second(&state.unit))
+                }
             };
             return Err(TrimError::Unbalanced {
-                worst: name.name,
+                worst: name.clone(),
                 residual: residual[worst],
-                unit: name.unit,
+                unit,
+                is_state: worst >= n,
                 counts: [self.free.len() + self.inputs.len() + rest, n + rest],
                 iterations,
                 slack: self.slack(),
@@ -456,6 +456,18 @@ impl Search {
             .zip(columns)
             .filter(|(_, column)| column.amax() <= least);
         still.map(|(name, _)| with_unit(name)).collect()
+    }
+}
+
+/// The unit of the rate of what has this one: `m/s` of `m`, `rad` of `rad*s`.
+fn a_second(unit: &str) -> String {
+    match unit {
+        "" => "1/s".to_owned(),
+        unit => match (unit.strip_suffix("*s"), unit.strip_suffix("/s")) {
+            (Some(of), _) => of.to_owned(),
+            (None, Some(of)) => format!("{of}/s^2"),
+            (None, None) => format!("{unit}/s"),
+        },
     }
 }
 
