@@ -159,8 +159,9 @@ impl Resolver<'_> {
             None | Some(units::FORCE) => Some(LoadKind::Force(typed.formula)),
             Some(units::TORQUE) => Some(LoadKind::Torque(typed.formula)),
             Some(found) => match &typed.bare {
-                _ if let Some(input) = self.input_of_bare_value(&typed) => {
-                    self.fail(say::input_without_unit(typed.at, &input, units::FORCE))
+                _ if let Some((input, vector)) = self.input_of_bare_value(&typed) => {
+                    let input = (input.as_str(), vector);
+                    self.fail(say::input_without_unit(typed.at, input, units::FORCE))
                 }
                 Some(text) if found == units::NONE => {
                     self.fail(say::needs_unit(typed.at, "load", units::FORCE, text))

@@ -539,8 +539,9 @@ impl Resolver<'_> {
                 if let Some(report) = self.unit_misfit(typed.at) {
                     return self.fail(report);
                 }
-                if let Some(input) = self.input_of_bare_value(&typed) {
-                    return self.fail(say::input_without_unit(typed.at, &input, wanted));
+                if let Some((input, vector)) = self.input_of_bare_value(&typed) {
+                    let report = say::input_without_unit(typed.at, (&input, vector), wanted);
+                    return self.fail(report);
                 }
                 let report = match &typed.bare {
                     Some(text) if found == units::NONE => {
@@ -559,8 +560,8 @@ impl Resolver<'_> {
 }
 
 impl Resolver<'_> {
-    /// The input that is this value, or a component of it, and whose kind is that of a bare number.
-    pub(super) fn input_of_bare_value(&self, typed: &Typed) -> Option<String> {
+    /// The input that is this value, or a component of it, and whose kind is that of a bare number; whether it is a vector.
+    pub(super) fn input_of_bare_value(&self, typed: &Typed) -> Option<(String, bool)> {
         let parts = match &typed.formula {
             Formula::Vector(parts) => parts.as_slice(),
             one => std::slice::from_ref(one),
@@ -575,8 +576,10 @@ impl Resolver<'_> {
             }),
             _ => None,
         });
-        let name = bare?.item.name.as_ref()?;
-        Some(name.word.text.clone())
+        let bare = bare?;
+        let vector = self.scene.inputs.get(bare.slot)?.components == 3;
+        let name = bare.item.name.as_ref()?;
+        Some((name.word.text.clone(), vector))
     }
 }
 

@@ -280,7 +280,7 @@ pub const EXPECTED_FIELDS: Dictionary = &[
 ];
 
 const SPEED_OF_MOTOR: &str = "a motor prescribes the coordinate: `motor: 2 rad/s * time` turns at one speed; a speed that changes is the rate of a state, `state aim = 0 rad { rate: speed }`, followed by `motor: aim, filter: 20 ms`";
-const PRELOAD: &str = "a preload F is said by where the spring is at rest, F over its stiffness away: `free_length` of a line or a spring, `rest` of a coordinate of a joint";
+const PRELOAD: &str = "a spring that pulls with F from the start on is at rest F over its stiffness away from there: say `free_length` of a line or a spring, `rest` of a coordinate of a joint";
 
 const SHAPE: &str = "what a body looks like is its `shape: box [0.2, 0.3, 0.4] m`";
 /// What is said of meshes.

@@ -157,12 +157,13 @@ pub fn input_of_no_kind(at: Region, name: &str) -> LexemeMessage {
 }
 
 /// An input whose value is a bare number stands where something with a unit is wanted.
-pub fn input_without_unit(at: Region, name: &str, wanted: Dimension) -> LexemeMessage {
-    let unit = si_text(wanted);
+pub fn input_without_unit(at: Region, input: (&str, bool), wanted: Dimension) -> LexemeMessage {
+    let ((name, vector), unit) = (input, si_text(wanted));
+    let value = if vector { "[0, 0, 0]" } else { "0" };
     LexemeMessage::new(
         at,
         format!(
-            "`{name}` is a pure number, since its value has no unit; here it is {}: give it the unit, `input {name} = 0 {unit};`",
+            "`{name}` is a pure number, since its value has no unit; here it is {}: give it the unit, `input {name} = {value} {unit};`",
             described(wanted)
         ),
     )

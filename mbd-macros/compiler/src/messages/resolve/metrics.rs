@@ -47,7 +47,7 @@ pub fn metric_of_two(at: Region, take: Take, second: Take) -> LexemeMessage {
             )
         }
         _ => format!(
-            "a metric takes one thing of a run: give `{second} …` a metric of its own, `metric NAME = {second} …;`; what is made of two metrics is made of their numbers"
+            "a metric takes one thing of a run: declare `metric NAME = {second} …;` beside it, and compute with the numbers of both after the run"
         ),
     };
     LexemeMessage::new(at, text)
