@@ -71,8 +71,18 @@ pub(crate) struct Chart {
     pub kept: Vec<usize>,
 }
 
+/// Which coordinates of bodies come first, and are chosen where they are independent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ChartOrder {
+    /// The places of all bodies and points, then turns.
+    Places,
+    /// Place and turn of one body, then of the next: places of what hangs on a body do not stand for its attitude, which they tell badly far from
+    /// where they are chosen.
+    Bodies,
+}
+
 /// Every coordinate that a scene has a name for.
-pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
+pub(crate) fn candidates(moment: &SceneMoment, order: ChartOrder) -> Vec<Minimal> {
     let (scene, layout) = (moment.scene(), moment.layout());
     let mut all = Vec::new();
     let mut number = 0;
@@ -113,7 +123,10 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
         });
         all.collect::<Vec<Minimal>>()
     };
-    let moves = layout.directions.translations().len();
+    let (moves, axes) = (
+        layout.directions.translations().len(),
+        scene.angular_velocity,
+    );
     let in_space = layout.directions.plane.map(Plane::normal).is_none();
     for (body, slots) in layout.own_bodies() {
         let places = match layout.directions.plane {
@@ -121,10 +134,8 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
             None => moves,
         };
         all.extend((0..places).filter_map(|k| place(slots.q + k, slots.v + k)));
-        // Before the places of other bodies: where these hang on it, their places would tell its attitude, and badly far from where they are chosen.
-        if in_space {
-            let own = &scene.bodies[body].name;
-            all.extend(turns(own, slots.v + moves, scene.angular_velocity));
+        if in_space && order == ChartOrder::Bodies {
+            all.extend(turns(&scene.bodies[body].name, slots.v + moves, axes));
         }
     }
     for slots in &layout.points {
@@ -133,6 +144,11 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
         }
     }
     if in_space {
+        if order == ChartOrder::Places {
+            for (body, slots) in layout.own_bodies() {
+                all.extend(turns(&scene.bodies[body].name, slots.v + moves, axes));
+            }
+        }
         // A joint of a tree that carries an attitude measures nothing of it: its angular velocity is that in frame 2.
         for (joint, link) in layout.joint_links() {
             let joint = &scene.joints[joint];
@@ -147,7 +163,7 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
 
 /// The names of all coordinates, as a message lists them.
 pub(crate) fn known(moment: &SceneMoment) -> String {
-    let all = candidates(moment);
+    let all = candidates(moment, ChartOrder::Places);
     let names: Vec<&str> = all.iter().map(|one| one.coordinate.name.as_str()).collect();
     names.join(", ")
 }
@@ -160,8 +176,9 @@ impl Chart {
     pub(crate) fn choose(
         moment: &mut SceneMoment,
         wanted: &[&str],
+        order: ChartOrder,
     ) -> Result<Self, LinearisationError> {
-        let mut all = candidates(moment);
+        let mut all = candidates(moment, order);
         let mut first = Vec::new();
         for name in wanted {
             let Some(at) = all.iter().position(|one| one.coordinate.name == *name) else {

@@ -5,7 +5,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
 use crate::compiled::Scalar;
-use crate::linearise::chart::{Chart, MinimalCoordinate, input_names, known, with_unit};
+use crate::linearise::chart::{
+    Chart, ChartOrder, MinimalCoordinate, input_names, known, with_unit,
+};
 use crate::linearise::moment::{SceneMoment, check_given, check_lists};
 use crate::linearise::{LinearisationError, StateSpace, motors_follow};
 use crate::simulation::start::declared_start;
@@ -35,10 +37,25 @@ struct Search {
     rest: usize,
 }
 
-/// What [`Trim::solve`] does.
+/// What [`Trim::solve`] does: a search in the coordinates of the linear system, and where that finds nothing in those that have the attitude of
+/// every body among them.
 pub(crate) fn find<T: Scalar>(
     model: &dyn Model<T>,
     asked: &TrimProblem,
+) -> Result<Trimmed, TrimError> {
+    match find_along(model, asked, ChartOrder::Places) {
+        Err(first @ TrimError::Unbalanced { .. }) => {
+            find_along(model, asked, ChartOrder::Bodies).map_err(|_| first)
+        }
+        found => found,
+    }
+}
+
+/// A search in coordinates that are chosen in an order.
+fn find_along<T: Scalar>(
+    model: &dyn Model<T>,
+    asked: &TrimProblem,
+    order: ChartOrder,
 ) -> Result<Trimmed, TrimError> {
     check_given(asked.numbers())?;
     let (scene, layout) = (model.scene(), model.layout());
@@ -98,7 +115,7 @@ pub(crate) fn find<T: Scalar>(
             named.push(name);
         }
     }
-    let chart = Chart::choose(&mut moment, &named)?;
+    let chart = Chart::choose(&mut moment, &named, order)?;
     let find = |name: &str| {
         let all = chart.minimal.iter();
         let mut all = all.map(|one| one.coordinate.name == name);
