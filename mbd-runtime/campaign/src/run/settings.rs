@@ -298,7 +298,7 @@ mod tests {
         for lines in [
             "until = 0.1\nsave = \"x\"",
             "save = \"x\"\nuntil = 0.1",
-            "step = 1\nuntil = true",
+            "step = 1\nmax_steps = true",
         ] {
             assert!(!told(lines).contains("in quotes"), "{}", told(lines));
         }
