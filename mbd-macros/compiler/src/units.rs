@@ -213,6 +213,12 @@ const FOREIGN: &[(&str, &str)] = &[
     ("ms2", "m/s^2"),
     ("mps", "m/s"),
     ("kmh", "kph"),
+    // The sign of micro, and the Greek letter.
+    ("\u{b5}m", "um"),
+    ("\u{3bc}m", "um"),
+    ("\u{b5}s", "us"),
+    ("\u{3bc}s", "us"),
+    ("\u{3c9}", "ohm"),
 ];
 
 /// Units that are not here, and what one of them is.
@@ -237,6 +243,12 @@ const INSTEAD: &[(&str, &str)] = &[
     ("hp", "`745.7 W` for one, `735.5 W` for a metric one"),
     ("wh", "`3600 J` for one"),
     ("kwh", "`3.6 MJ` for one"),
+    ("ml", "`1 cm^3` for one"),
+    ("cl", "`10 cm^3` for one"),
+    ("dl", "`100 cm^3` for one"),
+    ("mmhg", "`133.322 Pa` for one"),
+    ("torr", "`133.322 Pa` for one"),
+    ("inhg", "`3386.39 Pa` for one"),
     ("day", "`24 h` for one"),
     ("days", "`24 h` for one"),
 ];
@@ -349,8 +361,13 @@ pub fn run_together(word: &str) -> Option<String> {
         let scaled = |unit: &&&str| find(unit).is_some_and(|(factor, _)| factor != 1.0);
         all.iter().filter(scaled).count()
     };
+    // Nobody glues a litre to another unit, and a mass comes first: `mmHg` is no `m*mH*g`.
+    let apart = |all: &[&str]| {
+        let mass = |unit: &&str| find(unit).is_some_and(|(_, dimension)| dimension == MASS);
+        all.contains(&"l") || all.iter().skip(1).any(mass)
+    };
     let found = products
-        .filter(|all| single(all) && !plural(all))
+        .filter(|all| single(all) && !plural(all) && !apart(all))
         .min_by_key(|all| (scaled(all), all.len()));
     found.map(|all| format!("{}{exponent}", all.join("*")))
 }
@@ -539,6 +556,10 @@ mod tests {
         assert_eq!(run_together("kgs"), None);
         assert_eq!(run_together("kilos"), None);
         assert_eq!(run_together("m"), None);
+        // Other units than the letters of ours make.
+        for word in ["ml", "mmHg", "dl", "mg2l"] {
+            assert_eq!(run_together(word), None, "{word}");
+        }
     }
 
     #[test]

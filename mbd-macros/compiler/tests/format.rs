@@ -276,7 +276,7 @@ model A { // behind the brace
 #[test]
 fn signs_of_units_touch_and_operators_stand_apart() {
     let before = "model A { gravity: none; const a = 2.0kg*m ^ 2/s*-3; const b=2*a - -a ^2; param c=1 m in 0m..=2 m;
-        state x:m/s=0 {rate:a*b/(1 s)} input w : [ m / s ;3]; input v[i in 0 .. = 2]:force; }";
+        state x:m/s=0 {rate:a*b/(1 s)} input w : [ m / s ;3]; input v[i in 0 .. = 2]:force; input u=6   V; }";
     let after = "model A {
     gravity: none;
     const a = 2.0 kg*m^2/s * -3;
@@ -285,6 +285,7 @@ fn signs_of_units_touch_and_operators_stand_apart() {
     state x: m/s = 0 { rate: a * b / (1 s) }
     input w: [m/s; 3];
     input v[i in 0..=2]: force;
+    input u = 6 V;
 }
 ";
     assert_eq!(formatted(before), after);

@@ -166,7 +166,7 @@ fn the_unit_of_an_integral_decides_what_the_names_in_it_are() {
     let read = read_text(text);
     assert!(read.errors.is_empty(), "{:?}", read.errors);
     let outputs = read.scene.expect("a scene").outputs;
-    assert_eq!(outputs[0].unit.text, "J/s");
+    assert_eq!(outputs[0].unit.text, "W");
 }
 
 #[test]

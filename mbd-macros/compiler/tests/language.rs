@@ -251,7 +251,7 @@ fn a_metric_of_an_output_is_told_in_its_unit() {
     let power = "output power = 2 N*m * pin.angle_rate in kW;";
     assert_eq!(
         unit(&format!("{power} metric work = integral power;")),
-        "kW s"
+        "kJ"
     );
     assert_eq!(
         unit(&format!("{power} metric work = integral power in kJ;")),

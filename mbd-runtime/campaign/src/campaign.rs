@@ -1,5 +1,6 @@
 //! A campaign: a model, how it is run, what is dispersed, what is read from every run; models that go on from it where its events say so.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -14,7 +15,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use crate::columns;
-use crate::dispersion::{CampaignFile, Dispersions};
+use crate::dispersion::{CampaignFile, Dispersions, WrittenMetric};
 use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
@@ -23,7 +24,7 @@ use crate::manifest::{Manifest, ResultColumn, ResultOptions};
 use crate::metric::Metrics;
 use crate::results::CaseRow;
 use crate::run::names::wrong;
-use crate::run::{GoingRun, Phase, PlanError, RunPlan, Settings, go_on};
+use crate::run::{GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, go_on};
 use settled::{given, planned, settings_of};
 
 mod replay;
@@ -47,6 +48,7 @@ pub struct Campaign {
     columns: Option<Joined>,
     dispersions: Dispersions,
     metrics: Metrics,
+    written: BTreeMap<String, WrittenMetric>,
     envelopes: Option<Envelopes>,
     asked: ResultOptions,
     block: u64,
@@ -106,8 +108,9 @@ impl Campaign {
         let name = file.display();
         let text = fs::read_to_string(file)
             .map_err(|error| Failure::Usage(format!("cannot read {name}: {error}")))?;
-        let written: CampaignFile =
-            toml::from_str(&text).map_err(|error| Failure::Invalid(format!("{name}: {error}")))?;
+        let written: CampaignFile = toml::from_str(&text).map_err(|error| {
+            Failure::Invalid(format!("{name}: {error}{}", belongs_to_the_run(&error)))
+        })?;
         let folder = file.parent().unwrap_or(Path::new(""));
         Campaign::new(&written, folder, first, later)
             .map_err(|error| Failure::Invalid(format!("{name}: {error}")))
@@ -169,6 +172,7 @@ impl Campaign {
             later: plans,
             dispersions,
             metrics,
+            written: written.metrics.clone(),
             envelopes,
             asked,
             block,
@@ -182,6 +186,14 @@ impl Campaign {
     #[must_use]
     pub fn cases(&self) -> u64 {
         self.dispersions.cases + 1
+    }
+
+    /// The metrics, as they are read from histories of the model that hold at least this content.
+    ///
+    /// # Errors
+    /// One cannot be read from such a history.
+    pub fn metrics_in(&self, content: Content) -> Result<Metrics, PlanError> {
+        Metrics::new(self.written.iter(), (&[&*self.model], content))
     }
 
     /// What is dispersed.
@@ -207,11 +219,13 @@ impl Campaign {
             name: varied.known.name.clone(),
             unit: varied.known.unit.clone(),
             require: None,
+            waits_for: String::new(),
         });
         let metrics = self.metrics.list.iter().map(|metric| ResultColumn {
             name: metric.name.clone(),
             unit: metric.unit.clone(),
             require: metric.require,
+            waits_for: metric.waits_for(),
         });
         Manifest {
             model: names.join(" → "),

@@ -28,6 +28,9 @@ pub struct ResultColumn {
     /// What it has to be, of a metric.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub require: Option<Requirement>,
+    /// Why a run that reached its end may have no value of it, of a metric: `` `landed` did not happen ``.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub waits_for: String,
 }
 
 /// What a folder of results belongs to.

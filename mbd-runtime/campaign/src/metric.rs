@@ -7,7 +7,7 @@ use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
-use mbd_runtime::{Content, MetricReader, Name, Trajectory};
+use mbd_runtime::{Content, MetricReader, MetricValue, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -128,6 +128,25 @@ impl Metrics {
             .iter()
             .map(|metric| metric.read(history))
             .collect()
+    }
+
+    /// Those that the scene does not declare, as a run tells its own.
+    #[must_use]
+    pub fn besides(&self, scene: &Scene, history: &Trajectory) -> Vec<MetricValue> {
+        let declared = |name: &str| scene.runs.metrics.iter().any(|it| it.name == name);
+        let others = self.list.iter().filter(|metric| !declared(&metric.name));
+        let told = others.map(|metric| {
+            let read = history.measured(&metric.reader);
+            MetricValue {
+                name: metric.name.clone(),
+                doc: String::new(),
+                take: metric.reader.take,
+                unit: metric.unit.clone(),
+                unresolved: read.as_ref().map_or(0.0, |[_, unresolved]| *unresolved),
+                value: read.map(|[value, _]| value),
+            }
+        });
+        told.collect()
     }
 
     /// A sentence on each whose quantity, or which itself, is no finite number in a history that measured it.
@@ -380,6 +399,15 @@ impl<'r> MetricTextReader<'r> {
 }
 
 impl CampaignMetric {
+    /// What did not happen in a run that reached its end and has no value of it; empty where there always is one.
+    pub(crate) fn waits_for(&self) -> String {
+        match self.reader.take {
+            Take::Value | Take::TimeOf => format!("`{}` did not happen", self.reader.event),
+            Take::FirstAbove => "the level was not passed".to_owned(),
+            _ => String::new(),
+        }
+    }
+
     /// Its value in a history that measured it; NaN where it has none.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> f64 {

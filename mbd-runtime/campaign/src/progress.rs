@@ -70,6 +70,14 @@ impl ProgressLine {
         };
     }
 
+    /// Says a sentence on a line of its own.
+    pub fn note(&mut self, text: &str) {
+        if self.mode != ProgressMode::Silent {
+            self.clear();
+            let _ = writeln!(stderr(), "{text}");
+        }
+    }
+
     /// Clears the line, so that other text can follow.
     pub fn clear(&mut self) {
         if self.drawn {

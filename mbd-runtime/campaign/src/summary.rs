@@ -24,6 +24,8 @@ pub struct Told {
     pub sorted: Vec<f64>,
     /// Cases that failed, or that have no value.
     pub without: u64,
+    /// Those of them that reached their end without what the metric waits for, and that in words.
+    pub waited: (u64, String),
     /// Mean and standard deviation; NaN of fewer than two values.
     pub moments: [f64; 2],
     /// The cases of the smallest and the largest value.
@@ -47,6 +49,20 @@ pub struct MetricDriver {
     pub index: Option<f64>,
 }
 
+impl Told {
+    /// Why cases have no value; `None` where all have one.
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        let (waited, what) = (self.waited.0, &self.waited.1);
+        let runs = |count: u64| if count == 1 { "run" } else { "runs" };
+        let waited = (waited > 0).then(|| format!("{what} in {waited} {}", runs(waited)));
+        let failed = self.without - self.waited.0;
+        let failed = (failed > 0).then(|| format!("{failed} {} failed", runs(failed)));
+        let both: Vec<String> = waited.into_iter().chain(failed).collect();
+        (!both.is_empty()).then(|| both.join(" and "))
+    }
+}
+
 impl MetricDriver {
     /// How much it explains: a rank correlation misses what rises and falls again.
     fn strength(&self) -> f64 {
@@ -62,6 +78,8 @@ pub struct RequirementVerdict {
     pub require: Requirement,
     /// Cases that do not meet it: failed ones and those without a value among them.
     pub missed: u64,
+    /// Those of them that have no value.
+    pub without: u64,
     /// All cases but the nominal.
     pub of: u64,
     /// Whether it is shown.
@@ -143,6 +161,7 @@ fn told(results: &Results, at: usize) -> Told {
         RequirementVerdict {
             require,
             missed,
+            without: of - numbers.len() as u64,
             of,
             shown: shows(missed, of, require.share, require.confidence),
             needed: cases_needed(missed, require.share, require.confidence),
@@ -162,11 +181,18 @@ fn told(results: &Results, at: usize) -> Told {
         let stronger = b.strength().total_cmp(&a.strength());
         stronger.then(a.number.cmp(&b.number))
     });
+    let waiting = results.rows.iter().skip(1).zip(&values);
+    let waiting = waiting.filter(|(row, value)| row.status == CaseRow::OK && value.is_nan());
+    let waited = match column.waits_for.as_str() {
+        "" => (0, String::new()),
+        waits_for => (waiting.count() as u64, waits_for.to_owned()),
+    };
     Told {
         name: column.name.clone(),
         unit: column.unit.clone(),
         nominal: results.rows.first().map_or(f64::NAN, |row| row.metrics[at]),
         without: of - sorted.len() as u64,
+        waited,
         moments,
         ends: smallest.zip(largest).map(|(low, high)| [low.0, high.0]),
         percentiles: PARTS

@@ -1,6 +1,7 @@
 //! The metrics of a run as a table.
 
 use mbd_runtime::MetricValue;
+use mbd_runtime::scene::plain;
 
 use super::table::{Cell, ReportTable};
 
@@ -37,8 +38,10 @@ pub fn metrics_table(told: &[MetricValue]) -> ReportTable {
         let value = metric.value.ok()?;
         (metric.unresolved > TOLD * value.abs()).then(|| {
             format!(
-                "`{}` may be off by {:.1e} {}: its quantity is noise, or changes faster than halves of steps resolve",
-                metric.name, metric.unresolved, metric.unit
+                "`{}` may be off by {} {}: its quantity is noise, or changes faster than halves of steps resolve",
+                metric.name,
+                plain(metric.unresolved, 2),
+                metric.unit
             )
         })
     });

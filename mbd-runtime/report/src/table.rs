@@ -1,6 +1,6 @@
 //! One table for the terminal, the report and a file.
 
-use super::number::significant;
+use super::significant;
 use super::svg::{escape, link, words};
 
 /// One entry of a table.

@@ -21,6 +21,7 @@ mod layout;
 mod lines;
 pub mod metrics;
 mod model;
+mod number;
 mod packed;
 mod params;
 mod placement;
@@ -57,6 +58,7 @@ pub use layout::{
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
+pub use number::{plain, significant};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
 pub use placement::{AboutStart, JointStart, PlacementError, PlacementReport, StartNumber, place};

@@ -76,11 +76,14 @@ impl Take {
         matches!(self, Take::TimeAbove | Take::FirstAbove)
     }
 
-    /// Its unit, made of that of the quantity: s for times, `N s` for the integral of a force, `kJ` for that of `kJ/s`.
+    /// Its unit, made of that of the quantity: s for times, `N s` for the integral of a force, `kJ` for that of `kW`.
     #[must_use]
     pub fn unit(self, of: &str) -> String {
         match self {
             Take::TimeAbove | Take::FirstAbove | Take::TimeOf => "s".to_owned(),
+            Take::Integral if let Some((_, energy)) = POWERS.iter().find(|(it, _)| *it == of) => {
+                (*energy).to_owned()
+            }
             Take::Integral => match of.strip_suffix("/s") {
                 Some("1") => String::new(),
                 Some(of) => of.to_owned(),
@@ -89,6 +92,18 @@ impl Take {
             },
             _ => of.to_owned(),
         }
+    }
+}
+
+/// Units of power, and those of what they make in a second.
+const POWERS: [(&str, &str); 4] = [("W", "J"), ("mW", "mJ"), ("kW", "kJ"), ("MW", "MJ")];
+
+/// The unit of what an integral in this unit is taken of: `W` of `J`, `m/s` of `m`.
+#[must_use]
+pub fn under_integral(unit: &str) -> String {
+    match POWERS.iter().find(|(_, energy)| *energy == unit) {
+        Some((power, _)) => (*power).to_owned(),
+        None => format!("{unit}/s"),
     }
 }
 

@@ -6,8 +6,8 @@
 use std::error::Error;
 use std::fmt;
 
-use mbd_scene::ParamError;
 use mbd_scene::joints::Fold;
+use mbd_scene::{ParamError, plain};
 
 use crate::node::UNEVEN;
 use crate::trajectory::Trajectory;
@@ -179,7 +179,8 @@ impl fmt::Display for UnevenLines {
         } = self;
         write!(
             f,
-            "`{stiffest}` is {ratio:.1e} times as stiff as `{softest}`"
+            "`{stiffest}` is {} times as stiff as `{softest}`",
+            plain(*ratio, 2)
         )
     }
 }
@@ -281,7 +282,7 @@ step_errors! {
         expected: f64,
     }
     "command",
-    format!("the {what} that `{motor}` follows changes by {change:.3e} at {time} s where its own rate says {expected:.3e}"),
+    format!("the {what} that `{motor}` follows changes by {change} at {time} s where its own rate says {expected}", change = plain(*change, 4), expected = plain(*expected, 4)),
     "give the derivatives of the value as rate and acceleration (inputs: as functions of time, `Simulation::control`), or let the motor follow one input through a filter, `motor: wish, filter: 20 ms`, and wind the line by a state, `state paid = 5 m { rate: winch_speed }`";
 
     /// A motion that is prescribed as a function of time jumps, or its rate does where joints would have to carry bodies along by an impulse.
@@ -296,7 +297,7 @@ step_errors! {
         change: f64,
     }
     "jump",
-    format!("the {what} that `{of}` is prescribed jumps by {change:.3e} at {time} s"),
+    format!("the {what} that `{of}` is prescribed jumps by {change} at {time} s", change = plain(*change, 4)),
     "join its parts without corners, with `smoothstep` or powers of `time`, or let a motor follow it through a filter, `motor: …, filter: 20 ms`";
 
     /// A line that is wound in has nothing left: its free length would be negative.
@@ -309,7 +310,7 @@ step_errors! {
         length: f64,
     }
     "negative_length",
-    format!("at {time:.9} s `free_length` of `{line}` is {length:.3e} m, and must be zero or positive"),
+    format!("at {time:.9} s `free_length` of `{line}` is {length} m, and must be zero or positive", length = plain(*length, 4)),
     format!("stop the winch before: `event wound_in = {line}.length falls 0.1 m {{ then: stop }}`, a `rate` that is zero there, or `max(…, 0 m)` in the `free_length`");
 
     /// A spring that pushes or pulls where both its ends are at the same place, at a start: which way, nothing says.
@@ -322,7 +323,7 @@ step_errors! {
         force: f64,
     }
     "no_direction",
-    format!("at {time:.9} s both ends of `{spring}` are at the same place, and its force of {force:.3e} N has no direction"),
+    format!("at {time:.9} s both ends of `{spring}` are at the same place, and its force of {force} N has no direction", force = plain(*force, 4)),
     "let what is at one of its ends start elsewhere, `start at [0.0, 0.0, -1.0] m`, or end it at another frame";
 
     /// A joint came to where its rows have no rank and hold on other positions, too: which way it goes on from there they do not say.
@@ -360,8 +361,8 @@ step_errors! {
     }
     "newton_not_converged",
     match uneven {
-        None => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n:.3e} N left after {iterations} iterations"),
-        Some(lines) => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n:.3e} N left after {iterations} iterations, and {lines}"),
+        None => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n} N left after {iterations} iterations", residual_n = plain(*residual_n, 4)),
+        Some(lines) => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n} N left after {iterations} iterations, and {lines}", residual_n = plain(*residual_n, 4)),
     },
     match uneven {
         None => "take a smaller step, or bring the stiffnesses of the lines of this point closer together".into(),
@@ -381,8 +382,8 @@ step_errors! {
     }
     "step_underflow",
     match cause {
-        Collapse::Resolution => format!("at {time:.9} s the next step is {step_size:.3e} s: {cause} (`{block}`)"),
-        Collapse::ErrorTest | Collapse::Event => format!("at {time:.9} s the step shrank to {step_size:.3e} s: {cause} (`{block}`)"),
+        Collapse::Resolution => format!("at {time:.9} s the next step is {step_size} s: {cause} (`{block}`)", step_size = plain(*step_size, 4)),
+        Collapse::ErrorTest | Collapse::Event => format!("at {time:.9} s the step shrank to {step_size} s: {cause} (`{block}`)", step_size = plain(*step_size, 4)),
     },
     match cause {
         Collapse::ErrorTest => "loosen the tolerance, or look for a jump in a load and declare it as an event",
@@ -400,7 +401,7 @@ step_errors! {
         window: f64,
     }
     "event_limit",
-    format!("`{line}` goes on without end: {count} switches between slack and taut or actions of events in {window:.3e} s"),
+    format!("`{line}` goes on without end: {count} switches between slack and taut or actions of events in {window} s", window = plain(*window, 4)),
     "a line or a stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless; where it has much damping, take a method for stiff systems: `rodas5p`, `auto`; an event whose action lets it happen again at once acts `acts: once`, or leaves more room between what it sets and what it waits for";
 
     /// An event cannot do what it says. The run stands at its instant, before it acted.
@@ -429,8 +430,8 @@ step_errors! {
         suggestion: f64,
     }
     "unstable_step",
-    format!("the fixed step {step_size:.3e} s is too long: {what}, at {time:.6} s"),
-    format!("take a fixed step of at most {suggestion:.3e} s, or an adaptive method");
+    format!("the fixed step {step_size} s is too long: {what}, at {time:.6} s", step_size = plain(*step_size, 4)),
+    format!("take a fixed step of at most {suggestion} s, or an adaptive method", suggestion = plain(*suggestion, 4));
 
     /// Positions are so far from the world origin that what they differ by has no digits left.
     FarFromOrigin {
@@ -442,7 +443,7 @@ step_errors! {
         share: f64,
     }
     "lost_digits",
-    format!("`{part}` is {distance:.1e} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0)),
+    format!("`{part}` is {distance} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0), distance = plain(*distance, 2)),
     "let the origin go along with what moves (`origin: follows NAME;`), put the world origin near it (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
 
     /// A time that has no digits left where formulas read it: in single precision, late.
@@ -455,7 +456,7 @@ step_errors! {
         share: f64,
     }
     "late_time",
-    format!("at {time:.9} s formulas know the time to {apart:.1e} s, which alone makes {:.0} % of what follows it", 100.0 * share.min(1.0)),
+    format!("at {time:.9} s formulas know the time to {apart} s, which alone makes {:.0} % of what follows it", 100.0 * share.min(1.0), apart = plain(*apart, 2)),
     "let time begin near zero, or run in double precision";
 
     /// A history has no room for the rows that are asked for; the state is the last accepted step, and the rows so far are kept.
@@ -466,7 +467,7 @@ step_errors! {
         columns: usize,
     }
     "long_history",
-    format!("a history of {rows:.1e} rows with {columns} columns was asked for, and at most {:.0e} numbers fit into one", Trajectory::MOST_NUMBERS),
+    format!("a history of {rows} rows with {columns} columns was asked for, and at most {:.0e} numbers fit into one", Trajectory::MOST_NUMBERS, rows = plain(*rows, 2)),
     "write rows further apart or fewer columns, or record in parts and `clear` the history between them";
 
     /// The step budget of one call is used up.
@@ -543,7 +544,7 @@ step_errors! {
         ratio: f64,
     }
     "ill_conditioned",
-    format!("at {time:.9} s the accelerations lose {loss_digits} digits: masses differ by a factor of {ratio:.1e}"),
+    format!("at {time:.9} s the accelerations lose {loss_digits} digits: masses differ by a factor of {ratio}", ratio = plain(*ratio, 2)),
     "bring the masses closer together, leave out bodies that weigh nothing beside the others, or run in f64 where this is f32";
 
     /// A step moved the joints so far apart that the projection did not bring them together.
@@ -631,7 +632,7 @@ fn listed(names: &[String]) -> String {
 fn open(rows: &[(String, f64, &'static str)]) -> String {
     let told = rows
         .iter()
-        .map(|(name, size, unit)| format!("`{name}` stays open by {size:.3e} {unit}"));
+        .map(|(name, size, unit)| format!("`{name}` stays open by {} {unit}", plain(*size, 4)));
     told.collect::<Vec<String>>().join(", ")
 }
 
@@ -657,15 +658,19 @@ pub struct RunError {
 
 impl fmt::Display for RunError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} (last accepted: step {} at {:.9} s, step size {:.3e} s); {}",
-            self.cause,
-            self.progress.statistics.steps,
-            self.progress.time,
-            self.progress.step_size,
-            self.cause.advice()
-        )
+        let time = plain(self.progress.time, 10);
+        // The steps that made what shows the mistake were accepted, too, and taken back.
+        let place = match self.cause {
+            StepError::UnstableStep { .. } => {
+                format!("the run went back to {time} s, where nothing had grown yet")
+            }
+            _ => format!(
+                "last accepted: step {} at {time} s, step size {} s",
+                self.progress.statistics.steps,
+                plain(self.progress.step_size, 4)
+            ),
+        };
+        write!(f, "{} ({place}); {}", self.cause, self.cause.advice())
     }
 }
 

@@ -13,7 +13,7 @@ use mbd_scene::{Float, Model, Quantity};
 use nalgebra::{DMatrix, DVector};
 
 use crate::linearise::LinearisationError;
-use crate::linearise::chart::Chart;
+use crate::linearise::chart::{Chart, ChartOrder};
 use crate::linearise::moment::{SceneMoment, check_given};
 
 /// What [`inverse_dynamics`](crate::inverse_dynamics) found.
@@ -34,7 +34,7 @@ pub(crate) fn find<T: Float>(
     let mut moment = SceneMoment::new(model, at)?;
     moment.settle(None)?;
     let names: Vec<&str> = given.iter().map(|(name, _)| *name).collect();
-    let chart = Chart::choose(&mut moment, &names)?;
+    let chart = Chart::choose(&mut moment, &names, ChartOrder::Places)?;
     check_given(given.iter().copied())?;
     let (count, held) = (given.len(), chart.kept.len());
     let (nq, nv, nc) = {

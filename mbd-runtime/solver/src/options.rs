@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use mbd_scene::plain;
 use serde::{Deserialize, Serialize};
 
 use crate::error::StepError;
@@ -157,7 +158,10 @@ impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.fixed_step(), self.tolerance()) {
             (_, Some([rtol, _])) => write!(f, "{} {rtol:e}", self.name()),
-            (step, None) => write!(f, "{} {:.3e} s", self.name(), step.unwrap_or(f64::NAN)),
+            (step, None) => {
+                let step = plain(step.unwrap_or(f64::NAN), 4);
+                write!(f, "{} {step} s", self.name())
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use mbd_compiler::Interpreted;
 use mbd_report::files::{make_folder, write_text};
 use mbd_report::{Cell, Figure, Report, ReportTable, Run, Series, Views};
-use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene};
+use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene, plain};
 use mbd_runtime::{
     Content, FailedSetting, Generic, ParamError, Question, Race, Sampling, TradeError, Trajectory,
     Variant, trade,
@@ -118,15 +118,18 @@ fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<SceneContender>,
     Ok(all)
 }
 
-/// The unit of a column of the histories of a scene; empty for a pure number, and where there is no such column.
-#[must_use]
-pub fn unit(scene: &Scene, column: &str) -> String {
-    let Ok(model) = Generic::<f64>::with_defaults(scene.clone()) else {
-        return String::new();
-    };
+/// The unit of a column of the histories of a scene; empty for a pure number.
+///
+/// # Errors
+/// There is no such column, or params are outside their declaration.
+pub fn unit(scene: &Scene, column: &str) -> Result<String, RaceFailure> {
+    let model = Generic::<f64>::with_defaults(scene.clone()).map_err(RaceFailure::Params)?;
     let history = Trajectory::new(&model, Sampling::Steps, Content::ALL);
     let found = history.names().iter().find(|name| name.name == column);
-    found.map_or(String::new(), |name| name.unit.clone())
+    found.map(|name| name.unit.clone()).ok_or_else(|| {
+        let known = history.names().iter().map(|name| name.name.clone());
+        RaceFailure::Trade(TradeError::Column(column.to_owned(), known.collect()))
+    })
 }
 
 /// Every setting that gave an answer, with its error and what it cost; errors are in the unit of the column.
@@ -156,8 +159,8 @@ pub fn table(race: &Race, unit: &str) -> ReportTable {
     }
     let [first, second] = race.references;
     table = table.note(format!(
-        "The references, {first} and {second} as declared, are {:.1e} apart (rms): errors below that mean nothing. Times are of interpreted equations.",
-        race.apart.rms
+        "The references, {first} and {second} as declared, are {} apart (rms): errors below that mean nothing. Times are of interpreted equations.",
+        plain(race.apart.rms, 2)
     ));
     // What stopped a method is told once, of its finest setting that stopped.
     for (index, failed) in race.failed.iter().enumerate() {
@@ -180,8 +183,8 @@ fn figure<'a>(race: &Race, unit: &str, curves: &'a [(String, Vec<f64>, Vec<f64>)
         .log_x()
         .log_y()
         .caption(format!(
-            "Root mean square over {from} s to {to} s, against references that are {:.1e} apart. Lower left is better.",
-            race.apart.rms
+            "Root mean square over {from} s to {to} s, against references that are {} apart. Lower left is better.",
+            plain(race.apart.rms, 2)
         ));
     for (name, seconds, errors) in curves {
         figure = figure.series(Series::new(name.clone(), seconds, errors));
@@ -214,17 +217,20 @@ fn curves(race: &Race) -> Vec<(String, Vec<f64>, Vec<f64>)> {
 #[must_use]
 pub fn advice(race: &Race, unit: &str, wanted: f64) -> String {
     let gap = if unit.is_empty() { "" } else { " " };
-    match race.advise(wanted) {
+    let error = wanted;
+    let wanted = plain(error, 2);
+    match race.advise(error) {
         Some(advice) => format!(
-            "for {} within {wanted:.1e}{gap}{unit}: {advice}",
+            "for {} within {wanted}{gap}{unit}: {advice}",
             race.question.column
         ),
-        None if race.apart.rms > 0.1 * wanted => format!(
-            "no advice for {} within {wanted:.1e}{gap}{unit}: the references are {:.1e}{gap}{unit} apart, and must agree ten times better than what is wanted",
-            race.question.column, race.apart.rms
+        None if race.apart.rms > 0.1 * error => format!(
+            "no advice for {} within {wanted}{gap}{unit}: the references are {}{gap}{unit} apart, and must agree ten times better than what is wanted",
+            race.question.column,
+            plain(race.apart.rms, 2)
         ),
         None => format!(
-            "no setting that was raced has {} within {wanted:.1e}{gap}{unit}",
+            "no setting that was raced has {} within {wanted}{gap}{unit}",
             race.question.column
         ),
     }

@@ -20,6 +20,18 @@ model! {
 }
 
 model! {
+    /// A coil at a voltage, beside a point in the wind: inputs that say by their value what they measure.
+    model Coil {
+        gravity: none;
+        input voltage = 6 V;
+        input wind = [8, 0, 0] m/s;
+        state current = 0 A { rate: (voltage - 2 ohm * current) / (10 mH) }
+        point bob { mass: 1 kg }
+        load air on bob = 100 kg/s * (wind - bob.velocity);
+    }
+}
+
+model! {
     /// A capsule on two lines below a massless point that creeps.
     pub model Hoist<T> {
         units: si;
@@ -49,6 +61,32 @@ model! {
         body leaf { mass: 2, inertia: diag(0.17, 0.17, 0.02), frame top at [0, 0, 0.5] }
         joint pin: hinge from world to leaf.top { axis: [0, 1, 0] };
     }
+}
+
+#[test]
+fn inputs_of_a_value_hold_it_until_another_is_given() {
+    let inputs = CoilInputs::default();
+    assert_eq!((inputs.voltage, inputs.wind), (6.0, [8.0, 0.0, 0.0]));
+    let model = Coil::new(CoilParams::default()).unwrap();
+    let mut run = Simulation::new(&model, Options::tsit5(1e-10)).unwrap();
+    // Twenty time constants of the coil, fifty of the air.
+    run.run(0.1).unwrap();
+    let current = run.state()[6];
+    assert!(
+        (current - 3.0 * (1.0 - (-20.0_f64).exp())).abs() < 1e-8,
+        "{current}"
+    );
+    run.set_inputs(&CoilInputs {
+        voltage: -2.0,
+        ..inputs
+    })
+    .unwrap();
+    run.run(0.3).unwrap();
+    let [speed, current] = [3, 6].map(|at| run.state()[at]);
+    assert!(
+        (current + 1.0).abs() < 1e-8 && (speed - 8.0).abs() < 1e-3,
+        "{current} {speed}"
+    );
 }
 
 /// A push in newtons that the test changes between calls.

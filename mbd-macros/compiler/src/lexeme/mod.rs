@@ -374,6 +374,12 @@ impl Lexer {
         let last = self.lexemes.last()?;
         match &last.kind {
             LexemeKind::Word(word) => say::one_text(last.at.into(), word),
+            LexemeKind::Sign('=') => {
+                let item = self.lexemes.len().checked_sub(3);
+                let item = item.and_then(|item| self.lexemes.get(item))?;
+                let is_table = item.kind == LexemeKind::Word("table".into());
+                is_table.then(|| say::table_of_a_file(last.at.into()))
+            }
             _ => None,
         }
     }

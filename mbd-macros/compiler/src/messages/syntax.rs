@@ -3,6 +3,7 @@
 use super::{LexemeMessage, article};
 use mbd_scene::{JointLaw, Unit};
 
+use super::resolve;
 use super::similar::{self, did_you_mean};
 use crate::lexeme::{Bracket, LexemeIndex, Region};
 use crate::syntax::foreign;
@@ -29,6 +30,11 @@ pub fn too_deep(at: Region) -> LexemeMessage {
 pub fn one_text(at: Region, word: &str) -> Option<LexemeMessage> {
     let answer = foreign::translated(foreign::EXPECTED_ITEMS, word)?;
     Some(LexemeMessage::new(at, answer))
+}
+
+/// `table gas = "gas.csv"`
+pub fn table_of_a_file(at: Region) -> LexemeMessage {
+    LexemeMessage::new(at, foreign::NO_FILE_OF_TABLE)
 }
 
 pub fn string(at: Region) -> LexemeMessage {
@@ -90,7 +96,11 @@ pub fn foreign_sign(sign: char, at: Region) -> LexemeMessage {
     let hint = match sign {
         '²' => ": write `^2`",
         '³' => ": write `^3`",
-        '·' | '×' | '⋅' => ": write `*`",
+        '·' | '×' | '⋅' | '∙' | '•' => ": write `*`",
+        '÷' => ": write `/`",
+        '≤' => ": write `<=`",
+        '≥' => ": write `>=`",
+        '√' => ": write `sqrt(a)`",
         '−' => ": write `-`",
         '°' => ": write `deg`",
         _ => "",
@@ -325,9 +335,10 @@ pub fn missing_clause(at: Region, item: &ItemWord, clause: &str) -> LexemeMessag
     )
 }
 
-/// `sign`: what stands between the two values instead of a word.
-pub fn event_compares(at: Region, sign: &str) -> LexemeMessage {
+/// `sign`: what stands between the two values instead of a word; `conditions`: there are several of them.
+pub fn event_compares(at: Region, sign: &str, conditions: bool) -> LexemeMessage {
     let text = match sign {
+        _ if conditions => resolve::BOTH_AT_ONCE.to_owned(),
         "<" => "write `falls` instead of `<` for the passage to below it".to_owned(),
         ">" => "write `rises` instead of `>` for the passage to above it".to_owned(),
         sign => format!(
@@ -561,15 +572,44 @@ pub fn two_stars(at: Region) -> LexemeMessage {
     LexemeMessage::new(at, "a power is written `a^2`")
 }
 
+/// `path.word(…)`
 pub fn function_behind(at: Region, path: &str, word: &str) -> LexemeMessage {
     let known = foreign::translated(foreign::FOREIGN_FUNCTIONS, word).unwrap_or(word);
-    let text = match known {
-        _ if ["powi", "powf", "pow"].contains(&word) => {
-            format!("a power is written `{path}^2`")
-        }
-        known => format!("a function stands in front: write `{known}({path})`"),
+    let text = if ["powi", "powf", "pow"].contains(&word) {
+        format!("a power is written `{path}^2`")
+    } else if let Some(answer) = foreign::translated(foreign::EXPECTED_FUNCTIONS, word) {
+        format!("there is no function `{word}`; {answer}")
+    } else if words::FUNCTIONS.contains(&known) {
+        format!("a function stands in front: write `{known}({path})`")
+    } else {
+        format!(
+            "there is no function `{word}`, and functions stand in front, as in `norm({path})`: {}",
+            words::FUNCTIONS.join(", ")
+        )
     };
     LexemeMessage::new(at, text)
+}
+
+/// `a += b`
+pub fn assigned_sum(at: Region, name: &str, sign: char) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("there is no `{sign}=`: write `{name} = {name} {sign} …`"),
+    )
+}
+
+/// `50 %`
+pub fn per_cent(at: Region, number: &str) -> LexemeMessage {
+    let share = number.parse::<f64>().map_or_else(
+        |_| String::new(),
+        |percent| format!(": write `{}`", percent / 100.0),
+    );
+    LexemeMessage::new(
+        at,
+        format!(
+            "`%` is the remainder, `a % b`; so many per cent are a number without a unit{share}"
+        ),
+    )
 }
 
 pub fn one_index(at: Region) -> LexemeMessage {

@@ -60,7 +60,13 @@ impl Resolver<'_> {
             .iter()
             .any(|l| l.kind == LexemeKind::Word("if".into()));
         if let (Some((sign, at)), false) = (compared, conditional) {
-            return self.fail(say_syntax::event_compares(at.into(), sign));
+            let joins = |pair: &[Lexeme]| {
+                let signs = ['&', '|'].map(LexemeKind::Sign);
+                matches!(pair, [a, b] if a.kind == b.kind && signs.contains(&a.kind))
+            };
+            let word = |lexeme: &Lexeme| ["and", "or"].contains(&lexeme.shown().as_str());
+            let several = guard.lexemes.windows(2).any(joins) || guard.lexemes.iter().any(word);
+            return self.fail(say_syntax::event_compares(at.into(), sign, several));
         }
         if let [word, number, rest @ ..] = guard.lexemes
             && let (LexemeKind::Word(at), LexemeKind::Number(_)) = (&word.kind, &number.kind)
@@ -332,6 +338,12 @@ impl Resolver<'_> {
             return self.fail(say::setting_wanted(part.at));
         };
         let [left, right] = [&part.lexemes[..sign], &part.lexemes[sign + 1..]];
+        if let [name @ .., operator] = left
+            && let LexemeKind::Sign(operator @ ('+' | '-' | '*' | '/')) = operator.kind
+        {
+            let name: String = name.iter().map(Lexeme::shown).collect();
+            return self.fail(say_syntax::assigned_sum(part.at, &name, operator));
+        }
         let [Some(left), Some(right)] = [left, right].map(piece) else {
             return self.fail(say::setting_wanted(part.at));
         };

@@ -3,8 +3,8 @@
 use mbd_scene::{Formula, Function, LoadKind, Place, PointKind, Unit};
 
 use super::{Instance, MayDependOn, Named, Resolver, Scope, Typed};
-use crate::lexeme::{LexemeKind, Region};
-use crate::messages::resolve as say;
+use crate::lexeme::{Lexeme, LexemeKind, Region};
+use crate::messages::{LexemeMessage, resolve as say};
 use crate::syntax::expression::{self, Expression};
 use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
@@ -17,6 +17,15 @@ pub(super) fn listed(value: ValueSyntax<'_>) -> Option<(Vec<Expression>, Option<
         }
         _ => None,
     }
+}
+
+/// The report of a direction behind the place of a load: `on rod at tip along rod.z`.
+fn along(place: ValueSyntax<'_>) -> Option<LexemeMessage> {
+    let is_along = |lexeme: &Lexeme| lexeme.kind == LexemeKind::Word("along".into());
+    let at = place.lexemes.iter().position(is_along)?;
+    let (word, direction) = place.lexemes.get(at..)?.split_first()?;
+    let direction: String = direction.iter().map(Lexeme::shown).collect();
+    (at > 0).then(|| say::load_along(word.at.into(), &direction))
 }
 
 impl Resolver<'_> {
@@ -44,7 +53,7 @@ impl Resolver<'_> {
                 LoadKind::External
             }
             (Some(given), None) => {
-                if let Some(axes) = self.axes_of_load(item.clause("in")) {
+                if let Some(axes) = self.axes_behind(item.clause("in")) {
                     let body = item.clause("on").and_then(|on| Cursor::new(on).word());
                     let body = body.map_or_else(String::new, |word| word.text);
                     return self.fail(say::load_axes(axes, &body));
@@ -71,8 +80,8 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// Where a word stands behind `in` that is no unit and says in which axes a load is meant: `in body`.
-    fn axes_of_load(&self, value: Option<ValueSyntax<'_>>) -> Option<Region> {
+    /// Where a word stands behind `in` that is no unit and says in which axes a load or an output is meant: `in body`.
+    fn axes_behind(&self, value: Option<ValueSyntax<'_>>) -> Option<Region> {
         let mut cursor = Cursor::new(value?);
         let word = cursor.word()?;
         let named = self.names.is(&word.text, |it| matches!(it, Named::Body(_)));
@@ -84,6 +93,9 @@ impl Resolver<'_> {
     fn load_place(&mut self, instance: &Instance<'_>, scope: Scope<'_>) -> Option<Place> {
         let item = instance.item;
         let on = item.clause("on")?;
+        if let Some(report) = along(on).or_else(|| along(item.clause("at")?)) {
+            return self.fail(report);
+        }
         let steps = match expression::path(on) {
             Ok(steps) => steps,
             Err(report) => return self.fail(report),
@@ -147,6 +159,10 @@ impl Resolver<'_> {
             None | Some(units::FORCE) => Some(LoadKind::Force(typed.formula)),
             Some(units::TORQUE) => Some(LoadKind::Torque(typed.formula)),
             Some(found) => match &typed.bare {
+                _ if let Some((input, vector)) = self.input_of_bare_value(&typed) => {
+                    let input = (input.as_str(), vector);
+                    self.fail(say::input_without_unit(typed.at, input, units::FORCE))
+                }
                 Some(text) if found == units::NONE => {
                     self.fail(say::needs_unit(typed.at, "load", units::FORCE, text))
                 }
@@ -230,6 +246,12 @@ impl Resolver<'_> {
             None => self.value(value, instance.scope(MayDependOn::Result))?,
             Some(part) => self.part_of_list(value, part)?,
         };
+        if let Some(axes) = self.axes_behind(item.clause("in")) {
+            let word = item.clause("in").and_then(|it| Cursor::new(it).word());
+            let body = word.filter(|word| self.names.get(&word.text).is_some());
+            let body = body.map_or("rod".to_owned(), |word| word.text);
+            return self.fail(say::output_axes(axes, &body));
+        }
         let asked = self.in_unit(item.clause("in"))?;
         let wanted = asked.as_ref().map(|(unit, _)| unit.dimension);
         let typed = self.reading_as(typed, wanted.as_slice());

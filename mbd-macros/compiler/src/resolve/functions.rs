@@ -6,7 +6,7 @@ use super::{Named, Resolver, Scope, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
 use crate::syntax::expression::Expression;
-use crate::syntax::{Word, words};
+use crate::syntax::{Word, foreign, words};
 use crate::units;
 
 impl Resolver<'_> {
@@ -20,6 +20,12 @@ impl Resolver<'_> {
     ) -> Option<Typed> {
         if name.text == "if" {
             return self.if_else(arguments, name, at, scope);
+        }
+        if self.table(&name.text).is_none()
+            && foreign::translated(foreign::EXPECTED_FUNCTIONS, &name.text).is_some()
+        {
+            // What is written instead has other arguments: these are not looked at.
+            return self.fail(say::unknown_function(name.at.into(), &name.text, &[]));
         }
         let typed: Vec<Option<Typed>> = arguments
             .iter()

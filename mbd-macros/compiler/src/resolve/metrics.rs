@@ -1,6 +1,6 @@
 //! Metrics: numbers of a run. The quantity of one is an output with its name, behind those that are declared.
 
-use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
+use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take, under_integral};
 use mbd_scene::{Formula, Output, Unit};
 
 use super::{Instance, MayDependOn, Named, Resolver, Typed, fold};
@@ -77,8 +77,8 @@ impl Resolver<'_> {
                 && let Some((unit, _)) = &mut asked
                 && units::times(dimension, units::TIME) == Some(unit.dimension)
             {
-                // `in kJ` of a power: its column is in kJ/s.
-                unit.text = format!("{}/s", unit.text);
+                // `in kJ` of a power: its column is in kW.
+                unit.text = under_integral(&unit.text);
                 unit.dimension = dimension;
             }
             let (value, components, unit) = self.column(typed, asked)?;
@@ -150,6 +150,16 @@ impl Resolver<'_> {
         let (Some(begin), Some(end)) = (rest.first(), rest.last()) else {
             return self.fail(say::metric_of_nothing(first.at.into(), take));
         };
+        // `time_of max height`, `max a - min a`: a quantity of this name would be followed by a sign.
+        let second = rest.windows(2).find_map(|pair| match pair {
+            [word, next] if matches!(next.kind, LexemeKind::Word(_)) => {
+                Some((word.at, Take::of(&word.shown())?))
+            }
+            _ => None,
+        });
+        if let Some((at, second)) = second {
+            return self.fail(say::metric_of_two(at.into(), take, second));
+        }
         let at = Region {
             first: begin.at,
             last: end.at,

@@ -318,9 +318,11 @@ impl Resolver<'_> {
         Some((ends, dimension))
     }
 
-    /// `wind: [speed; 3]`, `wind: speed = [1.0, 0.0, 0.0] m/s` or `thrust: force = 2 kN`.
+    /// `wind: [speed; 3]`, `wind: speed = [1.0, 0.0, 0.0] m/s`, `thrust: force = 2 kN` or `voltage = 6 V`.
     fn input(&mut self, instance: &Instance<'_>) -> Option<()> {
-        let value = instance.item.clause(":")?;
+        let Some(value) = instance.item.clause(":") else {
+            return self.input_of_its_value(instance);
+        };
         let mut cursor = Cursor::new(value);
         let (inner, components) = match cursor.group(Bracket::Square) {
             Some(group) => {
@@ -351,6 +353,22 @@ impl Resolver<'_> {
         self.input_default(instance, components, dimension)
     }
 
+    /// An input that says no kind is in the SI unit of its value.
+    fn input_of_its_value(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let Some(given) = instance.item.clause("=") else {
+            let name = self.scene.inputs.get(instance.slot)?.name.clone();
+            return self.fail(say::input_of_no_kind(instance.item.name_at(), &name));
+        };
+        let parsed = match expression::whole(given) {
+            Ok(parsed) => parsed,
+            Err(report) => return self.fail(report),
+        };
+        let typed = self.read_either_way(&parsed, instance.scope(MayDependOn::Constant))?;
+        let written = written_unit(&parsed).filter(|unit| unit.factor == 1.0);
+        self.scene.inputs.get_mut(instance.slot)?.unit = written.unwrap_or_else(|| typed.unit());
+        self.hold_at(instance.slot, 1, &typed)
+    }
+
     /// What holds until the caller gives another value. A vector makes a vector of an input.
     fn input_default(
         &mut self,
@@ -374,16 +392,23 @@ impl Resolver<'_> {
         }
         let unit = self.scene.inputs.get(instance.slot)?.unit.clone();
         self.turns_as_in(&typed, &unit, &format!("the default of `{name}`"))?;
-        self.remember_units(Named::Input(instance.slot), &typed);
+        self.hold_at(instance.slot, components, &typed)
+    }
+
+    /// Keeps the numbers of a default.
+    fn hold_at(&mut self, input: usize, components: usize, typed: &Typed) -> Option<()> {
+        self.remember_units(Named::Input(input), typed);
         let (components, default) = match fold::known(&typed.formula, &self.scene, false) {
             Some(fold::Fixed::Vector(value)) => (3, value),
             Some(fold::Fixed::Scalar(_)) if components == 3 => {
-                return self.fail(say::vector_wanted(typed.at, &format!("`{name}`")));
+                let name = &self.scene.inputs.get(input)?.name;
+                let report = say::vector_wanted(typed.at, &format!("`{name}`"));
+                return self.fail(report);
             }
             Some(fold::Fixed::Scalar(value)) => (1, [value, 0.0, 0.0]),
             None => return self.fail(say::not_constant(typed.at, "this")),
         };
-        let entry = self.scene.inputs.get_mut(instance.slot)?;
+        let entry = self.scene.inputs.get_mut(input)?;
         entry.components = components;
         entry.default = default;
         Some(())

@@ -8,7 +8,7 @@ use crate::describe;
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, resolve as say};
 use crate::syntax::expression::{self, Expression};
-use crate::syntax::{ValueSyntax, Word};
+use crate::syntax::{ValueSyntax, Word, words};
 use crate::units;
 
 /// What an expression may depend on.
@@ -554,6 +554,10 @@ impl Resolver<'_> {
                 if let Some(report) = self.unit_misfit(typed.at) {
                     return self.fail(report);
                 }
+                if let Some((input, vector)) = self.input_of_bare_value(&typed) {
+                    let report = say::input_without_unit(typed.at, (&input, vector), wanted);
+                    return self.fail(report);
+                }
                 let report = match &typed.bare {
                     Some(text) if found == units::NONE => {
                         say::needs_unit(typed.at, field, wanted, text)
@@ -567,6 +571,30 @@ impl Resolver<'_> {
                 Some(typed.formula)
             }
         }
+    }
+}
+
+impl Resolver<'_> {
+    /// The input that is this value, or a component of it, and whose kind is that of a bare number; whether it is a vector.
+    pub(super) fn input_of_bare_value(&self, typed: &Typed) -> Option<(String, bool)> {
+        let parts = match &typed.formula {
+            Formula::Vector(parts) => parts.as_slice(),
+            one => std::slice::from_ref(one),
+        };
+        let inputs = self.of(words::INPUT);
+        let bare = parts.iter().find_map(|part| match part {
+            Formula::Input(slot) => inputs.iter().find(|input| {
+                let unit = self.scene.inputs.get(*slot).map(|input| &input.unit);
+                input.slot == *slot
+                    && input.item.clause(":").is_none()
+                    && unit.is_some_and(|unit| unit.text.is_empty())
+            }),
+            _ => None,
+        });
+        let bare = bare?;
+        let vector = self.scene.inputs.get(bare.slot)?.components == 3;
+        let name = bare.item.name.as_ref()?;
+        Some((name.word.text.clone(), vector))
     }
 }
 

@@ -217,12 +217,32 @@ impl<'a> Cursor<'a> {
 
     /// The same inside an expression, where an operator of another language may stand.
     pub fn operand_expected(&self, what: &str) -> LexemeMessage {
+        if let Some(report) = self.behind_per_cent() {
+            return report;
+        }
+        if let Some(LexemeKind::Word(not)) = self.behind(1).map(|lexeme| &lexeme.kind)
+            && not == "not"
+            && self.peek().is_some()
+        {
+            return LexemeMessage::new(self.before(), foreign::NO_WORD_NOT);
+        }
         match (self.foreign_operator(), self.behind(1), self.behind(2)) {
             (Some(answer), ..) => LexemeMessage::new(self.here(), answer),
             (None, Some(first), None) if Take::of(&first.shown()).is_some() => {
                 say::taken_of_a_run(first.at.into(), &first.shown())
             }
             (None, ..) => self.expected(what),
+        }
+    }
+
+    /// The report of `50 %`, where the `%` is the lexeme before and nothing that it could divide comes next.
+    fn behind_per_cent(&self) -> Option<LexemeMessage> {
+        let (number, sign) = (self.behind(2)?, self.behind(1)?);
+        match (&number.kind, &sign.kind) {
+            (LexemeKind::Number(number), LexemeKind::Sign('%')) => {
+                Some(say::per_cent(sign.at.into(), number))
+            }
+            _ => None,
         }
     }
 
@@ -238,9 +258,10 @@ impl<'a> Cursor<'a> {
 
     /// The report of a word right behind a value: a unit where none can stand, or a word that begins a value with a slip in it.
     fn word_behind_value(&self, what: &str) -> Option<LexemeMessage> {
+        let not = self.behind(1).is_some_and(|before| before.shown() == "not");
         let word = self
             .peek_word()
-            .filter(|_| self.foreign_operator().is_none())?;
+            .filter(|_| !not && self.foreign_operator().is_none())?;
         let mut ahead = *self;
         let here = self.here();
         match super::unit::suffix(&mut ahead) {

@@ -76,6 +76,7 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ("pulley", LED_OVER),
     ("include", ONE_TEXT),
     ("import", ONE_TEXT),
+    ("csv", NO_FILE_OF_TABLE),
     ("use", NO_PARTS),
     ("mod", NO_PARTS),
     ("module", NO_PARTS),
@@ -132,6 +133,8 @@ pub const LED_OVER: &str =
     "a line runs straight from its `from` to its `to`; it cannot be led over a pulley yet";
 const A_START: &str = "a start is written with what starts: `joint pin: hinge from world to link.top { axis: y, start: 30 deg }`, `body link { …, start at [0.0, 0.0, 1.0] m }`";
 const ONE_TEXT: &str = "a declaration is one text and takes in no other; copy what is shared";
+/// A table whose entries stand in another file.
+pub const NO_FILE_OF_TABLE: &str = "the entries of a table stand in its declaration, `table gas = { 0 s: 0 N, 1 s: 5 N };`: no file of numbers is read";
 const NO_PARTS: &str = "a declaration has no parts to use again; what is alike is repeated by an index, `body leg[i in 0..3] { … }`";
 const REPETITION: &str =
     "what is repeated has an index behind its name, `body leg[i in 0..3] { … }`";
@@ -270,7 +273,14 @@ pub const EXPECTED_FIELDS: Dictionary = &[
     ("collision", SHAPE),
     ("mesh", NO_MESH),
     ("position", A_START),
+    ("motor_speed", SPEED_OF_MOTOR),
+    ("motor_velocity", SPEED_OF_MOTOR),
+    ("preload", PRELOAD),
+    ("pretension", PRELOAD),
 ];
+
+const SPEED_OF_MOTOR: &str = "a motor prescribes the coordinate: `motor: 2 rad/s * time` turns at one speed; a speed that changes is the rate of a state, `state aim = 0 rad { rate: speed }`, followed by `motor: aim, filter: 20 ms`";
+const PRELOAD: &str = "a spring that pulls with F from the start on is at rest F over its stiffness away from there: say `free_length` of a line or a spring, `rest` of a coordinate of a joint";
 
 const SHAPE: &str = "what a body looks like is its `shape: box [0.2, 0.3, 0.4] m`";
 /// What is said of meshes.
@@ -340,6 +350,23 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
     ("der", RATES),
     ("derivative", RATES),
     ("diff", RATES),
+    ("d", RATES),
+    ("ddt", RATES),
+    ("rotate", TURNED),
+    ("rotated", TURNED),
+    ("transform", TURNED),
+    ("to_world", TURNED),
+    ("to_body", TURNED),
+    (
+        "distance",
+        "write `norm(a.position - b.position)`; between the ends of a line or a spring it is its `length`",
+    ),
+    ("dist", "write `norm(a.position - b.position)`"),
+    (
+        "lerp",
+        "write `a + (b - a) * t`; what goes through several numbers is a `table`",
+    ),
+    ("mix", "write `a + (b - a) * t`"),
     ("asinh", "write `ln(a + sqrt(a^2 + 1))`"),
     ("acosh", "write `ln(a + sqrt(a^2 - 1))`"),
     ("atanh", "write `0.5 * ln((1 + a) / (1 - a))`"),
@@ -384,6 +411,8 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
     ("table", TABLE_CALL),
 ];
 
+/// A vector that turns with a body, and the components of one along it.
+pub const TURNED: &str = "the axes of a body or a frame are `rod.x`, `rod.y` and `rod.z`, in world axes: a vector along them is `a * rod.x + b * rod.y + c * rod.z`, and the components of a vector `v` along them are `[dot(v, rod.x), dot(v, rod.y), dot(v, rod.z)]`";
 const STEP: &str = "write `if(time < t0, 0, a)`";
 const IN_DEGREES: &str = "an output is told in degrees by `in deg` behind its value";
 const FROM_DEGREES: &str = "an angle carries its unit: `30 deg`";
@@ -401,20 +430,27 @@ pub const OPERATORS: Dictionary = &[
         "?",
         "`?` and `:` are written as a function: `if(a < b, this, that)`",
     ),
-    (
-        "&&",
-        "`&&` stands between comparisons, in `if(a < b && c < d, this, that)`",
-    ),
-    (
-        "||",
-        "`||` stands between comparisons, in `if(a < b || c < d, this, that)`",
-    ),
-    ("!", "there is no `!`: swap the two values of the `if`"),
+    ("&&", BOTH),
+    ("and", BOTH),
+    ("||", EITHER),
+    ("or", EITHER),
+    ("not", NO_WORD_NOT),
+    ("!", NO_NOT),
     ("<", COMPARISON),
     (">", COMPARISON),
     ("==", COMPARISON),
     ("as", "a unit stands behind `in`, such as `in deg`"),
+    ("every", REPEATED),
 ];
+
+const BOTH: &str =
+    "that both hold is `&&` between comparisons, in `if(a < b && c < d, this, that)`";
+const EITHER: &str =
+    "that one of them holds is `||` between comparisons, in `if(a < b || c < d, this, that)`";
+/// What is said of `not` before a condition.
+pub const NO_WORD_NOT: &str = "there is no `not`: swap the two values of the `if`";
+const NO_NOT: &str = "there is no `!`: swap the two values of the `if`";
+const REPEATED: &str = "what happens again and again moves its own instant: `state next = 10 ms { rate: 0 }` and `event tick = time rises next { set: next = next + 10 ms }`";
 
 /// Names that people use without declaring them.
 pub const FOREIGN_NAMES: Dictionary = &[
@@ -422,6 +458,11 @@ pub const FOREIGN_NAMES: Dictionary = &[
     ("now", "the time is called `time`"),
     ("g", NO_G),
     ("e", "its powers are `exp(a)`"),
+    ("π", "it is written `pi`"),
+    (
+        "dt",
+        "the step is no quantity, and rates are: `body.velocity`, `joint.angle_rate`, `line.stretch_rate`",
+    ),
     ("gravity", NO_G),
     ("g0", NO_G),
     ("kinetic_energy", ENERGY),
@@ -441,7 +482,8 @@ pub fn is_not_finite(word: &str) -> bool {
 pub const NOT_FINITE: &str =
     "it is no number; write a finite one, or a `param` with a default, which every run may change";
 const NO_G: &str = "gravity has no name in expressions: declare `const g = 9.81 m/s^2;`";
-const ENERGY: &str =
+/// What is said of the energy of one thing.
+pub const ENERGY: &str =
     "the energies of the whole scene are `energy.kinetic`, `energy.potential` and `energy.total`";
 
 /// Words for what is at rest.

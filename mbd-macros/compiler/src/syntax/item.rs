@@ -391,7 +391,7 @@ pub fn push_clause<'a>(
 ) -> Result<(), LexemeMessage> {
     if let Some(first) = item.given(sign) {
         if item.word.text == "event" && sign == "=" {
-            return Err(say::event_compares(at, "="));
+            return Err(say::event_compares(at, "=", false));
         }
         return Err(say::repeated_clause(at, sign, first.at));
     }

@@ -41,7 +41,32 @@ impl ItemWord {
         let mut clauses = self.clauses.iter();
         clauses.find(|clause| clause.needed && !rotated && !given(clause.sign))
     }
+
+    /// The clause whose value may be all of an item in TOML, `let.speed = "…"`: the only one it needs. An input needs its kind or a value, which a
+    /// number begins.
+    pub fn alone(&self, value: &str) -> Option<&'static Clause> {
+        if self.word == INPUT {
+            let sign = if begins_with_number(value) { "=" } else { ":" };
+            return self.clauses.iter().find(|clause| clause.sign == sign);
+        }
+        let mut needed = self.clauses.iter().filter(|clause| clause.needed);
+        needed.next().filter(|_| needed.next().is_none())
+    }
 }
+
+/// Whether a value of TOML begins with a number, of a vector its first: `"6 V"`, `["8 m/s", 0, 0]`. A unit may begin with one, too: `"1/s"`.
+fn begins_with_number(value: &str) -> bool {
+    let opening = |c: char| c.is_whitespace() || "[\"'-+.".contains(c);
+    let number = value.trim_start_matches(opening);
+    let per = number
+        .strip_prefix('1')
+        .and_then(|rest| rest.trim_start().strip_prefix('/'))
+        .is_some_and(|unit| !unit.trim_start().starts_with(|c: char| c.is_ascii_digit()));
+    number.starts_with(|c: char| c.is_ascii_digit()) && !per
+}
+
+/// The keyword of an input.
+pub const INPUT: &str = "input";
 
 const fn needs(sign: &'static str, key: &'static str) -> Clause {
     Clause {
@@ -190,8 +215,8 @@ pub const ITEMS: &[ItemWord] = &[
         "param NAME = 761 kg in 600 kg ..= 900 kg;",
     ),
     repeated(item(
-        "input",
-        &[needs(":", "kind"), may("=", "value")],
+        INPUT,
+        &[may(":", "kind"), may("=", "value")],
         None,
         "input NAME: force = 0 N;",
     )),

@@ -81,7 +81,7 @@ impl DeclarationWriter<'_> {
             self.lines(&self.comments_of(key), "");
         }
         self.doc(doc, "");
-        let _ = writeln!(self.text, "pub model {name} {{");
+        let _ = writeln!(self.text, "model {name} {{");
         let mut items = Vec::new();
         for (key, value) in entries(table) {
             match (words::find(key.get_ref(), false), value.get_ref()) {
@@ -205,10 +205,12 @@ impl DeclarationWriter<'_> {
             let _ = write!(head, ": {} {{ {} }}", law.get_ref(), fields.join(", "));
             return head;
         }
+        let written = self.document.get(value.span()).unwrap_or("");
+        let alone = spec.alone(written).map(|clause| clause.key);
         for clause in spec.clauses {
             let given = match table {
                 Some(table) => table.get(clause.key),
-                None => clause.needed.then_some(value),
+                None => (alone == Some(clause.key)).then_some(value),
             };
             let taken = table.filter(|_| given.is_none() && clause.sign == "=");
             if let Some((take, of)) = taken.and_then(|table| taken_of_a_run(spec, table)) {

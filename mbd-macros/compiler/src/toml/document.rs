@@ -162,16 +162,13 @@ impl DocumentWriter<'_> {
     /// The value of an item without braces: its one value, or a table on one line.
     fn inline(&self, item: &Item<'_>, spec: &ItemWord) -> String {
         let mut given = self.clauses(item, spec);
-        let mut needed = spec.clauses.iter().filter(|clause| clause.needed);
-        let only = match (needed.next(), needed.next()) {
-            (Some(only), None) => Some(only.key),
-            _ => None,
-        };
         if !item.doc.is_empty() {
             given.insert(0, ("doc", quoted(&item.doc)));
         }
         match given.as_slice() {
-            [(key, value)] if only == Some(key) => value.clone(),
+            [(key, value)] if spec.alone(value).is_some_and(|only| only.key == *key) => {
+                value.clone()
+            }
             given => table(given.iter().map(|(key, value)| (*key, value.as_str()))),
         }
     }

@@ -201,13 +201,13 @@ impl<'t> TomlReader<'t> {
         match value.get_ref() {
             DeValue::Table(table) => self.fields(&mut item, spec, table),
             _ => {
-                let mut needed = spec.clauses.iter().filter(|clause| clause.needed);
-                match (needed.next(), needed.next()) {
-                    (Some(only), None) => {
+                let written = self.text.get(value.span()).unwrap_or("");
+                match spec.alone(written) {
+                    Some(only) => {
                         item.clauses.push((only.sign, self.value(value)?));
                         self.unit_behind(&mut item, spec);
                     }
-                    _ => {
+                    None => {
                         self.messages.push(say_toml::table(at.into(), spec));
                         return None;
                     }

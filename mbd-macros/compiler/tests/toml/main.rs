@@ -178,7 +178,7 @@ fn what_events_do_is_the_same_in_text_and_toml() {
 fn a_document_as_text_keeps_its_consts_repetitions_and_units() {
     let text = toml_to_text(LINK).unwrap();
     for kept in [
-        "/// A link on a line.\npub model Link<T> {",
+        "/// A link on a line.\nmodel Link<T> {",
         "const L = 1.6 m;",
         "/// Mass of the link.\n    param mass = 2.0 kg in 1 kg ..= 3 kg;",
         "body bead[i in 0..2] {",
@@ -503,4 +503,88 @@ lowest = { value = "min bob.position.z" }
     let text = mbd_compiler::toml_to_text(&all).unwrap();
     let scene = mbd_compiler::read_text(&text).scene;
     assert_eq!(scene.as_ref(), Some(&wanted), "{text}");
+}
+
+/// What an input of a value measures is what the value does, in both languages.
+#[test]
+fn an_input_takes_its_kind_from_its_value() {
+    let text = "model A {
+        gravity: none;
+        const hold = 2 kN;
+        input voltage = 6 V;
+        input pull = hold;
+        input aim = 90 deg;
+        input spin = 60 rpm;
+        input brake = 0;
+        input wind = [8, 0, 0] m/s;
+        input push: force = 1 kN;
+        input lift: force;
+        point bob { mass: 1 kg }
+    }";
+    let read = read_text(text);
+    let scene = read
+        .scene
+        .clone()
+        .unwrap_or_else(|| panic!("{:?}", told(&read)));
+    let turn = std::f64::consts::TAU;
+    let wanted = [
+        ("voltage", "V", 1, 6.0),
+        ("pull", "N", 1, 2000.0),
+        ("aim", "rad", 1, turn / 4.0),
+        ("spin", "rad/s", 1, turn),
+        ("brake", "", 1, 0.0),
+        ("wind", "m/s", 3, 8.0),
+        ("push", "N", 1, 1000.0),
+        ("lift", "N", 1, 0.0),
+    ];
+    for (input, (name, unit, components, default)) in scene.inputs.iter().zip(wanted) {
+        assert_eq!(input.name, name);
+        assert_eq!(
+            (input.unit.text.as_str(), input.unit.factor),
+            (unit, 1.0),
+            "{name}"
+        );
+        assert_eq!(input.components, components, "{name}");
+        assert!((input.default[0] - default).abs() < 1e-12, "{name}");
+    }
+    // What was left out stays left out on the way to TOML and back.
+    let document = text_to_toml(text).unwrap();
+    assert!(
+        document.contains("voltage = \"6 V\"\n") && document.contains("lift = \"force\"\n"),
+        "{document}"
+    );
+    assert_eq!(read_toml(&document).scene, read.scene, "{document}");
+    let back = toml_to_text(&document).unwrap();
+    assert!(
+        back.contains("input voltage = 6 V;") && back.contains("input lift: force;"),
+        "{back}"
+    );
+    assert_eq!(read_text(&back).scene, read.scene, "{back}");
+    assert_eq!(read_toml(&write_toml(&scene)).scene, read.scene);
+}
+
+#[test]
+fn an_input_of_toml_is_a_kind_a_value_or_both() {
+    let document = |input: &str| {
+        format!("model = \"A\"\ngravity = \"none\"\npoint.bob.mass = \"1 kg\"\n{input}\n")
+    };
+    let forms = [
+        ("input.a = \"-6 V\"", "input a = -6 V;"),
+        ("input.a = [\"8 m/s\", 0, 0]", "input a = [8 m/s, 0, 0];"),
+        ("input.a = { value = \"6 V\" }", "input a = 6 V;"),
+        ("input.a = 3", "input a = 3;"),
+        ("input.a = \"1/s\"", "input a: 1/s;"),
+        ("input.a = \"1/2\"", "input a = 1/2;"),
+        ("input.a = \"[1/s; 3]\"", "input a: [1/s; 3];"),
+        ("input.a = \"volume/s\"", "input a: volume/s;"),
+    ];
+    for (toml, text) in forms {
+        let read = read_toml(&document(toml));
+        let text = format!("model A {{ gravity: none; point bob {{ mass: 1 kg }} {text} }}");
+        let wanted = read_text(&text).scene;
+        assert!(wanted.is_some(), "{text}");
+        assert_eq!(read.scene, wanted, "{toml}: {:?}", told(&read));
+        let back = toml_to_text(&document(toml)).unwrap();
+        assert_eq!(read_text(&back).scene, wanted, "{back}");
+    }
 }

@@ -366,13 +366,10 @@ fn keys_that_people_guess_are_answered_once_with_what_is_written() {
             "this table has no `value`: write `table.rho = \"{ 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 }\"`",
         ),
         (
-            "[input.wind]\nvalue = \"[8, 0, 0] m/s\"",
-            "this input has no `kind`: write `input.wind = { kind = \"speed\", value = \"[8, 0, 0] m/s\" }`",
+            "[input.wind]\ndoc = \"from the west\"",
+            "what `wind` measures is open: give its kind, `input wind: force;`, a value, `input wind = 6 V;`, or both, `input wind: force = 2 N;`; in TOML `kind` and `value`",
         ),
-        (
-            "[input]\nwind = \"[8, 0, 0] m/s\"",
-            "expected the kind of the input: a quantity or a unit of SI",
-        ),
+        ("[input]\nwind = \"west\"", "unknown quantity `west`"),
         (
             "[input]\nwind = \"speed = [8, 0, 0] m/s\"",
             "in TOML the default of an input is a key of its own: `{ kind = \"speed\", value = \"[8, 0, 0] m/s\" }`",

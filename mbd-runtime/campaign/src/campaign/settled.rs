@@ -10,9 +10,7 @@ use crate::run::{GivenSettings, Phase, PlanError, RunPlan, Settings, settings_of
 
 /// The settings that the file gives, and which of them count in every scene.
 pub fn given(written: &CampaignFile) -> Result<(Settings, GivenSettings), PlanError> {
-    let own: Settings = toml::Value::Table(written.run.clone())
-        .try_into()
-        .map_err(|error: toml::de::Error| wrong("run", error.message()))?;
+    let own = Settings::of_table(&written.run).map_err(|error| wrong("run", error))?;
     let given = GivenSettings {
         method: own.step.is_some() || own.tolerance.is_some() || own.method.is_some(),
         every: own.every.is_some(),

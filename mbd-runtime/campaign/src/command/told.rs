@@ -69,9 +69,11 @@ fn metric(results: &Results, told: &Told) -> String {
         digits(Some(deviation))
     );
     if told.without > 0 {
+        let why = told.reason().map(|why| format!(", because {why}"));
         text += &format!(
-            "  {} cases have no value and are left out of what follows\n",
-            told.without
+            "  {} cases have no value and are left out of what follows{}\n",
+            told.without,
+            why.unwrap_or_default()
         );
     }
     for percentile in &told.percentiles {
@@ -109,8 +111,14 @@ fn metric(results: &Results, told: &Told) -> String {
     match drivers.is_empty() {
         true => text,
         false => {
+            let shares = told.drivers.iter().take(5).any(|it| it.index.is_some());
+            let share = if shares {
+                ", share of the variance"
+            } else {
+                ""
+            };
             text + &format!(
-                "  driven by (rank correlation, share of the variance): {}\n",
+                "  driven by (rank correlation{share}): {}\n",
                 drivers.join(", ")
             )
         }
@@ -137,8 +145,12 @@ impl RequirementVerdict {
             .into_iter()
             .filter_map(|(bound, word)| Some(format!("{word} {} {unit}", digits(Some(bound?)))));
         let bounds: Vec<String> = bounds.map(|text| text.trim_end().to_owned()).collect();
+        let without = match self.without {
+            0 => String::new(),
+            without => format!(", {without} of them without a value"),
+        };
         let what = format!(
-            "{name} {} in {} % of all cases with {} % confidence: {} of {} cases miss it",
+            "{name} {} in {} % of all cases with {} % confidence: {} of {} cases miss it{without}",
             bounds.join(" and "),
             percent(self.require.share, PLACES),
             percent(self.require.confidence, PLACES),

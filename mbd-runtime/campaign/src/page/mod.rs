@@ -200,6 +200,11 @@ fn overview(summary: &CampaignSummary) -> ReportTable {
             Cell::Count(told.without),
         ]);
     }
+    for told in &summary.metrics {
+        if let Some(why) = told.reason() {
+            table = table.note(format!("`{}` has no value where {why}.", told.name));
+        }
+    }
     table.note(format!(
         "Percentiles, below, are order statistics of the cases that have a value, each with an interval that holds that of the distribution with \
          {:.0} % confidence; where there are not enough cases for an end of it, none is told.",

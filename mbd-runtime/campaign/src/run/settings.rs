@@ -165,35 +165,77 @@ impl Settings {
         }
         toml::from_str::<Whole>(text)
             .map(|whole| whole.run)
-            .map_err(|error| format!("{error}{}{}", in_quotes(text, &error), translated(&error)))
+            .map_err(|error| {
+                let told = error.to_string().replace(error.message(), &told(&error));
+                format!("{told}{}", in_quotes(text, &error))
+            })
+    }
+
+    /// Reads the table `run` of a campaign file.
+    ///
+    /// # Errors
+    /// A text that says what.
+    pub(crate) fn of_table(table: &Table) -> Result<Settings, String> {
+        let read: Result<Settings, toml::de::Error> = Value::Table(table.clone()).try_into();
+        read.map_err(|error| told(&error))
     }
 }
 
-/// Our word for a setting of another tool; nothing after another mistake.
-fn translated(error: &toml::de::Error) -> String {
+/// What is wrong; of a setting that other tools or the command line call otherwise what it is called here, in place of all that there are.
+fn told(error: &toml::de::Error) -> String {
     let message = error.message();
-    let word = message.strip_prefix("unknown field `");
-    let word = word.and_then(|rest| rest.split('`').next());
-    let ours = word.and_then(words::of_setting);
-    ours.unwrap_or_default().to_owned()
+    match unknown_field(message).and_then(|word| Some((word, words::of_setting(word)?))) {
+        Some((word, ours)) => format!("unknown field `{word}`: {ours}"),
+        None => message.to_owned(),
+    }
+}
+
+/// The field of which a message of TOML says that there is none.
+fn unknown_field(message: &str) -> Option<&str> {
+    message.strip_prefix("unknown field `")?.split('`').next()
+}
+
+/// What to say of a key that stands at the top of a campaign file and belongs into its table of the run; nothing after another mistake.
+pub(crate) fn belongs_to_the_run(error: &toml::de::Error) -> String {
+    let word = unknown_field(error.message());
+    let own = |word: &&str| {
+        Value::Table(Table::from_iter([(
+            (*word).to_owned(),
+            Value::Boolean(true),
+        )]))
+    };
+    let is_setting = |word: &&str| {
+        let read: Result<Settings, toml::de::Error> = own(word).try_into();
+        read.map_err(|error| unknown_field(error.message()).is_none())
+            .map_or_else(|known| known, |_| true)
+    };
+    match word {
+        Some(word) if let Some(ours) = words::of_setting(word) => {
+            format!("how the cases are run stands in the table `[run]`: {ours}\n")
+        }
+        Some(word) if is_setting(&word) => {
+            format!("`{word}` stands in the table `[run]` of the file\n")
+        }
+        _ => String::new(),
+    }
 }
 
 /// What to write instead of a value with a unit that stands without quotes; nothing after another mistake.
 fn in_quotes(text: &str, error: &toml::de::Error) -> String {
     let line = error.span().and_then(|place| {
-        let before = text.get(..place.start)?.lines().count();
-        text.lines().nth(before.saturating_sub(1))
+        let before = text.get(..place.start)?.matches('\n').count();
+        text.lines().nth(before)
     });
     let Some((key, value)) = line.and_then(|line| line.split_once('=')) else {
         return String::new();
     };
     let value = value.split('#').next().unwrap_or_default().trim();
     match read_number(value) {
-        Ok(_) => format!(
+        Ok((_, unit)) if !unit.text.is_empty() => format!(
             "write a value with its unit in quotes: `{} = \"{value}\"`",
             key.trim()
         ),
-        Err(_) => String::new(),
+        _ => String::new(),
     }
 }
 
@@ -252,6 +294,37 @@ mod tests {
         }
         assert!(!told("until = ten").contains("in quotes"));
         assert!(!told("untl = 3").contains("in quotes"));
+        // Neither the line before the mistake, nor a number that needs no quotes.
+        for lines in [
+            "until = 0.1\nsave = \"x\"",
+            "save = \"x\"\nuntil = 0.1",
+            "step = 1\nmax_steps = true",
+        ] {
+            assert!(!told(lines).contains("in quotes"), "{}", told(lines));
+        }
+    }
+
+    #[test]
+    fn options_of_the_command_line_are_told_by_the_names_of_their_settings() {
+        for (line, word, ours) in [
+            (
+                "tol = 1e-8",
+                "tol",
+                "it is called `tolerance`: `tolerance = 1e-8`",
+            ),
+            (
+                "dt = \"1 ms\"",
+                "dt",
+                "a fixed step is called `step`, `step = \"1 ms\"`",
+            ),
+        ] {
+            let wanted = format!("unknown field `{word}`: {ours}");
+            let told = Settings::read(&format!("[run]\n{line}\n")).unwrap_err();
+            assert!(told.contains("line 2") && told.contains(&wanted), "{told}");
+            assert!(!told.contains("expected one of"), "{told}");
+            let told = Settings::of_table(&line.parse().unwrap()).unwrap_err();
+            assert!(told.starts_with(&wanted), "{told}");
+        }
     }
 
     #[test]

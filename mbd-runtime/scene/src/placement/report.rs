@@ -1,6 +1,6 @@
 //! What placing bodies decided, and why they cannot be placed.
 
-use crate::Scene;
+use crate::{Scene, plain};
 
 /// What placing bodies by joint coordinates decided beyond what it was told.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,7 +105,7 @@ impl PlacementError {
             ),
             PlacementError::Open { joint, gap, unit } => (
                 joint,
-                format!("stays open by {gap:.1e} {unit}: the starts that are given, and the lengths of its loop, let nothing close it; leave out a start there, say `about` before one that may give way, or change a length"),
+                format!("stays open by {gap} {unit}: the starts that are given, and the lengths of its loop, let nothing close it; leave out a start there, say `about` before one that may give way, or change a length", gap = plain(gap, 2)),
             ),
         };
         let name = scene.joints.get(joint).map(|joint| joint.name.clone());

@@ -31,7 +31,7 @@
 use std::fmt;
 use std::time::Instant;
 
-use mbd_scene::Model;
+use mbd_scene::{Model, plain};
 
 use crate::compiled::Scalar;
 use crate::content::Content;
@@ -231,13 +231,16 @@ impl fmt::Display for TradeError {
             }
             TradeError::Unreached { wanted, best } => write!(
                 f,
-                "no tolerance reaches an error of {wanted:.1e}: the best is {best:.1e}"
+                "no tolerance reaches an error of {}: the best is {}",
+                plain(*wanted, 2),
+                plain(*best, 2)
             ),
             TradeError::Unresolved { apart, size } => write!(
                 f,
-                "unresolved: two references of different methods are {:.1e} apart (rms; values reach {size:.1e}). The motion is chaotic or not smooth: \
+                "unresolved: two references of different methods are {} apart (rms; values reach {}). The motion is chaotic or not smooth: \
                  compare over a shorter window, or a quantity that does not follow every bounce",
-                apart.rms
+                plain(apart.rms, 2),
+                plain(*size, 2)
             ),
         }
     }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use mbd_scene::plain;
+
 use super::{Answer, Deviation, Question, TradeError, Unanswered, Variant};
 use crate::error::{Statistics, StepError};
 use crate::options::{Method, Options};
@@ -39,8 +41,12 @@ impl fmt::Display for Entry {
         let Statistics { steps, rhs, .. } = self.statistics;
         write!(
             f,
-            "{}, {}: error {:.1e} rms, {:.1e} at most; {steps} steps, {rhs} evaluations, {:.3e} s",
-            self.name, self.method, self.error.rms, self.error.largest, self.seconds
+            "{}, {}: error {} rms, {} at most; {steps} steps, {rhs} evaluations, {} s",
+            self.name,
+            self.method,
+            plain(self.error.rms, 2),
+            plain(self.error.largest, 2),
+            plain(self.seconds, 4)
         )
     }
 }
@@ -297,12 +303,12 @@ impl fmt::Display for Advice<'_> {
         match self.as_declared {
             Some(other) if other.variant != self.choice.variant => write!(
                 f,
-                "; `{}` in place of `{}` pays {:.1} times (the best there: {}, {:.3e} s)",
+                "; `{}` in place of `{}` pays {:.1} times (the best there: {}, {} s)",
                 self.choice.name,
                 other.name,
                 other.seconds / self.choice.seconds,
                 other.method,
-                other.seconds
+                plain(other.seconds, 4)
             ),
             None if self.choice.variant != 0 => {
                 write!(

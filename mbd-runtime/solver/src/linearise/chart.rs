@@ -71,8 +71,18 @@ pub(crate) struct Chart {
     pub kept: Vec<usize>,
 }
 
+/// Which coordinates of bodies come first, and are chosen where they are independent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ChartOrder {
+    /// The places of all bodies and points, then turns.
+    Places,
+    /// Place and turn of one body, then of the next: places of what hangs on a body do not stand for its attitude, which they tell badly far from
+    /// where they are chosen.
+    Bodies,
+}
+
 /// Every coordinate that a scene has a name for.
-pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
+pub(crate) fn candidates(moment: &SceneMoment, order: ChartOrder) -> Vec<Minimal> {
     let (scene, layout) = (moment.scene(), moment.layout());
     let mut all = Vec::new();
     let mut number = 0;
@@ -89,59 +99,62 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
     }
     let names = state_names(scene, layout);
     let name = |index: usize| names.get(index).cloned();
-    let mut place = |coordinate: usize, speed: usize| {
-        if let (Some(own), Some(rate)) = (name(coordinate), name(layout.nq + speed)) {
-            let source = MinimalCoordinate::Place { coordinate, speed };
-            all.push(Minimal {
-                source,
-                coordinate: own,
-                rate,
-            });
-        }
+    let place = |coordinate: usize, speed: usize| {
+        Some(Minimal {
+            source: MinimalCoordinate::Place { coordinate, speed },
+            coordinate: name(coordinate)?,
+            rate: name(layout.nq + speed)?,
+        })
     };
-    let moves = layout.directions.translations().len();
-    for (_, slots) in layout.own_bodies() {
+    let turns = |owner: &str, first: usize, axes: AngularVelocity| {
+        let words = ["turn_x", "turn_y", "turn_z"].into_iter().enumerate();
+        let all = words.filter_map(|(axis, word)| {
+            let speed = first + axis;
+            Some(Minimal {
+                source: MinimalCoordinate::Turn {
+                    first,
+                    axis,
+                    axes,
+                    speed,
+                },
+                coordinate: Name::new(owner, word, "rad"),
+                rate: name(layout.nq + speed)?,
+            })
+        });
+        all.collect::<Vec<Minimal>>()
+    };
+    let (moves, axes) = (
+        layout.directions.translations().len(),
+        scene.angular_velocity,
+    );
+    let in_space = layout.directions.plane.map(Plane::normal).is_none();
+    for (body, slots) in layout.own_bodies() {
         let places = match layout.directions.plane {
             Some(_) => moves + 1,
             None => moves,
         };
-        (0..places).for_each(|k| place(slots.q + k, slots.v + k));
+        all.extend((0..places).filter_map(|k| place(slots.q + k, slots.v + k)));
+        if in_space && order == ChartOrder::Bodies {
+            all.extend(turns(&scene.bodies[body].name, slots.v + moves, axes));
+        }
     }
     for slots in &layout.points {
         if let PointSlots::Mass(slots) = slots {
-            (0..moves).for_each(|k| place(slots.q + k, slots.v + k));
+            all.extend((0..moves).filter_map(|k| place(slots.q + k, slots.v + k)));
         }
     }
-    if layout.directions.plane.map(Plane::normal).is_none() {
-        let axes = scene.angular_velocity;
-        let bodies = layout.own_bodies();
-        let bodies = bodies.map(|(body, slots)| {
-            let own = &scene.bodies[body].name;
-            (own, slots.v + moves, axes)
-        });
+    if in_space {
+        if order == ChartOrder::Places {
+            for (body, slots) in layout.own_bodies() {
+                all.extend(turns(&scene.bodies[body].name, slots.v + moves, axes));
+            }
+        }
         // A joint of a tree that carries an attitude measures nothing of it: its angular velocity is that in frame 2.
-        let carrying = layout.joint_links();
-        let carrying = carrying.filter_map(|(joint, link)| {
+        for (joint, link) in layout.joint_links() {
             let joint = &scene.joints[joint];
-            joint.law.attitude()?;
-            let first = link.slots.v + link.speeds - 3;
-            Some((&joint.name, first, AngularVelocity::Body))
-        });
-        for (owner, first, axes) in bodies.chain(carrying) {
-            for (axis, word) in ["turn_x", "turn_y", "turn_z"].into_iter().enumerate() {
-                let speed = first + axis;
-                if let Some(rate) = name(layout.nq + speed) {
-                    all.push(Minimal {
-                        source: MinimalCoordinate::Turn {
-                            first,
-                            axis,
-                            axes,
-                            speed,
-                        },
-                        coordinate: Name::new(owner, word, "rad"),
-                        rate,
-                    });
-                }
+            if joint.law.attitude().is_some() {
+                let first = link.slots.v + link.speeds - 3;
+                all.extend(turns(&joint.name, first, AngularVelocity::Body));
             }
         }
     }
@@ -150,7 +163,7 @@ pub(crate) fn candidates(moment: &SceneMoment) -> Vec<Minimal> {
 
 /// The names of all coordinates, as a message lists them.
 pub(crate) fn known(moment: &SceneMoment) -> String {
-    let all = candidates(moment);
+    let all = candidates(moment, ChartOrder::Places);
     let names: Vec<&str> = all.iter().map(|one| one.coordinate.name.as_str()).collect();
     names.join(", ")
 }
@@ -163,8 +176,9 @@ impl Chart {
     pub(crate) fn choose(
         moment: &mut SceneMoment,
         wanted: &[&str],
+        order: ChartOrder,
     ) -> Result<Self, LinearisationError> {
-        let mut all = candidates(moment);
+        let mut all = candidates(moment, order);
         let mut first = Vec::new();
         for name in wanted {
             let Some(at) = all.iter().position(|one| one.coordinate.name == *name) else {

@@ -13,7 +13,7 @@ use mbd_scene::{Float, Formula, Joint, Model, Quantity, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearisationError;
-use super::chart::{Chart, MinimalCoordinate, input_names};
+use super::chart::{Chart, ChartOrder, MinimalCoordinate, input_names};
 use super::moment::{SceneMoment, dense};
 use crate::columns::{Name, state_names};
 
@@ -96,7 +96,7 @@ impl StateSpace {
             return Err(LinearisationError::Stepwise { node });
         }
         moment.settle(known.map(|[nodes, _]| nodes))?;
-        let chart = Chart::choose(&mut moment, coordinates)?;
+        let chart = Chart::choose(&mut moment, coordinates, ChartOrder::Places)?;
         Self::in_chart(&mut moment, &chart)
     }
 

@@ -4,7 +4,7 @@
 //! (the last value of a number counts), and made consistent once. Actions may let other events happen at the same instant: these act next.
 //! The energy that jumps is the work of the action ([`Acted`]); it counts neither as made nor as lost by the steps.
 
-use mbd_scene::{Float, Gravity, ParamError, Quantity, Settable};
+use mbd_scene::{Float, Gravity, ParamError, Quantity, Settable, plain};
 
 use super::Simulation;
 use crate::chatter::MOST_SWITCHES;
@@ -235,8 +235,9 @@ impl<T: Float> Simulation<T> {
                 let joints: Vec<String> =
                     rows.iter().map(|(name, ..)| format!("`{name}`")).collect();
                 let why = format!(
-                    "it leaves {} apart by {norm:.3e}: bodies would have to jump",
-                    joints.join(", ")
+                    "it leaves {} apart by {}: bodies would have to jump",
+                    joints.join(", "),
+                    plain(norm, 4)
                 );
                 self.cannot_act(acting, why)
             }

@@ -10,8 +10,8 @@
 
 mod search;
 
-use mbd_scene::Model;
 use mbd_scene::similar::near_and_all;
+use mbd_scene::{Model, plain};
 
 use crate::Simulation;
 use crate::columns::Name;
@@ -84,10 +84,12 @@ pub enum TrimError {
     Unbalanced {
         /// What is left most, a coordinate's name.
         worst: String,
-        /// Its acceleration.
+        /// Its acceleration, or the rate of a number behind the speeds: a state, a node.
         residual: f64,
         /// Its unit.
         unit: String,
+        /// Whether it is a number behind the speeds.
+        is_state: bool,
         /// How many unknowns were free, and how many accelerations were to vanish.
         counts: [usize; 2],
         /// The steps taken.
@@ -126,13 +128,19 @@ impl std::fmt::Display for TrimError {
                 worst,
                 residual,
                 unit,
+                is_state,
                 counts: [unknowns, residuals],
                 iterations,
                 slack,
             } => {
+                let what = match is_state {
+                    true => "a rate",
+                    false => "an acceleration",
+                };
                 write!(
                     f,
-                    "no balance found: `{worst}` keeps an acceleration of {residual:.3e} {unit} after {iterations} steps, with {unknowns} unknowns for {residuals} accelerations"
+                    "no balance found: `{worst}` keeps {what} of {} {unit} after {iterations} steps, with {unknowns} unknowns for {residuals} accelerations and rates of states",
+                    plain(*residual, 4)
                 )?;
                 match (unknowns < residuals, slack.is_empty()) {
                     (true, _) => write!(f, ": fix fewer coordinates, or free an input"),
@@ -157,7 +165,8 @@ impl std::fmt::Display for TrimError {
             ),
             TrimError::Open { gap } => write!(
                 f,
-                "the joints stay open by {gap:.1e} with these coordinates: fix fewer of them, or others"
+                "the joints stay open by {} with these coordinates: fix fewer of them, or others",
+                plain(*gap, 2)
             ),
             TrimError::Linearisation(cause @ LinearisationError::NotFinite { .. }) => write!(
                 f,

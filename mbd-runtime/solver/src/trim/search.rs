@@ -4,9 +4,10 @@ use mbd_scene::{JointStart, LINE_NUMBERS, Model, Quantity, Scene, StartNumber};
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
-use crate::columns::Name;
 use crate::compiled::Scalar;
-use crate::linearise::chart::{Chart, MinimalCoordinate, input_names, known, with_unit};
+use crate::linearise::chart::{
+    Chart, ChartOrder, MinimalCoordinate, input_names, known, with_unit,
+};
 use crate::linearise::moment::{SceneMoment, check_given, check_lists};
 use crate::linearise::{LinearisationError, StateSpace, motors_follow};
 use crate::simulation::start::declared_start;
@@ -36,10 +37,25 @@ struct Search {
     rest: usize,
 }
 
-/// What [`Trim::solve`] does.
+/// What [`Trim::solve`] does: a search in the coordinates of the linear system, and where that finds nothing in those that have the attitude of
+/// every body among them.
 pub(crate) fn find<T: Scalar>(
     model: &dyn Model<T>,
     asked: &TrimProblem,
+) -> Result<Trimmed, TrimError> {
+    match find_along(model, asked, ChartOrder::Places) {
+        Err(first @ TrimError::Unbalanced { .. }) => {
+            find_along(model, asked, ChartOrder::Bodies).map_err(|_| first)
+        }
+        found => found,
+    }
+}
+
+/// A search in coordinates that are chosen in an order.
+fn find_along<T: Scalar>(
+    model: &dyn Model<T>,
+    asked: &TrimProblem,
+    order: ChartOrder,
 ) -> Result<Trimmed, TrimError> {
     check_given(asked.numbers())?;
     let (scene, layout) = (model.scene(), model.layout());
@@ -99,7 +115,7 @@ pub(crate) fn find<T: Scalar>(
             named.push(name);
         }
     }
-    let chart = Chart::choose(&mut moment, &named)?;
+    let chart = Chart::choose(&mut moment, &named, order)?;
     let find = |name: &str| {
         let all = chart.minimal.iter();
         let mut all = all.map(|one| one.coordinate.name == name);
@@ -352,17 +368,18 @@ impl Search {
         if let Some((worst, left)) = worst
             && (left.is_nan() || left > STILL * scale.min(1e3))
         {
-            let name = match self.chart.minimal.get(worst) {
-                Some(one) => Name {
-                    unit: format!("{}^2", one.rate.unit),
-                    ..one.coordinate.clone()
-                },
-                None => space.states[n + worst].clone(),
+            let (name, unit) = match self.chart.minimal.get(worst) {
+                Some(one) => (&one.coordinate.name, format!("{}^2", one.rate.unit)),
+                None => {
+                    let state = &space.states[n + worst];
+                    (&state.name, a_second(&state.unit))
+                }
             };
             return Err(TrimError::Unbalanced {
-                worst: name.name,
+                worst: name.clone(),
                 residual: residual[worst],
-                unit: name.unit,
+                unit,
+                is_state: worst >= n,
                 counts: [self.free.len() + self.inputs.len() + rest, n + rest],
                 iterations,
                 slack: self.slack(),
@@ -456,6 +473,18 @@ impl Search {
             .zip(columns)
             .filter(|(_, column)| column.amax() <= least);
         still.map(|(name, _)| with_unit(name)).collect()
+    }
+}
+
+/// The unit of the rate of what has this one: `m/s` of `m`, `rad` of `rad*s`.
+fn a_second(unit: &str) -> String {
+    match unit {
+        "" => "1/s".to_owned(),
+        unit => match (unit.strip_suffix("*s"), unit.strip_suffix("/s")) {
+            (Some(of), _) => of.to_owned(),
+            (None, Some(of)) => format!("{of}/s^2"),
+            (None, None) => format!("{unit}/s"),
+        },
     }
 }
 

@@ -8,8 +8,8 @@ use mbd_report::{ReportTable, significant};
 use mbd_runtime::nalgebra::DMatrix;
 use mbd_runtime::scene::{Dimension, Scene};
 use mbd_runtime::{
-    Content, Generic, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory, Trimmed,
-    trim,
+    Content, Generic, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory,
+    TrimError, Trimmed, trim,
 };
 use serde_json::json;
 use toml::Value;
@@ -131,7 +131,15 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     let asked = rates
         .iter()
         .fold(asked, |it, (name, value)| it.rate(name, *value));
-    let rest = asked.solve().map_err(|e| invalid(&e))?;
+    let rest = asked.solve().map_err(|error| {
+        let first = match (&error, &args.after) {
+            (TrimError::Unbalanced { slack, .. }, None) if slack.is_empty() => {
+                "; what a run comes to by itself is searched from there: `--after 60s`"
+            }
+            _ => "",
+        };
+        invalid(&format!("{error}{first}"))
+    })?;
     let there = there(&mut run, &rest).map_err(|e| invalid(&e))?;
     if args.json {
         return json_of(&rest.space, Some((&rest, &there)));

@@ -3,12 +3,12 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use mbd_campaign::Campaign;
 use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::GivenSettings;
+use mbd_campaign::{Campaign, Metrics};
 use mbd_report::ReportTable;
-use mbd_runtime::Method;
 use mbd_runtime::scene::Scene;
+use mbd_runtime::{Content, Method};
 use toml::{Table, Value};
 
 use super::failure::CommandFailure;
@@ -16,7 +16,7 @@ use super::list;
 use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 use crate::run::{
-    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_model, fly_phases, not_finite,
+    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_measuring, fly_phases, not_finite,
     phases_json, publish, publish_gltf, publish_phases, summary_json, warning, windows,
 };
 
@@ -131,12 +131,18 @@ fn fly(args: &RunArgs, file: SceneFile) -> Result<FinishedRun, CommandFailure> {
     let invalid = |error: &dyn std::fmt::Display| {
         CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
     };
-    let plan = match &args.campaign {
-        Some(campaign) => case_of(&file, settings, campaign, args.case)?,
-        None => RunPlan::new(&file.scene, &settings).map_err(|error| file.misset(&error))?,
+    let (plan, metrics) = match &args.campaign {
+        Some(campaign) => {
+            let (plan, metrics) = case_of(&file, settings, campaign, args.case)?;
+            (plan, Some(metrics))
+        }
+        None => {
+            let plan = RunPlan::new(&file.scene, &settings).map_err(|error| file.misset(&error))?;
+            (plan, None)
+        }
     };
     let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
-    let outcome = fly_model(&*model, &plan, &mut ProgressLine::new());
+    let outcome = fly_measuring(&*model, &plan, metrics.as_ref(), &mut ProgressLine::new());
     Ok(FinishedRun {
         scene: file.scene,
         plan,
@@ -306,16 +312,19 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     }
 }
 
-/// The plan of a case of a campaign.
+/// The plan of a case of a campaign, and what is read of its run.
 fn case_of(
     file: &SceneFile,
     settings: Settings,
     campaign: &Path,
     case: u64,
-) -> Result<RunPlan, CommandFailure> {
+) -> Result<(RunPlan, Metrics), CommandFailure> {
     let model = super::campaign::nominal(file)?;
-    let plan = Campaign::read(campaign, model, settings)?.plan(case);
-    plan.map_err(|error| CommandFailure::Invalid(format!("{}: {error}", campaign.display())))
+    let all = Campaign::read(campaign, model, settings)?;
+    let both = all
+        .plan(case)
+        .and_then(|plan| Ok((plan, all.metrics_in(Content::ALL)?)));
+    both.map_err(|error| CommandFailure::Invalid(format!("{}: {error}", campaign.display())))
 }
 
 /// Whether a method of this name has a fixed step.

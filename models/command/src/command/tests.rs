@@ -20,6 +20,7 @@ mod phases;
 mod pictures;
 mod planes;
 mod ready;
+mod recipes;
 mod robots;
 mod slips;
 mod starts;

@@ -38,12 +38,13 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFail
         scene, settings, ..
     } = SceneFile::find_alone(&args.scene, "trade")?;
     let window = args.window.as_deref().map(window).transpose()?;
-    let unit = unit(&scene, &args.output);
-    let within = args.within.as_deref();
-    let within = within.map(|text| wanted(text, &unit)).transpose()?;
     let wrong = |error: &dyn std::fmt::Display| {
         CommandFailure::Invalid(format!("{}: {error}", args.scene.display()))
     };
+    // A column that there is not has no unit either, and that it is not there is what to tell.
+    let unit = unit(&scene, &args.output).map_err(|error| wrong(&error))?;
+    let within = args.within.as_deref();
+    let within = within.map(|text| wanted(text, &unit)).transpose()?;
     let race = race(&scene, &settings, &args.output, window).map_err(|error| wrong(&error))?;
     let told = advice(&race, &unit, within.unwrap_or_else(|| usual(&race)));
     if advice_alone {

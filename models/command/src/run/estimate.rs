@@ -2,7 +2,7 @@
 
 use mbd_campaign::run::RunPlan;
 use mbd_runtime::scene::metrics::Take;
-use mbd_runtime::scene::{Formula, Function, Scene};
+use mbd_runtime::scene::{Formula, Function, Scene, plain};
 use mbd_runtime::{Deviation, Model, Sampling, Simulation, Trajectory};
 
 use super::outcome::{CONTENT, RunOutcome};
@@ -217,9 +217,9 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         by_estimate.map(|it| {
             let of = if it.is_metric { "its value" } else { "its largest value" };
             format!(
-                "`{}` is off by about {:.1e} {}, {:.1} % of {of}: {change}; where that does not help, the motion is chaotic over this time",
+                "`{}` is off by about {} {}, {:.1} % of {of}: {change}; where that does not help, the motion is chaotic over this time",
                 it.column,
-                it.error,
+                plain(it.error, 2),
                 it.unit,
                 100.0 * it.relative
             )

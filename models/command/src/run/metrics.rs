@@ -5,10 +5,11 @@ use mbd_runtime::{MetricValue, MissingMetric};
 
 use super::outcome::RunOutcome;
 
-/// The metrics of a run, in declaration order. A run that stopped early has none: what it did not reach may have changed each of them.
+/// The metrics of a run, in declaration order, then those of a campaign. A run that stopped early has none: what it did not reach may have changed each of them.
 #[must_use]
 pub fn metrics(scene: &Scene, outcome: &RunOutcome) -> Vec<MetricValue> {
     let mut told = outcome.trajectory.metrics(scene);
+    told.extend(outcome.besides.iter().cloned());
     if outcome.error.is_some() {
         for metric in &mut told {
             metric.value = Err(MissingMetric::StoppedEarly);

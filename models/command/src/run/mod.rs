@@ -13,7 +13,7 @@ mod summary;
 pub use estimate::{Estimate, doubt};
 pub use mbd_campaign::run::{Phase, PlanError, RunPlan, Settings, line_of, misnamed_table, split};
 pub use metrics::{metrics, windows};
-pub use outcome::{RunOutcome, fly, fly_model};
+pub use outcome::{RunOutcome, fly, fly_measuring, fly_model};
 pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{publish_phases, summary as phases_json};

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
+use mbd_campaign::Metrics;
 use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::RunPlan;
 use mbd_compiler::Interpreted;
-use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::{Scene, plain};
 use mbd_runtime::{
-    Content, Imbalance, Model, MomentumImbalance, Moved, Options, ParamError, RunError, Sampling,
-    Simulation, Stop, Trajectory,
+    Content, Imbalance, MetricValue, Model, MomentumImbalance, Moved, Options, ParamError,
+    RunError, Sampling, Simulation, Stop, Trajectory,
 };
 
 use super::estimate::{Estimate, estimate};
@@ -39,6 +40,8 @@ pub struct RunOutcome {
     pub rounding: f64,
     /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
     pub estimate: Option<Estimate>,
+    /// Metrics of a campaign file that the scene does not declare itself.
+    pub besides: Vec<MetricValue>,
     /// Time the run took on the clock [s].
     pub wall_s: f64,
 }
@@ -63,7 +66,25 @@ pub fn fly_model(
     plan: &RunPlan,
     progress: &mut ProgressLine,
 ) -> RunOutcome {
-    let mut outcome = fly_on(begun(model, plan), model, plan, progress).outcome;
+    fly_measuring(model, plan, None, progress)
+}
+
+/// Runs a model as planned, and reads the metrics of a campaign, too.
+pub fn fly_measuring(
+    model: &dyn Model<f64>,
+    plan: &RunPlan,
+    metrics: Option<&Metrics>,
+    progress: &mut ProgressLine,
+) -> RunOutcome {
+    let history = match metrics {
+        // Those of the scene are among them.
+        Some(metrics) => history(model, plan).measure(model, &metrics.readers()),
+        None => history(model, plan),
+    };
+    let mut outcome = fly_on(begun(model, plan), model, (plan, history), progress).outcome;
+    if let Some(metrics) = metrics {
+        outcome.besides = metrics.besides(model.scene(), &outcome.trajectory);
+    }
     if outcome.error.is_none() && plan.estimate {
         outcome.estimate = estimate(model, plan, &outcome.trajectory);
     }
@@ -89,21 +110,54 @@ pub(super) fn begun(model: &dyn Model<f64>, plan: &RunPlan) -> Result<Simulation
     Ok(run)
 }
 
-/// Flies a run of a model that has begun, until the end of its plan.
+/// The history of a run as its plan says, without a row.
+pub(super) fn history(model: &dyn Model<f64>, plan: &RunPlan) -> Trajectory {
+    let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
+    Trajectory::new(model, sampling, CONTENT)
+}
+
+/// After so many steps of a run it is seen how many all of it will take.
+const PACE: u64 = 5000;
+
+/// What is said of a run that will not come to its end within its budget of steps, where it goes on as it did for so many steps until `now` [s].
+fn out_of_reach(name: &str, plan: &RunPlan, steps: u64, now: f64) -> Option<String> {
+    let all = steps as f64 * plan.until / now;
+    let most = plan.options.max_steps;
+    let rows = match plan.every {
+        Some(_) => "",
+        None => ", each of them a row of the history (`every` keeps fewer)",
+    };
+    (now > 0.0 && all > most as f64).then(|| {
+        format!(
+            "note: {name}: after {steps} steps the run is at {} s, so that about {} steps lead to its end at {} s, and it is given up after {most}{rows}: ask for an earlier end (`until`), or stop it",
+            plain(now, 4),
+            plain(all, 2),
+            plain(plan.until, 4),
+        )
+    })
+}
+
+/// Flies a run of a model that has begun, until the end of its plan, into a history.
 pub(super) fn fly_on(
     run: Result<Simulation<f64>, RunError>,
     model: &dyn Model<f64>,
-    plan: &RunPlan,
+    (plan, mut trajectory): (&RunPlan, Trajectory),
     progress: &mut ProgressLine,
 ) -> FlownPhase {
-    let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
-    let mut trajectory = Trajectory::new(model, sampling, CONTENT);
     let started = Instant::now();
     let (mut time, mut moved, mut singular_start) = (0.0, Vec::new(), false);
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
     let mut fly = |mut simulation: Simulation<f64>| {
+        let mut steps = 0;
         let mut watch = |now: f64| {
-            progress.show(now / plan.until, &model.scene().name);
+            steps += 1;
+            let name = &model.scene().name;
+            if steps == PACE
+                && let Some(note) = out_of_reach(name, plan, steps, now)
+            {
+                progress.note(&note);
+            }
+            progress.show(now / plan.until, name);
             true
         };
         let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
@@ -129,6 +183,7 @@ pub(super) fn fly_on(
         momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,
         estimate: None,
+        besides: Vec::new(),
         time,
         error,
         moved,
@@ -137,4 +192,29 @@ pub(super) fn fly_on(
         trajectory,
     };
     FlownPhase { outcome, run }
+}
+
+#[cfg(test)]
+mod tests {
+    use mbd_campaign::run::Settings;
+
+    use super::*;
+
+    #[test]
+    fn a_run_that_its_steps_will_not_bring_to_its_end_is_told_so_on_its_way() {
+        let read = mbd_compiler::read_text("model A { gravity: none; point bob { mass: 1 kg } }");
+        let settings = Settings {
+            until: Some(toml::Value::String("1e12 s".into())),
+            ..Settings::default()
+        };
+        let plan = RunPlan::new(&read.scene.unwrap(), &settings).unwrap();
+        let note = out_of_reach("A", &plan, 5000, 154.85).unwrap();
+        assert!(
+            note.contains("about 3.2e13 steps lead to its end at 1e12 s")
+                && note.contains("given up after 1000000, each of them a row"),
+            "{note}"
+        );
+        assert_eq!(out_of_reach("A", &plan, 5000, 1e10), None);
+        assert_eq!(out_of_reach("A", &plan, 5000, 0.0), None);
+    }
 }

@@ -5,7 +5,7 @@ use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::{Phase, RunPlan, go_on};
 use mbd_runtime::{Ended, Handover, Options, Stop};
 
-use super::outcome::{RunOutcome, begun, fly_on};
+use super::outcome::{RunOutcome, begun, fly_on, history};
 
 /// A part of a run, flown in one phase.
 #[derive(Clone, Debug)]
@@ -64,7 +64,7 @@ pub fn fly_phases(
     loop {
         let model = &phases.get(phase).unwrap_or(first).model;
         plan.until = until;
-        let flown = fly_on(next, &**model, &plan, progress);
+        let flown = fly_on(next, &**model, (&plan, history(&**model, &plan)), progress);
         let (mut run, ended_by) = match flown.run {
             Some((run, Stop::Event(event))) => (Some(run), Some(event)),
             _ => (None, None),

@@ -1,8 +1,8 @@
 //! Whether a run started where it was asked to.
 
 use mbd_campaign::run::RunPlan;
-use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::laws::Numbers;
+use mbd_runtime::scene::{Scene, plain};
 use mbd_runtime::{Layout, Moved};
 
 use super::outcome::RunOutcome;
@@ -40,7 +40,7 @@ pub fn moved_text(moved: &Moved) -> String {
     ];
     let told = changes.iter().filter(|(change, _)| *change > ROUNDING);
     let told: Vec<String> = told
-        .map(|(change, unit)| format!("{change:.3e} {unit}"))
+        .map(|(change, unit)| format!("{} {unit}", plain(*change, 4)))
         .collect();
     format!("{}, `{}`", told.join(", "), moved.name)
 }
@@ -85,15 +85,17 @@ fn displaced(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
     let mut starts = scene.starts.parts.iter();
     if starts.any(|start| start.position.is_none() && Some(start.part) == part) {
         return Some(format!(
-            "warning: `{}` starts {:.3e} m away{rotated}{others} from the origin of the world, where a `start` that says no place puts it: say `start at` with it, or \
+            "warning: `{}` starts {} m away{rotated}{others} from the origin of the world, where a `start` that says no place puts it: say `start at` with it, or \
              `start` and `start_rate` of its joints instead",
-            worst.name, worst.distance,
+            worst.name,
+            plain(worst.distance, 4),
         ));
     }
     Some(format!(
-        "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and it starts {:.3e} m away{rotated}{others}; \
+        "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and it starts {} m away{rotated}{others}; \
          give positions and attitudes that fit each other",
-        worst.name, worst.distance,
+        worst.name,
+        plain(worst.distance, 4),
     ))
 }
 
@@ -118,8 +120,9 @@ fn redirected(plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
         (None, Some((name, change))) => (name, "angular velocity", change, "rad/s"),
         (None, None) => return None,
     };
+    let change = plain(change, 4);
     Some(format!(
-        "warning: `{name}` does not start with the {what} that is said of it: its joints do not allow it, and its {what} differs by {change:.3e} {unit}; \
+        "warning: `{name}` does not start with the {what} that is said of it: its joints do not allow it, and its {what} differs by {change} {unit}; \
          say the rates of its joints instead, such as `start_rate: 1 rad/s`, or velocities and angular velocities that fit each other",
     ))
 }

@@ -5,7 +5,7 @@ use std::io;
 
 use mbd_campaign::run::RunPlan;
 use mbd_report::{Cell, ReportTable, significant};
-use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::{Scene, plain};
 use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
 
@@ -360,7 +360,11 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         rows.push(("the same over the energy that moved", share.into()));
     }
     if let Some(momentum) = outcome.momentum {
-        let missed = format!("{:.1e}, {:.1e}", momentum.linear, momentum.angular);
+        let missed = format!(
+            "{}, {}",
+            plain(momentum.linear, 2),
+            plain(momentum.angular, 2)
+        );
         rows.push((
             "momentum balance missed by at most [kg m/s], [kg m²/s]",
             missed.into(),
@@ -380,7 +384,11 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
             true => ("", "the same over its value"),
             false => (" (rms)", "the same over its largest value"),
         };
-        let off = format!("`{}`, {:.1e}{unit}{how}", estimate.column, estimate.error);
+        let off = format!(
+            "`{}`, {}{unit}{how}",
+            estimate.column,
+            plain(estimate.error, 2)
+        );
         rows.push(("off most, by a second, finer run", off.into()));
         rows.push((of, estimate.relative.into()));
     }

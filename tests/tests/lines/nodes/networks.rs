@@ -339,7 +339,7 @@ fn a_run_that_finds_no_balance_names_its_softest_and_its_stiffest_line_and_says_
         let (soft, hard) = (&pair.softest, &pair.stiffest);
         let text = error.to_string();
         for part in [
-            format!("`{hard}` is 1.0e12 times as stiff as `{soft}`"),
+            format!("`{hard}` is 1e12 times as stiff as `{soft}`"),
             format!("make `{hard}` softer or `{soft}` stiffer"),
         ] {
             assert!(text.contains(&part), "{text}");

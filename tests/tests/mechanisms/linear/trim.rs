@@ -179,3 +179,42 @@ fn a_trim_begins_at_the_declared_start_with_the_declared_inputs_and_settles_what
     assert_close(&got, &[2.4, torque / 20.0], 1e-10, 0.0, "rest");
     assert!(found.space.vibrations().iter().all(|one| one.real < 0.0));
 }
+
+/// The places of the wheels tell the attitude of the satellite as well, but not twenty degrees away from where they are chosen.
+#[test]
+fn a_satellite_is_trimmed_by_its_own_attitude_and_not_by_the_places_of_its_wheels() {
+    let wheels = ["x", "y", "z"].map(|axis| {
+        format!(
+            "body wheel_{axis} {{ mass: 2 kg, inertia: diag(0.006, 0.006, 0.01) kg*m^2 }}
+             joint spin_{axis}: hinge from bus.mount_{axis} to wheel_{axis}.com {{ axis: z, force: u_{axis} }}
+             state missed_{axis} = 0 rad*s {{ rate: bus.orientation.{axis} }}
+             let u_{axis} = 0.6 N*m * bus.orientation.{axis} + 4 N*m*s * bus.omega_body.{axis} + 0.02 N*m/s * missed_{axis};"
+        )
+    });
+    let text = format!(
+        "model Satellite {{
+            gravity: none;
+            body bus {{
+                mass: 100 kg,
+                inertia: diag(12, 10, 8) kg*m^2,
+                frame mount_x at [0.2, 0, 0] m rotated about(y, 90 deg),
+                frame mount_y at [0, 0.2, 0] m rotated about(x, -90 deg),
+                frame mount_z at [0, 0, 0.2] m,
+                start at [0, 0, 0] m rotated rpy(20 deg, -10 deg, 5 deg),
+            }}
+            joint flight: free from world to bus.com
+            {}
+        }}",
+        wheels.concat()
+    );
+    let model = generic(read(&text));
+    let found = trim(&model).solve().expect("it rests");
+    let turned = &found.state[4..7];
+    assert!(turned.iter().all(|part| part.abs() < 1e-8), "{turned:?}");
+    let names = found.space.states.iter();
+    let names: Vec<&str> = names.map(|name| name.name.as_str()).collect();
+    assert!(
+        names.contains(&"bus.turn_x") && !names.contains(&"wheel_x.x"),
+        "{names:?}"
+    );
+}

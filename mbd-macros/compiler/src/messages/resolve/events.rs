@@ -133,5 +133,11 @@ pub fn set_outside(at: Region, name: &str, found: f64, [low, high]: [f64; 2]) ->
 }
 
 pub fn event_twice(at: Region) -> LexemeMessage {
-    LexemeMessage::new(at, "an event has one of `crosses`, `rises` and `falls`")
+    LexemeMessage::new(
+        at,
+        format!("an event has one of `crosses`, `rises` and `falls`; {BOTH_AT_ONCE}"),
+    )
 }
+
+/// How an event waits for two things at once.
+pub const BOTH_AT_ONCE: &str = "that two things hold at once is `event NAME = if(a > b && c < d, 1, 0) rises 0.5`, with `||` for one of them";

@@ -147,6 +147,28 @@ pub fn input_type(at: Region) -> LexemeMessage {
     )
 }
 
+pub fn input_of_no_kind(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "what `{name}` measures is open: give its kind, `input {name}: force;`, a value, `input {name} = 6 V;`, or both, `input {name}: force = 2 N;`; in TOML `kind` and `value`"
+        ),
+    )
+}
+
+/// An input whose value is a bare number stands where something with a unit is wanted.
+pub fn input_without_unit(at: Region, input: (&str, bool), wanted: Dimension) -> LexemeMessage {
+    let ((name, vector), unit) = (input, si_text(wanted));
+    let value = if vector { "[0, 0, 0]" } else { "0" };
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{name}` is a pure number, since its value has no unit; here it is {}: give it the unit, `input {name} = {value} {unit};`",
+            described(wanted)
+        ),
+    )
+}
+
 pub fn input_in_one_text(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,

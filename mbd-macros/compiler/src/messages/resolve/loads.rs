@@ -38,6 +38,30 @@ pub fn load_axes(at: Region, body: &str) -> LexemeMessage {
     )
 }
 
+/// `in rod` behind an output.
+pub fn output_axes(at: Region, body: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "a vector is told in the axes of the world, and `in` takes its unit; the components of a vector `v` along the axes of `{body}` are `[dot(v, {body}.x), dot(v, {body}.y), dot(v, {body}.z)]`, where a place seen from `{body}` is `let v = bob.position - {body}.position;`"
+        ),
+    )
+}
+
+/// `along rod.z` behind the place of a load.
+pub fn load_along(at: Region, direction: &str) -> LexemeMessage {
+    let direction = match direction {
+        "" => "rod.z",
+        direction => direction,
+    };
+    LexemeMessage::new(
+        at,
+        format!(
+            "a load is a vector in the axes of the world: write `= 5 N * {direction}` instead of `along {direction}`"
+        ),
+    )
+}
+
 pub fn load_on_world(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,

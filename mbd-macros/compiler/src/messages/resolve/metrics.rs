@@ -33,6 +33,26 @@ pub fn metric_is_a_column(at: Region, name: &str) -> LexemeMessage {
     )
 }
 
+/// `second`: the word of another metric in what one takes.
+pub fn metric_of_two(at: Region, take: Take, second: Take) -> LexemeMessage {
+    let (take, second) = (take.keyword(), second.keyword());
+    let text = match (take, second) {
+        ("time_of", "max" | "min") => {
+            let (what, passage) = match second {
+                "max" => ("largest", "falls"),
+                _ => ("smallest", "rises"),
+            };
+            format!(
+                "`time_of` is that of an event: a quantity is {what} where its rate passes zero, `event turned = bob.velocity.z {passage} 0 m/s;` and `time_of turned`"
+            )
+        }
+        _ => format!(
+            "a metric takes one thing of a run: declare `metric NAME = {second} …;` beside it, and compute with the numbers of both after the run"
+        ),
+    };
+    LexemeMessage::new(at, text)
+}
+
 pub fn metric_of_nothing(at: Region, take: Take) -> LexemeMessage {
     let (word, what) = (take.keyword(), of(take));
     LexemeMessage::new(

@@ -297,6 +297,15 @@ fn by_another_name(owner: &str, word: &str, known: &[&str]) -> Option<String> {
             "`{owner}` has a velocity, which is a vector: its speed is `norm({owner}.velocity)`"
         ));
     }
+    if word == "energy" || word == "kinetic_energy" {
+        return Some(format!(
+            "`{owner}` has no quantity `{word}`; {}",
+            foreign::ENERGY
+        ));
+    }
+    if word == "power" {
+        return Some(power(owner, known));
+    }
     let mut rates = known.iter().filter_map(|known| known.strip_suffix("_rate"));
     let (Some(coordinate), None) = (rates.next(), rates.next()) else {
         return None;
@@ -311,6 +320,27 @@ fn by_another_name(owner: &str, word: &str, known: &[&str]) -> Option<String> {
         )),
         _ => None,
     }
+}
+
+/// How the power of what acts on a thing is written.
+fn power(owner: &str, known: &[&str]) -> String {
+    let has = |word: &str| known.contains(&word);
+    let coordinate = known.iter().find_map(|it| it.strip_suffix("_rate"));
+    let motor = known.iter().find(|word| word.starts_with("motor_"));
+    let none = format!("`{owner}` has no quantity `power`: ");
+    let text = match (coordinate, motor) {
+        (_, _) if has("tension") => format!(
+            "what it gives to its ends is `-{owner}.tension * {owner}.stretch_rate` where nothing winds it"
+        ),
+        (Some(coordinate), Some(motor)) => {
+            format!("that of its motor is `{owner}.{motor} * {owner}.{coordinate}_rate`")
+        }
+        (Some(coordinate), None) if has(coordinate) => format!(
+            "that of its field `force` is the same expression times `{owner}.{coordinate}_rate`"
+        ),
+        _ => format!("that of a force F is `dot(F, {owner}.velocity)`"),
+    };
+    none + &text
 }
 
 pub fn frame_of_a_body(at: Region) -> LexemeMessage {

@@ -140,7 +140,8 @@ fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
             "{row:?} {highest}"
         );
         let summary = std::fs::read_to_string(Path::new(&alone).join("summary.json")).unwrap();
-        for name in ["hardest_pull", "deepest", "first_lowest"] {
+        // Those of the scene, and that of the campaign file.
+        for name in ["hardest_pull", "deepest", "first_lowest", "peak"] {
             let mut names = cases.lines().next().unwrap().split(',');
             let at = names.position(|known| known.split(' ').next() == Some(name));
             let told = summary.split(&format!("\"{name}\":")).nth(1).unwrap();
@@ -282,4 +283,85 @@ fn lanes_that_have_no_effect_are_told_with_the_reason() {
             "{told}"
         );
     }
+}
+
+/// A stone that is thrown as hard as it is drawn, over a wall or not.
+const OVER_A_WALL: &str = "model Throw {
+    gravity: [0, 0, -9.81] m/s^2;
+    param speed = 10 m/s in 1 m/s ..= 30 m/s;
+    point stone { mass: 1 kg, start at [0, 0, 0] m velocity [1 m/s, 0, speed] }
+    event over = stone.position.z rises 5 m;
+    metric height = max stone.position.z;
+    metric way = value stone.position.x { at: over };
+}
+[run]
+until = \"2 s\"
+";
+
+#[test]
+fn cases_without_a_value_are_told_with_the_event_that_did_not_happen() {
+    let folder = Folder::new("waited");
+    let scene = folder.file("throw.mbd", OVER_A_WALL);
+    let file = folder.file(
+        "dispersed.toml",
+        "seed = 1\ncases = 20\n[params]\nspeed = { dist = \"uniform\", low = \"8 m/s\", high = \"12 m/s\" }\n\
+         [metrics]\nway = { require = { above = \"0.9 m\", share = 0.9, confidence = 0.9 } }\n",
+    );
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&["campaign", &scene, &file, "--out", &out]).unwrap_err();
+    let cases = std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap();
+    let mut rows = cases.lines();
+    let mut names = rows.next().unwrap().split(',');
+    let way = names.position(|name| name.starts_with("way")).unwrap();
+    let values = rows
+        .skip(1)
+        .map(|row| row.split(',').nth(way).unwrap().to_owned());
+    let without = values.filter(String::is_empty).count();
+    assert!(without > 0 && without < 20, "{cases}");
+    let told = told.to_string();
+    for part in [
+        format!(
+            "{without} cases have no value and are left out of what follows, because `over` did not happen in {without} runs"
+        ),
+        format!("miss it, {without} of them without a value"),
+        "driven by (rank correlation): speed".to_owned(),
+    ] {
+        assert!(told.contains(&part), "{part}\n{told}");
+    }
+    // The requirement is not met, which the page tells, too.
+    assert_eq!(run(&["report", &out]).unwrap_err().code(), 3);
+    let page = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    let reason = format!("did not happen in {without} runs");
+    assert!(page.contains(&reason), "{page}");
+}
+
+#[test]
+fn a_setting_of_the_runs_is_told_its_name_and_its_place_in_the_campaign_file() {
+    let folder = Folder::new("campaign_settings");
+    let answer = |lines: &str| {
+        let file = folder.file("c.toml", &format!("{lines}\n"));
+        run(&["campaign", "swing", &file]).unwrap_err().to_string()
+    };
+    for (lines, told) in [
+        (
+            "[run]\ntol = 1e-8",
+            "`run`: unknown field `tol`: it is called `tolerance`: `tolerance = 1e-8`",
+        ),
+        (
+            "[run]\ndt = 1e-3",
+            "`run`: unknown field `dt`: a fixed step is called `step`",
+        ),
+        (
+            "tol = 1e-8",
+            "stands in the table `[run]`: it is called `tolerance`",
+        ),
+        (
+            "until = 3",
+            "`until` stands in the table `[run]` of the file",
+        ),
+    ] {
+        let answer = answer(lines);
+        assert!(answer.contains(told), "{lines}: {answer}");
+    }
+    assert!(!answer("casse = 3").contains("[run]"));
 }

@@ -48,7 +48,7 @@ fn every_ready_scene_is_the_same_in_both_forms() {
     // A document keeps its repetitions and units; any other form is an error that names both.
     let text = run(&["convert", "drop", "--to", "mbd"]).unwrap();
     for kept in [
-        "pub model Drop<T> {",
+        "model Drop<T> {",
         "line leg[i in 0..3] from capsule.bridle[i]",
         "const RHO = 0.014 kg/m^3;",
     ] {

@@ -106,6 +106,26 @@ fn linearise_tells_coordinates_and_frequencies_of_a_ready_scene() {
     let text = run(&["linearise", "linkage", "--trim"]).unwrap();
     assert!(text.contains("about the rest"), "{text}");
 }
+
+#[test]
+fn a_trim_without_a_balance_tells_the_rate_of_a_state_in_its_unit_and_another_way() {
+    let folder = Folder::new("linearise_unbalanced");
+    let file = folder.file(
+        "drifts.mbd",
+        "model Drifts { gravity: [0, 0, -9.81] m/s^2;
+           state missed = 0 rad*s { rate: 0.1 rad }
+           body rod { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame top at [0, 0, 1] m }
+           joint pin: hinge from world to rod.top { axis: y, damping: 1 N*m*s, force: 1 N*m/(rad*s) * missed } }\n[run]\nuntil = \"1 s\"\n",
+    );
+    let told = run(&["linearise", &file, "--trim"])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        told.contains("`missed` keeps a rate of 0.1 rad after") && told.contains("`--after 60s`"),
+        "{told}"
+    );
+}
+
 #[test]
 fn linearise_gives_matrices_and_says_where_they_change_along_the_motion() {
     let told = run(&["linearise", "double_pendulum", "--json"]).unwrap();

@@ -311,13 +311,13 @@ until = \"1 s\"
     );
     let told = run(&["check", &short]).unwrap_err().to_string();
     assert!(
-        told.contains("`two` stays open by 1.400e0 m; give a joint of each"),
+        told.contains("`two` stays open by 1.4 m; give a joint of each"),
         "{told}"
     );
     for command in ["check", "run"] {
         let told = run(&[command, &file]).unwrap_err().to_string();
         assert!(
-            told.contains("joint `end` stays open by 5.5e0 m: ")
+            told.contains("joint `end` stays open by 5.5 m: ")
                 && told
                     .contains("leave out a start there, say `about` before one that may give way"),
             "{told}"

@@ -35,7 +35,7 @@ fn a_motor_without_a_value_is_named_as_the_cause() {
     let out = folder.0.join("out").display().to_string();
     for (text, time) in [
         (text.to_owned(), "at 0.5"),
-        (text.replace("0.5 - time", "-0.5 - time"), "at 0.0"),
+        (text.replace("0.5 - time", "-0.5 - time"), "at 0 s"),
     ] {
         let error = run(&["run", &folder.file("m.mbd", &text), "--out", &out]).unwrap_err();
         let told = error.to_string();
@@ -119,4 +119,22 @@ fn a_large_angle_hides_no_small_one_and_a_turn_more_of_an_atan2_is_no_error() {
     let fine = folder.file("fine.mbd", &text("1e-9"));
     let told = run(&["run", &fine, "--out", &out]).expect("accurate enough");
     assert!(told.contains("the same over its largest value"), "{told}");
+}
+
+#[test]
+fn a_step_that_is_too_long_sends_the_run_back_to_where_nothing_had_grown() {
+    let folder = Folder::new("too_long");
+    let text = "model Stiff { gravity: none; point bob { mass: 1 kg, start at [1, 0, 0] m velocity [0.1, 0, 0] m/s }
+          spring s from world to bob { free_length: 1 m, stiffness: 10 kN/m } }
+        [run]\nuntil = \"5 s\"\nstep = \"40 ms\"\n";
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&["run", &folder.file("s.mbd", text), "--out", &out])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        told.contains("the fixed step 0.04 s is too long")
+            && told.contains("(the run went back to 0 s, where nothing had grown yet)"),
+        "{told}"
+    );
+    assert!(!told.contains("last accepted"), "{told}");
 }

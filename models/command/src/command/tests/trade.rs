@@ -16,7 +16,7 @@ fn a_trade_says_what_meets_the_error_that_is_wanted() {
     let out = folder.0.join("out").display().to_string();
     let asked = ["--output", "height", "--within", "1e-6", "--out", &out];
     let told = run(&[&["trade", file.as_str()], &asked[..]].concat()).unwrap();
-    assert!(told.contains("for height within 1.0e-6 m: take "), "{told}");
+    assert!(told.contains("for height within 1e-6 m: take "), "{told}");
     for method in [
         "RK4",
         "Rattle",
@@ -113,4 +113,15 @@ fn the_advice_for_a_stiff_scene_is_the_stiff_method() {
     let file = folder.file("stiff.mbd", text);
     let told = run(&["advise", &file, "--output", "height"]).unwrap();
     assert!(told.contains("Rodas5P"), "{told}");
+}
+
+#[test]
+fn a_column_that_is_not_there_is_told_before_the_unit_of_an_error_in_it() {
+    let told = run(&["trade", "swing", "--output", "nosuch", "--within", "1N"])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        told.contains("the history has no column `nosuch`"),
+        "{told}"
+    );
 }
