@@ -67,10 +67,8 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             format!("{name}_{}{}", if rate { "w" } else { "p" }, axis(index))
         }
         Slot::Effective(index) if index >= 2 * layout.effective_lines => {
-            let all = layout.nodes.iter();
-            let own = all
-                .filter(|node| node.velocity.is_some_and(|at| at <= index))
-                .last();
+            let mut all = layout.nodes.iter();
+            let own = all.rfind(|node| node.velocity.is_some_and(|at| at <= index));
             let name = own.map_or_else(String::new, |node| point(scene, node.point));
             format!("{name}_v{}", axis(index - 2 * layout.effective_lines))
         }

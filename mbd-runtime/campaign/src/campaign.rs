@@ -405,11 +405,13 @@ impl Campaign {
             }) => (Ok((end, metrics, not_finite)), Some(numbers)),
             Err(failed) => (Err(failed), None),
         };
+        let tried = statistics.steps + statistics.rejected + statistics.redone;
         FlownCase {
             row: self.row(case, result),
             numbers,
             seconds,
-            steps: [statistics.steps + statistics.rejected, beside],
+            // A run that went back to before a mistake has the counters of there.
+            steps: [tried.max(beside), beside],
         }
     }
 
