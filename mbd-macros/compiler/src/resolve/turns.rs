@@ -1,12 +1,15 @@
 //! Turns and radians: `Hz` is 1/s, and 2π is missing where an angle or its rate is meant.
 
-use mbd_scene::{Scene, Unit};
+use mbd_scene::{Formula, Function, Scene, Unit};
 
 use super::value::angle_of;
 use super::{Named, Resolver, Typed, fold};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
 use crate::units;
+
+/// Products are looked into so deep: `(a * 180) / pi`.
+const FACTORS: usize = 4;
 
 /// What counts turns in a value.
 #[derive(Clone, Debug)]
@@ -138,8 +141,41 @@ impl Resolver<'_> {
         }
     }
 
+    /// Whether the constant factor of a product is 180/π, which makes degrees of radians.
+    pub fn is_told_in_degrees(&self, formula: &Formula) -> bool {
+        let degrees = 1f64.to_degrees();
+        let factor = self.constant_factor(formula, FACTORS);
+        (factor.abs() - degrees).abs() < 1e-9 * degrees
+    }
+
+    /// The product of the first constant factors of a formula; 1 of one without.
+    fn constant_factor(&self, formula: &Formula, depth: usize) -> f64 {
+        let (function, arguments) = match formula {
+            _ if depth == 0 => return 1.0,
+            Formula::Apply(function, arguments) => (function, arguments),
+            Formula::Let(index) => {
+                let named = self.scene.lets.get(*index);
+                return named.map_or(1.0, |it| self.constant_factor(&it.value, depth - 1));
+            }
+            _ => return 1.0,
+        };
+        let of = |side: &Formula| {
+            let known = fold::known(side, &self.scene, false).and_then(|known| known.scalar());
+            known.unwrap_or_else(|| self.constant_factor(side, depth - 1))
+        };
+        match (function, arguments.as_slice()) {
+            (Function::Mul, [a, b]) => of(a) * of(b),
+            (Function::Div, [a, b]) => of(a) / of(b),
+            (Function::Neg, [a]) => -of(a),
+            _ => 1.0,
+        }
+    }
+
     /// The same for the unit behind `in`, which stands at `at`.
     pub fn turns_told_in(&mut self, typed: &Typed, unit: &Unit, at: Region) -> Option<()> {
+        if unit.text == "deg" && self.is_told_in_degrees(&typed.formula) {
+            return self.fail(say::degrees_in_degrees(at));
+        }
         if typed.is_in_radians() && counts_turns(unit) {
             return self.fail(say::radians_in_turns(at));
         }

@@ -466,9 +466,12 @@ impl Resolver<'_> {
         let per_turn = divide && a.is_in_radians() && b.is_a_turn(&self.scene);
         // An angle times a radius is a length: what is made of that has no radians.
         let arc = !divide && (a.turns_about(&b) || b.turns_about(&a));
+        let of_angle = a.is_in_radians() || b.is_in_radians();
         // An angular rate over a speed is one over a radius.
         let curvature = divide && a.turns_per_way(&b);
         let formula = self.apply(function, vec![a.formula, b.formula], at)?;
+        // An angle over π/180 is a number of degrees.
+        let in_degrees = of_angle && self.is_told_in_degrees(&formula);
         let sizes = a.without_unit.zip(b.without_unit);
         let sized =
             |(a, b): (f64, f64)| size(&formula).unwrap_or(if divide { a / b } else { a * b });
@@ -479,7 +482,7 @@ impl Resolver<'_> {
             vector: a.vector || b.vector,
             dimension,
             angle: match divide {
-                _ if per_turn || arc || curvature => 0,
+                _ if per_turn || arc || curvature || in_degrees => 0,
                 true => a.angle.saturating_sub(b.angle),
                 false => a.angle.saturating_add(b.angle),
             },

@@ -280,6 +280,13 @@ pub fn angle_without_unit(at: Region, angle: f64, literal: bool, what: &str) -> 
     LexemeMessage::new(at, said)
 }
 
+pub fn degrees_in_degrees(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        "a factor of 180/pi makes degrees of radians, and `in deg` does so once more: leave out the factor",
+    )
+}
+
 pub fn knots_without_unit(at: Region, table: &str, last: f64) -> LexemeMessage {
     LexemeMessage::new(
         at,
