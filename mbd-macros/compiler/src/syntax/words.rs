@@ -44,6 +44,7 @@ impl ItemWord {
 
     /// The clause whose value may be all of an item in TOML, `let.speed = "…"`: the only one it needs. An input needs its kind or a value, which a
     /// number begins.
+    #[cfg(feature = "toml")]
     pub fn alone(&self, value: &str) -> Option<&'static Clause> {
         if self.word == INPUT {
             let sign = if begins_with_number(value) { "=" } else { ":" };
@@ -55,6 +56,7 @@ impl ItemWord {
 }
 
 /// Whether a value of TOML begins with a number, of a vector its first: `"6 V"`, `["8 m/s", 0, 0]`. A unit may begin with one, too: `"1/s"`.
+#[cfg(feature = "toml")]
 fn begins_with_number(value: &str) -> bool {
     let opening = |c: char| c.is_whitespace() || "[\"'-+.".contains(c);
     let number = value.trim_start_matches(opening);

@@ -46,7 +46,7 @@ impl Placement<'_> {
                 .position(|coordinate| !named.contains(coordinate));
             named.extend_from_slice(all);
             if let Some(follower) = follower {
-                let keeps_rate = rates.contains(&all[follower]);
+                let keeps_rate = all.get(follower).is_some_and(|it| rates.contains(it));
                 self.follow(joint, all, follower, keeps_rate);
             }
         }
@@ -67,16 +67,24 @@ impl Placement<'_> {
                 .sum()
         };
         let factor = coupling.factor(follower);
-        let (of, index) = all[follower];
-        let value = self.q[of][index] - coupling.off(sum(&self.q)) / factor;
-        let rate = self.u[of][index] - sum(&self.u) / factor;
+        let Some(&(of, index)) = all.get(follower) else {
+            return;
+        };
         let periodic = (self.scene.coordinate(of, index)).is_some_and(|(_, it)| it.is_periodic());
-        if value.is_finite() {
-            let turns = if periodic { (value / TAU).round() } else { 0.0 };
-            self.q[of][index] = value - TAU * turns;
+        let [by_value, by_rate] = [coupling.off(sum(&self.q)) / factor, sum(&self.u) / factor];
+        if let Some(value) = self.q.get_mut(of).and_then(|list| list.get_mut(index))
+            && by_value.is_finite()
+        {
+            *value -= by_value;
+            if periodic {
+                *value -= TAU * (*value / TAU).round();
+            }
         }
-        if rate.is_finite() && !keeps_rate {
-            self.u[of][index] = rate;
+        if let Some(rate) = self.u.get_mut(of).and_then(|list| list.get_mut(index))
+            && by_rate.is_finite()
+            && !keeps_rate
+        {
+            *rate -= by_rate;
         }
     }
 }

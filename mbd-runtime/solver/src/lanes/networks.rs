@@ -212,8 +212,7 @@ impl<L: Lanes> Networks<L> {
             self.lay_down(plan, stages, span);
             let [solved, is_slack] = self.descend(form, plan, stages, (time, state));
             usable *= solved;
-            self.note_motion(plan, stages, span, is_slack);
-            self.note_velocities(plan, (&plans.layout, span), stages);
+            self.note_motion(plan, stages, (&plans.layout, span), is_slack);
         }
         usable
     }
@@ -245,40 +244,34 @@ impl<L: Lanes> Networks<L> {
         }
     }
 
-    /// Notes how fast the nodes of a network moved against their anchors up to a solve: not at all where it is slack.
-    fn note_motion(&mut self, plan: &NetworkPlan<f64>, stages: &Stages<L>, span: L, is_slack: L) {
-        for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
-            let place = crate::node::triple(&stages.nodes, 3 * node);
-            let moved = warm::against(place, self.carried(node, own_anchors, stages), span);
-            let moved = moved.map(|x| L::select(L::zero().lt(is_slack), L::zero(), x));
-            if let Some(own) = self.motion.get_mut(3 * node..3 * node + 3) {
-                own.copy_from_slice(moved.as_slice());
-            }
-        }
-    }
-
-    /// Notes the velocities of nodes whose lines are damped by differences.
-    fn note_velocities(
-        &self,
+    /// Notes how fast the nodes of a network moved against their anchors up to a solve, not at all where it is slack, and the velocities of those whose lines
+    /// are damped by differences: what [`Nodes`] does for a run.
+    fn note_motion(
+        &mut self,
         plan: &NetworkPlan<f64>,
-        (layout, span): (&Layout, L),
         stages: &mut Stages<L>,
+        (layout, span): (&Layout, L),
+        is_slack: L,
     ) {
-        let Some(how) = plan.stepwise() else { return };
-        let formula = RateFormula::new(how, span, get(&self.steps, plan.index));
+        let step = get(&self.steps, plan.index);
+        let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
         for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
-            let Some(at) = layout.nodes.get(node).and_then(|node| node.velocity) else {
-                continue;
-            };
-            let anchors = own_anchors
-                .iter()
-                .map(|anchor| crate::node::triple(&stages.ends, 6 * anchor + 3));
             let place = crate::node::triple(&stages.nodes, 3 * node);
             let moved = warm::against(place, self.carried(node, own_anchors, stages), span);
-            let before = crate::node::triple(&self.against, 3 * node);
-            let velocity = formula.velocity(anchors, [moved, before]);
-            if let Some(own) = stages.effective.get_mut(at..at + 3) {
-                own.copy_from_slice(velocity.as_slice());
+            let known = moved.map(|x| L::select(L::zero().lt(is_slack), L::zero(), x));
+            if let Some(own) = self.motion.get_mut(3 * node..3 * node + 3) {
+                own.copy_from_slice(known.as_slice());
+            }
+            let slot = layout.nodes.get(node).and_then(|node| node.velocity);
+            if let (Some(at), Some(formula)) = (slot, &formula) {
+                let anchors = own_anchors.iter();
+                let anchors =
+                    anchors.map(|anchor| crate::node::triple(&stages.ends, 6 * anchor + 3));
+                let before = crate::node::triple(&self.against, 3 * node);
+                let velocity = formula.velocity(anchors, [moved, before]);
+                if let Some(own) = stages.effective.get_mut(at..at + 3) {
+                    own.copy_from_slice(velocity.as_slice());
+                }
             }
         }
     }

@@ -284,7 +284,6 @@ impl<T: Float> Nodes<T> {
             nodes.predict(plan, span, memory);
             let is_slack = nodes.balance(stage, plan, work)?;
             nodes.note_motion(plan, span, memory, is_slack);
-            nodes.note_velocities(plan, span, memory);
             Ok(())
         });
         // Most stages are followed by others: the lines are measured where somebody asks.
@@ -397,8 +396,8 @@ impl<T: Float> Nodes<T> {
         self.record(memory);
     }
 
-    /// Notes how fast the nodes of a network moved against their anchors up to a solve, `span` after the last accepted step: not at all where it is slack, and
-    /// its nodes are anywhere.
+    /// Notes how fast the nodes of a network moved against their anchors up to a solve, `span` after the last accepted step, and the velocities of those whose
+    /// lines are damped by differences. What begins the next search is not at all where the network is slack, and its nodes are anywhere.
     fn note_motion(
         &mut self,
         plan: &NetworkPlan<T>,
@@ -406,33 +405,27 @@ impl<T: Float> Nodes<T> {
         memory: &NodeMemory<T>,
         is_slack: bool,
     ) {
+        let zero = Vector3::zeros();
+        let step = memory.smooth_step(plan.index);
+        let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
         for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
-            let moved = match is_slack || span <= T::zero() {
-                true => Vector3::zeros(),
+            let moved = match span <= T::zero() {
+                true => zero,
                 false => {
                     let place = triple(&self.nodes, 3 * node);
                     against(place, self.carried(node, own_anchors, memory), span)
                 }
             };
-            self.against[3 * node..3 * node + 3].copy_from_slice(moved.as_slice());
-        }
-    }
-
-    /// Notes the velocities of nodes whose lines are damped by differences, `span` after the last accepted step.
-    fn note_velocities(&mut self, plan: &NetworkPlan<T>, span: T, memory: &NodeMemory<T>) {
-        let Some(how) = plan.stepwise() else { return };
-        let formula = RateFormula::new(how, span, memory.smooth_step(plan.index));
-        for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
-            let Some(at) = self.layout.nodes.get(node).and_then(|node| node.velocity) else {
-                continue;
-            };
-            let anchors = own_anchors
-                .iter()
-                .map(|anchor| triple(&self.ends, 6 * anchor + 3));
-            let place = triple(&self.nodes, 3 * node);
-            let moved = against(place, self.carried(node, own_anchors, memory), span);
-            let velocity = formula.velocity(anchors, [moved, triple(&memory.against, 3 * node)]);
-            self.effective[at..at + 3].copy_from_slice(velocity.as_slice());
+            let known = if is_slack { zero } else { moved };
+            self.against[3 * node..3 * node + 3].copy_from_slice(known.as_slice());
+            let slot = self.layout.nodes.get(node).and_then(|node| node.velocity);
+            if let (Some(at), Some(formula)) = (slot, &formula) {
+                let anchors = own_anchors.iter();
+                let anchors = anchors.map(|anchor| triple(&self.ends, 6 * anchor + 3));
+                let before = triple(&memory.against, 3 * node);
+                let velocity = formula.velocity(anchors, [moved, before]);
+                self.effective[at..at + 3].copy_from_slice(velocity.as_slice());
+            }
         }
     }
 
