@@ -70,6 +70,7 @@ doors! {
     fn give_joint(run: &mut Simulation<Self>, name: &str, said: StartNumber) -> Result<(), RunError> = Simulation::give_joint;
     fn give_params(run: &mut Simulation<Self>, of: Result<(), ParamError>, params: &[Self]) -> Result<(), RunError> = Simulation::give_params;
     fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
+    fn give_rest(run: &mut Simulation<Self>, rest: &Trimmed) -> Result<(), RunError> = Simulation::give_rest;
     fn add_control(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = Simulation::add_control;
     fn continue_from(run: &mut Simulation<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = Simulation::continue_from;
     fn go_on_from(run: &mut Simulation<Self>, last: &mut Simulation<Self>, given: Given<'_, Self>) -> Result<Handover, RunError> = Simulation::go_on_from;
@@ -81,7 +82,7 @@ doors! {
     fn make_work(model: &Generic<Self>) -> Work<Self> = <Generic<Self>>::scratch;
     fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = <Generic<Self>>::run;
     fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run;
-    fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), known: Option<[&[f64]; 2]>, along: &[&str]) -> Result<StateSpace, LinearisationError> = StateSpace::make;
+    fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), along: &[&str]) -> Result<StateSpace, LinearisationError> = StateSpace::of_model;
     fn space_here(run: &mut Simulation<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = Simulation::space_here;
     fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
     fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
@@ -680,7 +681,7 @@ pub fn linearise_along<T: Scalar>(
     coordinates: &[&str],
 ) -> Result<StateSpace, LinearisationError> {
     let (state, inputs) = (wide(state), own_inputs(model, inputs)?);
-    T::make_space(model, (time, &state, &inputs), None, coordinates)
+    T::make_space(model, (time, &state, &inputs), coordinates)
 }
 
 /// Efforts [N or N m] along chosen coordinates that give them these accelerations [m/s² or rad/s²], at a time [s], a state and inputs; what is not

@@ -26,6 +26,7 @@ mod known;
 mod near_side;
 mod no_number;
 mod rates;
+mod remembered;
 mod spring_ends;
 mod supplied;
 
@@ -33,6 +34,7 @@ use known::KnownAtEnd;
 pub(crate) use known::{EndLooks, LINES, LISTS, OUTPUTS};
 pub(crate) use near_side::GuardSide;
 use near_side::NearSide;
+pub(crate) use remembered::Remembered;
 pub use supplied::{External, NoLoads};
 
 /// Integrals carried along behind the state: work of the loads, of the dampers and of prescribed motions [J].

@@ -194,7 +194,15 @@ impl Layout {
     /// Number of independent rows: those that are kept.
     #[must_use]
     pub fn rank(&self) -> usize {
-        self.joints.iter().map(|slots| slots.kept.len()).sum()
+        self.rank_where(|_| true)
+    }
+
+    /// Number of independent rows, at least, of the joints that hold.
+    #[must_use]
+    pub fn rank_where(&self, holds: impl Fn(usize) -> bool) -> usize {
+        let all = self.joints.iter().enumerate();
+        let held = all.filter(|(joint, _)| holds(*joint));
+        held.map(|(_, slots)| slots.kept.len()).sum()
     }
 
     /// Freedoms: speeds that the joints leave, where all locks hold and no joint is detached.
@@ -206,9 +214,7 @@ impl Layout {
     /// Freedoms at the start, where no lock holds, nor a joint that is detached then.
     #[must_use]
     pub fn freedoms_at_start(&self) -> usize {
-        let all = self.joints.iter().enumerate();
-        let held = all.filter(|(joint, _)| self.starts_joined(*joint));
-        let rank: usize = held.map(|(_, slots)| slots.kept.len()).sum();
+        let rank = self.rank_where(|joint| self.starts_joined(joint));
         self.nv.saturating_sub(rank)
     }
 

@@ -179,7 +179,7 @@ impl<T: Float> System<T> {
             self.read_dense(time, state);
             let Fallback { dense, spare, .. } = &mut self.fallback;
             dense.choose(spare);
-            stays = self.fallback.spare.len() < self.model.layout().rank();
+            stays = self.fallback.spare.len() < self.rank();
         }
         self.fallback.held_mut().wide = stays;
         stays
@@ -258,7 +258,7 @@ impl<T: Float> System<T> {
             dense.factor(&held.rows);
             dense.accelerate(&held.rows);
             // As many as there ever are: nothing is left open.
-            if self.fallback.held().rows.len() < self.model.layout().rank() {
+            if self.fallback.held().rows.len() < self.rank() {
                 self.approach_limit(time, state);
             }
             // Speeds that the rows allow at an instant need not belong to any motion; rows left out for what little is new in them disagree.

@@ -202,8 +202,7 @@ impl Chart {
         let joints = moment.evaluate(Quantity::ConstraintJacobian, &[]);
         let joints = DMatrix::from_row_slice(nc, nv, &joints);
         let kept = basis.take_rows(&joints);
-        let rank = moment.layout().rank();
-        if kept.len() < rank {
+        if kept.len() < moment.rank() {
             return Err(LinearisationError::DependentRows {
                 margin: basis.passed,
             });

@@ -12,7 +12,7 @@ use crate::displace::displace;
 use crate::generic::Generic;
 use crate::laws::{numbers_of, params_of};
 use crate::slopes::{Effective, Slopes};
-use crate::system::System;
+use crate::system::{Remembered, System};
 
 /// A scene at one moment.
 pub(crate) struct SceneMoment {
@@ -120,6 +120,21 @@ impl SceneMoment {
         );
         self.system.normalise(&mut self.state);
         self.system.count_turns(self.time, &self.state);
+    }
+
+    /// Goes on from what a run remembers.
+    pub(crate) fn recall(&mut self, remembered: &Remembered) {
+        self.system.recall(remembered);
+    }
+
+    /// What is remembered here.
+    pub(crate) fn remembered(&self) -> Remembered {
+        self.system.remembered()
+    }
+
+    /// Number of independent rows, at least, of the joints that hold.
+    pub(crate) fn rank(&self) -> usize {
+        self.system.rank()
     }
 
     pub(crate) fn scene(&self) -> &Scene {

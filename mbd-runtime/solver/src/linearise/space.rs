@@ -16,6 +16,7 @@ use super::LinearisationError;
 use super::chart::{Chart, ChartOrder, MinimalCoordinate, input_names};
 use super::moment::{SceneMoment, dense};
 use crate::columns::{Name, state_names};
+use crate::system::Remembered;
 
 /// A, B, C, D of a scene at a state in minimal coordinates, with names.
 #[derive(Clone, Debug)]
@@ -81,21 +82,30 @@ impl StateSpace {
             .then_some(parts)
     }
 
-    /// About a state, for what is known of it: the positions of the nodes, and the turns of its angles by [`Layout::turns`](mbd_scene::Layout::turns).
+    /// About a state of a model, as it is at the start of a run.
+    pub(crate) fn of_model<T: Float>(
+        model: &dyn Model<T>,
+        at: (f64, &[f64], &[f64]),
+        coordinates: &[&str],
+    ) -> Result<Self, LinearisationError> {
+        Self::make(model, at, None, coordinates)
+    }
+
+    /// About a state, for what a run knows of it: the positions of the nodes, and what it remembers.
     pub(crate) fn make<T: Float>(
         model: &dyn Model<T>,
         at: (f64, &[f64], &[f64]),
-        known: Option<[&[f64]; 2]>,
+        known: Option<(&[f64], &Remembered)>,
         coordinates: &[&str],
     ) -> Result<Self, LinearisationError> {
         let mut moment = SceneMoment::new(model, at)?;
-        if let Some([_, turns]) = known {
-            moment.count_turns_from(turns.iter().copied());
+        if let Some((_, remembered)) = known {
+            moment.recall(remembered);
         }
         if let Some(node) = moment.damped_by_steps.first().cloned() {
             return Err(LinearisationError::Stepwise { node });
         }
-        moment.settle(known.map(|[nodes, _]| nodes))?;
+        moment.settle(known.map(|(nodes, _)| nodes))?;
         let chart = Chart::choose(&mut moment, coordinates, ChartOrder::Places)?;
         Self::in_chart(&mut moment, &chart)
     }

@@ -10,6 +10,7 @@ use crate::error::{RunError, StepError};
 use crate::laws::params_of;
 use crate::origin::MovingOrigin;
 use crate::system::WORKS;
+use crate::trim::Trimmed;
 
 /// The latest time of a state, and the earliest below zero [s].
 const LATEST: f64 = 1e12;
@@ -26,8 +27,37 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// Goes on from a state that is measured from an origin; `None`: that of the world.
+    /// What [`Simulation::set_rest`] does.
+    pub(crate) fn give_rest(&mut self, rest: &Trimmed) -> Result<(), RunError> {
+        let numbers = |list: &[f64]| -> Vec<T> { list.iter().map(|&x| T::from_f64(x)).collect() };
+        let checked = self.check_state(self.time, &numbers(&rest.state));
+        checked.map_err(|cause| self.failed(cause))?;
+        self.give_inputs(None, &numbers(&rest.inputs))?;
+        self.stand_at(self.time, None, &rest.state)?;
+        self.system.recall(&rest.remembered);
+        self.joints_set.clear();
+        self.assembly = PlacementReport::default();
+        match rest.nodes.is_empty() {
+            true => Ok(()),
+            false => self.give_nodes(&numbers(&rest.nodes)),
+        }
+    }
+
+    /// Goes on from a state that is measured from an origin, `None` that of the world; what actions changed is taken back.
     pub(super) fn put(
+        &mut self,
+        time: f64,
+        origin: Option<MovingOrigin>,
+        state: &[f64],
+    ) -> Result<(), RunError> {
+        self.stand_at(time, origin, state)?;
+        self.take_back_actions()?;
+        self.system.remember_starts(&[], (time, &self.state));
+        Ok(())
+    }
+
+    /// Takes a state, whatever is detached and locked.
+    fn stand_at(
         &mut self,
         time: f64,
         origin: Option<MovingOrigin>,
@@ -50,8 +80,6 @@ impl<T: Float> Simulation<T> {
         {
             *to = from;
         }
-        self.take_back_actions()?;
-        self.system.remember_starts(&[], (time, &self.state));
         self.time = time;
         self.as_declared = false;
         self.started = false;

@@ -20,12 +20,17 @@ impl<T: Float> Simulation<T> {
         let unknowns = self.system.nodes.nodes();
         let unknowns: Vec<f64> = self.system.nodes_in_world(self.time, unknowns).collect();
         let nodes = layout.node_positions(&state, &unknowns);
-        let turns = wide(&self.system.memory.turns);
+        let remembered = self.system.remembered();
         let here = (
             self.time,
             state.get(..self.system.nx).unwrap_or_default(),
             &inputs[..],
         );
-        StateSpace::make(&*self.system.model, here, Some([&nodes, &turns]), along)
+        StateSpace::make(
+            &*self.system.model,
+            here,
+            Some((&nodes, &remembered)),
+            along,
+        )
     }
 }

@@ -15,6 +15,12 @@ fn is_joined<T: Float>(memory: &NodeMemory<T>, switch: Option<usize>) -> bool {
 }
 
 impl<T: Float> System<T> {
+    /// Number of independent rows, at least, of the joints that no event has detached.
+    pub(crate) fn rank(&self) -> usize {
+        let layout = self.model.layout();
+        layout.rank_where(|joint| is_joined(&self.memory, layout.joints[joint].switch))
+    }
+
     /// Whether every joint is on its branch at a start.
     ///
     /// # Errors

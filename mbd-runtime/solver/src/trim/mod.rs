@@ -13,10 +13,11 @@ mod search;
 use mbd_scene::similar::near_and_all;
 use mbd_scene::{Model, plain};
 
-use crate::Simulation;
 use crate::columns::Name;
 use crate::compiled::Scalar;
 use crate::linearise::{LinearisationError, StateSpace};
+use crate::system::Remembered;
+use crate::{RunError, Simulation};
 
 pub(crate) use search::find;
 
@@ -39,7 +40,7 @@ pub struct TrimProblem {
     pub(super) rates: Vec<(String, f64)>,
     pub(super) guesses: Vec<(String, f64)>,
     pub(super) along: Vec<String>,
-    pub(super) turns: Option<Vec<f64>>,
+    pub(super) remembered: Option<Remembered>,
 }
 
 impl TrimProblem {
@@ -71,6 +72,7 @@ pub struct Trimmed {
     pub undecided: Vec<String>,
     /// Steps taken.
     pub iterations: usize,
+    pub(crate) remembered: Remembered,
     pub(super) names: Vec<Name>,
     /// None of a turn in space, which is measured from here.
     pub(super) values: Vec<Option<f64>>,
@@ -296,7 +298,7 @@ impl<T: Scalar> Trim<'_, T> {
         self
     }
 
-    /// Begins where a run stands: its time and state, the turns of its angles, its inputs and nodes.
+    /// Begins where a run stands, with the params of this model ([`Simulation::trim`] takes those of the run, as its events left them): its time and state, the turns of its angles, what is locked and detached there, its inputs and nodes.
     #[must_use]
     pub fn begin_at(mut self, run: &Simulation<T>) -> Self {
         let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
@@ -305,7 +307,7 @@ impl<T: Scalar> Trim<'_, T> {
         self.asked.given = Some(wide(&run.system.inputs));
         let layout = run.model().layout();
         self.asked.nodes = Some(wide(&layout.node_positions(run.state(), run.nodes())));
-        self.asked.turns = Some(wide(&run.system.memory.turns));
+        self.asked.remembered = Some(run.system.remembered());
         self
     }
 
@@ -322,6 +324,25 @@ impl<T: Scalar> Trim<'_, T> {
     /// [`TrimError`].
     pub fn solve(&self) -> Result<Trimmed, TrimError> {
         T::find_trim(self.model, &self.asked)
+    }
+}
+
+impl<T: Scalar> Simulation<T> {
+    /// Looks for a rest from where this run stands, as [`trim`] does: with the params, the locks and what is detached as its events left them, the turns of
+    /// its angles, its inputs and nodes. It does not change the run; [`Simulation::set_rest`] takes it to what is found.
+    #[must_use]
+    pub fn trim(&self) -> Trim<'_, T> {
+        let asked = TrimProblem::default();
+        let model = &**self.model();
+        Trim { model, asked }.begin_at(self)
+    }
+
+    /// Stands at a rest that was found: its state, inputs and nodes, the turns of its angles, what is locked and detached there. Time and params stay.
+    ///
+    /// # Errors
+    /// A rest of another scene, by its lengths.
+    pub fn set_rest(&mut self, rest: &Trimmed) -> Result<(), RunError> {
+        T::give_rest(self, rest)
     }
 }
 

@@ -100,8 +100,8 @@ fn find_along<T: Scalar>(
     if asked.state.is_none() {
         moment.place(&asked.starts(model.scene()));
     }
-    if let Some(turns) = &asked.turns {
-        moment.count_turns_from(turns.iter().copied());
+    if let Some(remembered) = &asked.remembered {
+        moment.recall(remembered);
     }
     let fixed = asked.fixed.iter().map(|(name, _)| name.as_str());
     let others = asked.rates.iter().chain(&asked.guesses);
@@ -169,7 +169,7 @@ fn find_along<T: Scalar>(
         false => steps.amax(),
     };
     search.advance(&steps, [&behind, &change], far)?;
-    if asked.turns.is_none() {
+    if asked.remembered.is_none() {
         search.moment.begin_turns(&asked.starts(model.scene()));
     }
     // To the bit what was given, not what the parts add up to.
@@ -400,6 +400,7 @@ impl Search {
             names: names.collect(),
             values: values.chain(others.copied().map(Some)).collect(),
             nodes: self.moment.node_positions(),
+            remembered: self.moment.remembered(),
             state: self.moment.state,
             inputs: self.moment.inputs,
             space,

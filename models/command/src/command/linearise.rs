@@ -9,7 +9,7 @@ use mbd_runtime::nalgebra::DMatrix;
 use mbd_runtime::scene::{Dimension, Scene};
 use mbd_runtime::{
     Content, Generic, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory,
-    TrimError, Trimmed, trim,
+    TrimError, Trimmed,
 };
 use serde_json::json;
 use toml::Value;
@@ -119,7 +119,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         };
         return Ok(format!("{}{}", told(&space, &place), note));
     }
-    let begun = trim(&model).begin_at(&run);
+    let begun = run.trim();
     let begun = along.iter().fold(begun, |it, name| it.along(name));
     let asked = args.free.iter().fold(begun, |it, name| it.free_input(name));
     let asked = guesses
@@ -160,11 +160,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
 
 /// Everything that a history holds of a rest: one row of it.
 fn there(run: &mut Simulation<f64>, rest: &Trimmed) -> Result<Trajectory, RunError> {
-    run.set_inputs(&rest.inputs)?;
-    run.set_state(run.time(), &rest.state)?;
-    if !rest.nodes.is_empty() {
-        run.set_nodes(&rest.nodes)?;
-    }
+    run.set_rest(rest)?;
     row_of(run)
 }
 

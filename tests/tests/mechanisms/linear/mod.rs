@@ -1,6 +1,7 @@
 //! Linear systems, trim and inverse dynamics of jointed scenes against closed forms, independent tools, and the runs themselves.
 
 mod closed_forms;
+mod detached;
 mod efforts;
 mod emitted;
 mod mechanisms;
