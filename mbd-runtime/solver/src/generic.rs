@@ -68,6 +68,11 @@ impl<T: Float> Generic<T> {
         let (scene, layout) = (&*self.scene, &*self.layout);
         match what {
             Quantity::Partial(of, by) => {
+                // Scratch outlives the params that an event or a program changes.
+                room.slopes = room
+                    .slopes
+                    .take()
+                    .filter(|slopes| slopes.are_at(&self.params));
                 let new = || Slopes::new(scene, layout, &self.params);
                 let slopes = room.slopes.get_or_insert_with(new);
                 let of = (of.quantity(), by);

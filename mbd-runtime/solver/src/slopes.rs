@@ -69,6 +69,12 @@ impl Slopes {
         }
     }
 
+    /// Whether these are the parameters.
+    pub(crate) fn are_at<T: Float>(&self, params: &[T]) -> bool {
+        let own = self.numbers.params.iter().map(|own| own.value);
+        own.eq(params.iter().map(|x| x.to_f64()))
+    }
+
     /// Writes ∂(quantity)/∂(variable), dense, row by row; a slice of a wrong length is left as it is.
     pub(crate) fn differentiate<T: Float>(
         &mut self,

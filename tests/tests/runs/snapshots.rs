@@ -1,9 +1,12 @@
 //! Snapshots: written and read again, into other steps and controllers, changed by somebody, and of runs in which a closure of the caller panicked.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use mbd_runtime::{Method, Options, RunError, Simulation, Snapshot, StepError, model};
+use mbd_runtime::{
+    Generic, Method, Model, Options, RunError, Simulation, Snapshot, StepError, model,
+};
 use serde_json::{Value, json};
 
 model! {
@@ -73,6 +76,34 @@ fn a_snapshot_that_was_written_as_text_goes_on_to_the_bit() {
             whole.run(4.0).expect("it runs");
             other.run(4.0).expect("it runs");
             assert_eq!(bits(&whole), bits(&other), "{time}");
+        }
+    }
+}
+
+#[test]
+fn a_run_that_has_not_begun_goes_on_to_the_bit_by_every_method_compiled_and_not() {
+    let compiled = Cart::new(CartParams::default()).expect("defaults");
+    let generic = Generic::with_defaults(compiled.scene().clone()).expect("defaults");
+    let models: [Arc<dyn Model<f64>>; 2] = [compiled.share(), generic.share()];
+    let methods: [fn() -> Options; 5] = [
+        || Options::rk4(2e-3),
+        || Options::tsit5(1e-7),
+        || Options::vern7(1e-8),
+        || Options::rodas5p(1e-6),
+        || Options::auto(1e-6),
+    ];
+    for model in &models {
+        for options in methods {
+            let new = || Simulation::new(&**model, options()).expect("options that fit");
+            let mut whole = new();
+            for [time, end] in [[0.7, 1.3], [1.6, 2.2], [2.6, 3.3]] {
+                whole.run(time).expect("it runs");
+                let mut other = new();
+                other.restore(&whole.snapshot()).expect("of the same model");
+                whole.run(end).expect("it runs");
+                other.run(end).expect("it runs");
+                assert_eq!(bits(&whole), bits(&other), "{:?} {time}", options().method);
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use mbd_scene::{
     Arguments, Coordinates, Differentiated, Formula, Gravity, Layout, Model, Parameter, Quantity,
     Scene, Unit, Variable,
 };
+use tests::declared::read;
 use tests::instant::{partial_by_oracle, value};
 use tests::looped::mechanism;
 use tests::minimal::in_family;
@@ -144,4 +145,35 @@ fn accelerations_by_parameters_are_those_of_dual_numbers_and_of_differences_thro
         loops >= 10 && redundant >= 4,
         "{loops} with loops, {redundant} redundant"
     );
+}
+
+#[test]
+fn derivatives_are_those_of_the_params_of_their_model_whatever_the_room_was_used_for() {
+    let scene = read(
+        "model Swing { coordinates: relative; gravity: [0, 0, -9.81] m/s^2; param k = 3 N*m/rad;
+            body rod { mass: 2 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0, 0, 0.5] m }
+            joint pin: hinge from world to rod.top { axis: y, force: -k * pin.angle } }",
+    );
+    let soft = generic(scene);
+    let stiff = soft.with_params(&[30.0]).expect("params");
+    let (mut linear, mut work) = (Linearisation::new(soft.layout()), soft.work());
+    let at = Arguments {
+        state: vec![0.0; 2],
+        ..Arguments::default()
+    };
+    let mut slope = |model: &dyn Model<f64>| {
+        let done = linear.evaluate(model, &at.at(), &mut work);
+        done.expect("derivatives");
+        linear.state().at(1, 0)
+    };
+    // −(m g l + k)/(I + m l²).
+    for (model, stiffness) in [
+        (&soft as &dyn Model<f64>, 3.0),
+        (&*stiff, 30.0),
+        (&soft, 3.0),
+    ] {
+        let expected = -(2.0 * 9.81 * 0.5 + stiffness) / (0.1 + 2.0 * 0.25);
+        let found = slope(model);
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
 }
