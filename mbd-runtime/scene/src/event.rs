@@ -120,4 +120,31 @@ pub enum Settable {
     Param(usize),
     /// A declared state, by index.
     State(usize),
+    /// The rate of a coordinate of a joint: joint, number of the coordinate.
+    CoordinateRate(usize, usize),
+    /// A component of the velocity of a place, world axes.
+    Velocity(Place, usize),
+    /// A component of the angular velocity of a body, world axes.
+    AngularVelocityWorld(usize, usize),
+    /// A component of the angular velocity of a body, its own axes.
+    AngularVelocityBody(usize, usize),
+}
+
+impl Settable {
+    /// The speed that is set; `None` of a number that is no speed.
+    #[must_use]
+    pub fn speed(self) -> Option<Formula> {
+        let (vector, axis) = match self {
+            Settable::Param(_) | Settable::State(_) => return None,
+            Settable::CoordinateRate(joint, coordinate) => {
+                return Some(Formula::CoordinateRate(joint, coordinate));
+            }
+            Settable::Velocity(place, axis) => (Formula::Velocity(place), axis),
+            Settable::AngularVelocityWorld(body, axis) => {
+                (Formula::AngularVelocityWorld(body), axis)
+            }
+            Settable::AngularVelocityBody(body, axis) => (Formula::AngularVelocityBody(body), axis),
+        };
+        Some(Formula::Component(vec![vector], axis))
+    }
 }

@@ -12,6 +12,7 @@ pub mod __private;
 mod accuracy;
 mod approach;
 mod balance;
+mod basis;
 mod batch;
 mod chatter;
 mod columns;

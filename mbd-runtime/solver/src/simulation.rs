@@ -30,6 +30,7 @@ mod control;
 mod drive;
 mod given;
 mod handover;
+mod impulse;
 mod measure;
 mod moved;
 mod offered;

@@ -224,11 +224,8 @@ fn equations(scene: &Scene, equations: &SceneEquations, out: &mut String) {
 /// What an event does, a sentence each.
 fn event_actions(scene: &Scene, actions: &Actions) -> Vec<String> {
     let set = actions.set.iter().map(|setting| {
-        let (name, value) = (
-            scene.settable_name(setting.what),
-            text(scene, &setting.value),
-        );
-        format!("{name} = {value}.")
+        let name = scene.settable_name(setting.what);
+        format!("{name} = {}.", text(scene, &setting.value))
     });
     let detach = actions
         .detach

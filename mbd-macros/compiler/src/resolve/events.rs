@@ -2,7 +2,8 @@
 
 use mbd_scene::joints::{JointForces, JointLaw};
 use mbd_scene::{
-    Actions, Detachable, Direction, Formula, Function, Joint, Settable, Setting, Unit,
+    Actions, Detachable, Direction, Formula, Function, Joint, Place, PointKind, Settable, Setting,
+    Unit,
 };
 
 use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
@@ -27,9 +28,10 @@ fn passage_among_fields<'i>(item: &'i Item<'_>) -> Option<(&'i Word, &'static st
     words.find_map(|word| Some((word, nearest(&word.text, known())?)))
 }
 
-/// A number that an event sets.
+/// What an event sets: a number, or the components of a vector.
 struct EventTarget {
-    what: Settable,
+    what: Vec<Settable>,
+    vector: bool,
     name: String,
     unit: Unit,
     range: Option<[f64; 2]>,
@@ -309,19 +311,20 @@ impl Resolver<'_> {
         let mut settings: Option<Vec<Setting>> = Some(Vec::new());
         let mut firsts: Vec<(Settable, Region)> = Vec::new();
         for part in listed(item.clause(":")?) {
-            let Some((target, setting)) = self.setting(part, instance) else {
+            let Some((target, own)) = self.setting(part, instance) else {
                 settings = None;
                 continue;
             };
-            if let Some((_, first)) = firsts.iter().find(|(what, _)| *what == setting.what) {
+            let known = |(what, _): &&(Settable, Region)| target.what.contains(what);
+            if let Some((_, first)) = firsts.iter().find(known) {
                 let report = say::event_names_twice(target.at, &target.name, *first);
                 self.messages.push(report);
                 settings = None;
                 continue;
             }
-            firsts.push((setting.what, target.at));
+            firsts.extend(target.what.iter().map(|what| (*what, target.at)));
             if let Some(list) = settings.as_mut() {
-                list.push(setting);
+                list.extend(own);
             }
         }
         settings
@@ -331,7 +334,7 @@ impl Resolver<'_> {
         &mut self,
         part: ValueSyntax<'_>,
         instance: &Instance<'_>,
-    ) -> Option<(EventTarget, Setting)> {
+    ) -> Option<(EventTarget, Vec<Setting>)> {
         let scope = instance.scope(MayDependOn::Live);
         let mut signs = part.lexemes.iter();
         let Some(sign) = signs.position(|lexeme| lexeme.kind == LexemeKind::Sign('=')) else {
@@ -352,7 +355,7 @@ impl Resolver<'_> {
         let (target, typed) = (target?, typed?);
         let at = typed.at;
         self.turns_as_in(&typed, &target.unit, &format!("`{}`", target.name))?;
-        let value = self.fits(typed, &target.name, false, target.unit.dimension)?;
+        let value = self.fits(typed, &target.name, target.vector, target.unit.dimension)?;
         let constant = fold::known(&value, &self.scene, false).and_then(|it| it.scalar());
         match (constant, target.range) {
             (Some(found), _) if !found.is_finite() => {
@@ -363,17 +366,85 @@ impl Resolver<'_> {
             }
             _ => {}
         }
-        let what = target.what;
-        Some((target, Setting { what, value }))
+        let parts = match (target.vector, value) {
+            (false, value) => vec![value],
+            (true, Formula::Vector(parts)) => parts,
+            (true, value) => {
+                let component = |axis| Formula::Component(vec![value.clone()], axis);
+                [0, 1, 2].map(component).to_vec()
+            }
+        };
+        let each = target.what.iter().zip(parts);
+        let settings = each.map(|(&what, value)| Setting { what, value });
+        let settings = settings.collect();
+        Some((target, settings))
     }
 
-    /// The param or the state on the left of a setting.
+    /// A speed on the left of a setting.
+    fn speed(
+        &mut self,
+        path: &str,
+        value: ValueSyntax<'_>,
+        scope: Scope<'_>,
+    ) -> Option<EventTarget> {
+        let typed = self.value(value, scope)?;
+        let (unit, vector) = (typed.unit(), typed.vector);
+        let (of, axes) = match &typed.formula {
+            Formula::Component(parts, axis) => (parts.first()?, *axis..*axis + 1),
+            whole => (whole, 0..3),
+        };
+        let nodes = |place: Place| match place {
+            Place::Point(point) => {
+                let kind = self.scene.points.get(point).map(|point| &point.kind);
+                matches!(kind, Some(PointKind::Node(_)))
+            }
+            _ => false,
+        };
+        let what: Vec<Settable> = match *of {
+            Formula::CoordinateRate(joint, number) => {
+                let mut motors = self.scene.joints.get(joint)?.motors();
+                let driven = motors.any(|(driven, _)| driven == number);
+                drop(motors);
+                if driven {
+                    return self.fail(say::driven_speed_set(value.at, path));
+                }
+                vec![Settable::CoordinateRate(joint, number)]
+            }
+            Formula::Velocity(Place::World(_)) => {
+                return self.fail(say::prescribed_speed_set(value.at, path));
+            }
+            Formula::Velocity(place) if nodes(place) => {
+                return self.fail(say::node_speed_set(value.at, path));
+            }
+            Formula::Velocity(place) => axes.map(|axis| Settable::Velocity(place, axis)).collect(),
+            Formula::AngularVelocityWorld(body) => {
+                let each = axes.map(|axis| Settable::AngularVelocityWorld(body, axis));
+                each.collect()
+            }
+            Formula::AngularVelocityBody(body) => {
+                let each = axes.map(|axis| Settable::AngularVelocityBody(body, axis));
+                each.collect()
+            }
+            _ => return self.fail(say::moving_set(value.at, path)),
+        };
+        let (name, at, range) = (path.to_owned(), value.at, None);
+        Some(EventTarget {
+            what,
+            vector,
+            name,
+            unit,
+            range,
+            at,
+        })
+    }
+
+    /// What stands on the left of a setting: a param, a state or a speed.
     fn target(&mut self, value: ValueSyntax<'_>, scope: Scope<'_>) -> Option<EventTarget> {
         if let Ok(Expression::Path(steps)) = expression::whole(value)
             && steps.len() > 1
         {
             let path: Vec<&str> = steps.iter().map(|step| step.word.text.as_str()).collect();
-            return self.fail(say::moving_set(value.at, &path.join(".")));
+            return self.speed(&path.join("."), value, scope);
         }
         let settable = |named| matches!(named, Named::Param(_) | Named::State(_));
         let (named, step) = self.thing(value, scope, &settable, say::nothing_to_set)?;
@@ -401,7 +472,8 @@ impl Resolver<'_> {
         let unit = unit.clone();
         self.mention(named, step.word.at);
         Some(EventTarget {
-            what,
+            what: vec![what],
+            vector: false,
             name,
             unit,
             range,

@@ -218,10 +218,47 @@ impl Scene {
 
     /// The name of what an event sets.
     #[must_use]
-    pub fn settable_name(&self, what: Settable) -> &str {
+    pub fn settable_name(&self, what: Settable) -> String {
+        let axis = |axis: usize| ["x", "y", "z"].get(axis).copied().unwrap_or_default();
+        let body = |body: usize| self.bodies.get(body).map_or("", |body| &body.name);
         match what {
-            Settable::Param(index) => self.params.get(index).map_or("", |param| &param.name),
-            Settable::State(index) => self.states.get(index).map_or("", |state| &state.name),
+            Settable::Param(index) => {
+                let param = self.params.get(index);
+                param.map_or_else(String::new, |param| param.name.clone())
+            }
+            Settable::State(index) => {
+                let state = self.states.get(index);
+                state.map_or_else(String::new, |state| state.name.clone())
+            }
+            Settable::CoordinateRate(joint, number) => {
+                let name = self.coordinate_name(joint, number);
+                format!("{name}_rate")
+            }
+            Settable::Velocity(place, component) => {
+                let owner = match place {
+                    Place::World(frame) => {
+                        let frame = self.world_frames.get(frame);
+                        format!("world.{}", frame.map_or("", |frame| &frame.name))
+                    }
+                    Place::Body(index, 0) => body(index).to_owned(),
+                    Place::Body(index, frame) => {
+                        let frames = self.bodies.get(index).map(|body| &body.frames);
+                        let frame = frames.and_then(|frames| frames.get(frame));
+                        format!("{}.{}", body(index), frame.map_or("", |frame| &frame.name))
+                    }
+                    Place::Point(point) => {
+                        let point = self.points.get(point);
+                        point.map_or_else(String::new, |point| point.name.clone())
+                    }
+                };
+                format!("{owner}.velocity.{}", axis(component))
+            }
+            Settable::AngularVelocityWorld(index, component) => {
+                format!("{}.omega_world.{}", body(index), axis(component))
+            }
+            Settable::AngularVelocityBody(index, component) => {
+                format!("{}.omega_body.{}", body(index), axis(component))
+            }
         }
     }
 
@@ -231,7 +268,7 @@ impl Scene {
         let all = self.events.iter().flat_map(|event| &event.actions.set);
         let params = all.filter_map(|setting| match setting.what {
             Settable::Param(param) => Some(param),
-            Settable::State(_) => None,
+            _ => None,
         });
         let mut params: Vec<usize> = params.collect();
         params.sort_unstable();

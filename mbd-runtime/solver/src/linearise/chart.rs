@@ -14,14 +14,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::LinearisationError;
 use super::moment::SceneMoment;
+use crate::basis::Basis;
 use crate::columns::{Name, state_names};
 
 /// Parts of what the joints leave of a candidate that must be new, one round after the other.
 const NEW: [f64; 3] = [0.1, 0.01, 1e-3];
 /// The least of it that counts as independent.
 const LEAST: f64 = 1e-6;
-/// Part of a row of a joint below which it repeats others.
-const REPEATS: f64 = 1e-9;
 
 /// What a minimal coordinate is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,7 +197,7 @@ impl Chart {
                 DMatrix::from_fn(1, nv, |_, k| f64::from(u8::from(k == speed)))
             }
         };
-        let mut basis = Basis::new(moment);
+        let mut basis = Basis::new(&moment.evaluate(Quantity::MassMatrix, &[]), nv);
         let joints = moment.evaluate(Quantity::ConstraintJacobian, &[]);
         let joints = DMatrix::from_row_slice(nc, nv, &joints);
         let kept = basis.take_rows(&joints);
@@ -210,7 +209,7 @@ impl Chart {
         let mut chosen: Vec<(usize, Minimal, DMatrix<f64>)> = Vec::new();
         for one in first {
             let own = row(&one);
-            if !basis.take(&own, LEAST) {
+            if !basis.take(own.as_slice(), LEAST) {
                 let name = one.coordinate.name;
                 return Err(LinearisationError::DependentCoordinate { name });
             }
@@ -225,7 +224,7 @@ impl Chart {
             for (place, one) in all {
                 let own = row(&one);
                 let asked = matches!(one.source, MinimalCoordinate::Joint(_)) == joints;
-                if asked && own.iter().all(|x| x.is_finite()) && basis.take(&own, new) {
+                if asked && own.iter().all(|x| x.is_finite()) && basis.take(own.as_slice(), new) {
                     chosen.push((place, one, own));
                 } else {
                     left.push((place, one));
@@ -423,97 +422,6 @@ impl Chart {
             *slot = sign * (omega(j) * column[first + k] - omega(k) * column[first + j]);
         }
         swept
-    }
-}
-
-/// Directions that are held or chosen, orthonormal in the metric of the mass matrix.
-struct Basis {
-    /// L of M = L Lᵀ, inverted.
-    scale: DMatrix<f64>,
-    directions: Vec<DVector<f64>>,
-    /// How many of them the joints hold.
-    held: usize,
-    /// The largest part that a row which was passed over had left.
-    passed: f64,
-}
-
-impl Basis {
-    fn new(moment: &mut SceneMoment) -> Self {
-        let nv = moment.layout().nv;
-        let mass = moment.evaluate(Quantity::MassMatrix, &[]);
-        let mass = DMatrix::from_row_slice(nv, nv, &mass);
-        let scale = mass.cholesky().and_then(|factor| factor.l().try_inverse());
-        Basis {
-            scale: scale.unwrap_or_else(|| DMatrix::identity(nv, nv)),
-            directions: Vec::new(),
-            held: 0,
-            passed: 0.0,
-        }
-    }
-
-    /// What is new in a row beside the first directions, and its part of the row.
-    fn new_in(&self, row: &DVector<f64>, count: usize) -> (DVector<f64>, f64) {
-        let whole = row.norm();
-        let mut left = row.clone();
-        for _ in 0..2 {
-            for direction in &self.directions[..count] {
-                let along = direction.dot(&left);
-                left.axpy(-along, direction, 1.0);
-            }
-        }
-        let part = if whole > 0.0 {
-            left.norm() / whole
-        } else {
-            0.0
-        };
-        (left, part)
-    }
-
-    /// Takes a coordinate of which those before it leave at least a part of what the joints leave.
-    fn take(&mut self, row: &DMatrix<f64>, least: f64) -> bool {
-        let row = &self.scale * row.row(0).transpose();
-        let (free, movable) = self.new_in(&row, self.held);
-        let (left, _) = self.new_in(&row, self.directions.len());
-        let new = movable > REPEATS && left.norm() > least * free.norm();
-        if new {
-            let length = left.norm();
-            self.directions.push(left / length);
-        }
-        new
-    }
-
-    /// Takes the independent ones of the rows of the joints, those with most that is new first.
-    fn take_rows(&mut self, rows: &DMatrix<f64>) -> Vec<usize> {
-        let mut open: Vec<(usize, DVector<f64>, f64)> = Vec::new();
-        for row in 0..rows.nrows() {
-            let own = &self.scale * rows.row(row).transpose();
-            let whole = own.norm().max(f64::MIN_POSITIVE);
-            open.push((row, own, whole));
-        }
-        let part = |(_, left, whole): &(usize, DVector<f64>, f64)| left.norm() / whole;
-        let mut kept = Vec::new();
-        while let Some(most) =
-            (0..open.len()).max_by(|&a, &b| part(&open[a]).total_cmp(&part(&open[b])))
-        {
-            let new = part(&open[most]);
-            if new.is_nan() || new <= REPEATS {
-                self.passed = new;
-                break;
-            }
-            let (row, left, _) = open.swap_remove(most);
-            // Once more, against the rounding of many subtractions.
-            let (left, _) = self.new_in(&left, self.directions.len());
-            let direction = &left / left.norm();
-            for (_, left, _) in &mut open {
-                let along = direction.dot(left);
-                left.axpy(-along, &direction, 1.0);
-            }
-            self.directions.push(direction);
-            kept.push(row);
-        }
-        self.held = kept.len();
-        kept.sort_unstable();
-        kept
     }
 }
 

@@ -104,8 +104,8 @@ impl<T: Float> Simulation<T> {
         self.count_actions(acting)?;
         let before = self.energies();
         let [_, rates] = self.guards_and_rates()?;
-        self.apply(acting)?;
-        self.settle(acting)?;
+        let speeds = self.apply(acting)?;
+        self.settle(acting, &speeds)?;
         self.rearm(acting, &rates)?;
         let after = self.energies();
         let jump = |(before, after): ([f64; 3], [f64; 3])| [0, 1, 2].map(|k| after[k] - before[k]);
@@ -148,7 +148,7 @@ impl<T: Float> Simulation<T> {
     }
 
     #[cold]
-    fn cannot_act(&self, acting: &[usize], why: String) -> StepError {
+    pub(super) fn cannot_act(&self, acting: &[usize], why: String) -> StepError {
         StepError::Action {
             event: self.event_names(acting),
             time: self.time,
@@ -169,29 +169,40 @@ impl<T: Float> Simulation<T> {
         Some([kinetic, gravitational, elastic])
     }
 
-    /// Changes params, states and elements.
-    fn apply(&mut self, acting: &[usize]) -> Result<(), StepError> {
+    /// Changes params, states and elements, and gives the speeds that are to be set.
+    fn apply(&mut self, acting: &[usize]) -> Result<Vec<(usize, Settable, f64)>, StepError> {
         let model = self.system.model.clone();
         let (scene, layout) = (model.scene(), model.layout());
         let values = self.system.settings(self.time, &self.state)?;
         let places = self.system.locked(self.time, &self.state);
         let mut params = model.params().to_vec();
+        let mut speeds: Vec<(usize, Settable, f64)> = Vec::new();
         let mut values = values.into_iter();
         for (index, event) in scene.events.iter().enumerate() {
             let acts = acting.contains(&index);
             let own = values.by_ref().take(event.actions.set.len());
-            for (setting, value) in event.actions.set.iter().zip(own) {
-                let slot = match setting.what {
+            for (setting, value) in event.actions.set.iter().zip(own).filter(|_| acts) {
+                let what = setting.what;
+                let slot = match what {
                     Settable::Param(param) => params.get_mut(param),
                     Settable::State(state) => self.state.get_mut(layout.states() + state),
+                    _ => {
+                        speeds.retain(|(_, other, _)| *other != what);
+                        speeds.push((index, what, value));
+                        None
+                    }
                 };
-                match slot {
-                    Some(slot) if acts => *slot = T::from_f64(value),
-                    _ => continue,
+                if let Some(slot) = slot {
+                    *slot = T::from_f64(value);
                 }
-                if let (Settable::State(state), false) = (setting.what, value.is_finite()) {
-                    let name = scene.states.get(state).map_or("", |state| &state.name);
-                    let why = format!("it sets the state `{name}` to {value}");
+                // Values of params are checked with their ranges.
+                if !value.is_finite() && !matches!(what, Settable::Param(_)) {
+                    let kind = match what {
+                        Settable::State(_) => "the state ",
+                        _ => "",
+                    };
+                    let name = scene.settable_name(what);
+                    let why = format!("it sets {kind}`{name}` to {value}");
                     return Err(self.cannot_act(&[index], why));
                 }
             }
@@ -215,7 +226,7 @@ impl<T: Float> Simulation<T> {
             let changed = self.take_params(&params);
             changed.map_err(|error| self.cannot_act(acting, error.to_string()))?;
         }
-        Ok(())
+        Ok(speeds)
     }
 
     /// Runs the same scene with these params from here on.
@@ -226,8 +237,13 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// Makes the changed run consistent: joints hold, nodes in balance from where they are, every element in its mode, the first stage anew.
-    fn settle(&mut self, acting: &[usize]) -> Result<(), StepError> {
+    /// Makes the changed run consistent: joints hold, speeds that are set jump, nodes in balance from where they are, every element in its mode, the first
+    /// stage anew.
+    fn settle(
+        &mut self,
+        acting: &[usize],
+        speeds: &[(usize, Settable, f64)],
+    ) -> Result<(), StepError> {
         self.system.read_modes(self.time, &self.state)?;
         let held = self.system.hold_again(self.time, &mut self.state);
         held.map_err(|error| match error {
@@ -243,6 +259,7 @@ impl<T: Float> Simulation<T> {
             }
             other => other,
         })?;
+        self.set_speeds(speeds)?;
         self.inside.copy_from_slice(self.method.first());
         let nodes = self.system.memory.nodes().to_vec();
         self.system

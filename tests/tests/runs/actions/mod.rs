@@ -8,6 +8,7 @@ mod numbers;
 mod own_guard;
 mod refused;
 mod repeated;
+mod speeds;
 
 use mbd_runtime::{Method, Options};
 use mbd_scene::Coordinates;

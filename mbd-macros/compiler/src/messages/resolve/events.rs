@@ -96,12 +96,16 @@ pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> LexemeMessage {
         "event" => "an event is told by itself".to_owned(),
         "input" => "inputs are given by the program that runs the model".to_owned(),
         "let" => "a let says what follows from other numbers: set one of these".to_owned(),
-        _ => "what moves is moved by forces".to_owned(),
+        "body" | "point" => format!("a speed of it is `{word}.velocity` or `{word}.velocity.z`"),
+        "joint" => {
+            format!("a speed of it is the rate of a coordinate, such as `{word}.angle_rate`")
+        }
+        _ => "all else follows from these".to_owned(),
     };
     LexemeMessage::new(
         at,
         format!(
-            "`{word}` is {} {kind}, and events set params and states; {why}",
+            "`{word}` is {} {kind}, and events set params, states and speeds; {why}",
             article(kind)
         ),
     )
@@ -111,7 +115,32 @@ pub fn moving_set(at: Region, path: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "`{path}` cannot be set: events set params and states alone; what moves is moved by forces, and its speed jumps where `attach` or `lock` takes hold"
+            "`{path}` cannot be set: events set params, states and speeds, such as `rod.velocity.z`, `rod.omega_body` or `pin.angle_rate`; places stay, and all else follows"
+        ),
+    )
+}
+
+pub fn driven_speed_set(at: Region, path: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("`{path}` cannot be set: a motor drives it; set what the motor follows"),
+    )
+}
+
+pub fn prescribed_speed_set(at: Region, path: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{path}` cannot be set: frames of the world move as they are declared; set what their declaration follows"
+        ),
+    )
+}
+
+pub fn node_speed_set(at: Region, path: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{path}` cannot be set: a point without mass moves as its lines balance; give it a mass, or set the speed of what it hangs on"
         ),
     )
 }
