@@ -280,7 +280,11 @@ fn numbers_that_cannot_be_used_are_refused_before_any_step() {
         );
     }
     let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).unwrap();
-    invalid(simulation.set_state(0.0, &[0.0; 5]), "length of the state");
+    let short = simulation.set_state(0.0, &[0.0; 5]).unwrap_err();
+    assert_eq!(
+        short.cause.to_string(),
+        "state: 5 numbers were given, and it has 6 in this model"
+    );
     let free = generic(free_body([1.0, 2.0, 3.0]));
     let mut turning = Simulation::new(&free, Options::rk4(1e-3)).unwrap();
     invalid(turning.set_state(0.0, &[0.0; 13]), "quaternion");

@@ -518,13 +518,15 @@ impl<T: Scalar> Simulation<T> {
         T::hand_params(self, event, next, params)
     }
 
-    /// Everything needed to go on from here later, in this process or another.
+    /// Everything needed to go on from here later, in this process or another. Of a run that has begun, by [`Simulation::start`] or a step: one of a run that
+    /// stands at what was set has nothing to go on from, and is refused.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot<T> {
         T::save(self)
     }
 
-    /// Continues from a snapshot of the same model with the same options: every later step is equal to the bit.
+    /// Continues from a snapshot of the same model with the same options: every later step is equal to the bit. What [`Simulation::events`] and
+    /// [`Simulation::actions`] have of later than the snapshot is taken off these lists.
     ///
     /// # Errors
     /// A snapshot of another model or method, after which the run is as it was; and what the first evaluation may return.

@@ -235,7 +235,27 @@ step_errors! {
         /// The number.
         value: f64,
     }
-    "range", format!("`{slot}` cannot be {value:e}"), "give a finite number in the accepted range";
+    "range", format!("`{slot}` cannot be {}", plain(*value, 6)), "give a finite number in the accepted range";
+
+    /// A list from the caller that is too long or too short, refused before any step.
+    Length {
+        /// What it was given as: `state`, `inputs`.
+        list: String,
+        /// How many numbers it has in this model.
+        expected: usize,
+        /// How many were given.
+        found: usize,
+    }
+    "length", format!("{list}: {found} numbers were given, and it has {expected} in this model"), "give as many as the model has";
+
+    /// A time before that of the run.
+    Backwards {
+        /// That of the run [s].
+        now: f64,
+        /// The one that was asked for [s].
+        until: f64,
+    }
+    "backwards", format!("a run that is at {} s does not go back to {} s", plain(*now, 12), plain(*until, 12)), "restore a snapshot from before, or set a state with its time";
 
     /// Params that cannot be run; the run keeps the old ones.
     Params {
@@ -252,6 +272,24 @@ step_errors! {
         why: String,
     }
     "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
+
+    /// A name from the caller that there is not.
+    UnknownName {
+        /// The name.
+        name: String,
+        /// What it is none of, and what there is.
+        why: String,
+    }
+    "name", format!("`{name}` {why}"), "give a name that the declaration has";
+
+    /// A body or a point of a model that takes over, which the run before does not have.
+    StartsNowhere {
+        /// Its name.
+        name: String,
+        /// The model that takes over.
+        model: String,
+    }
+    "start", format!("`{name}` is new in `{model}` and starts nowhere"), "declare where it starts, or give its numbers to `take_over`; what had another name is mapped in the event, `map: [new = old]`";
 
     /// A closure of the caller, a controller or what watches the run, panicked in an earlier call: what the run remembers is that of the middle of a
     /// step, and nothing goes on from there.
@@ -568,6 +606,18 @@ step_errors! {
         instead: String,
     }
     "unsupported", format!("{what} is not supported"), instead.as_str();
+}
+
+impl StepError {
+    /// A list of a wrong length.
+    pub(crate) fn length(list: &str, found: usize, expected: usize) -> Self {
+        let list = list.to_owned();
+        StepError::Length {
+            list,
+            expected,
+            found,
+        }
+    }
 }
 
 impl fmt::Display for StepError {

@@ -399,10 +399,8 @@ impl<T: Float> Simulation<T> {
     fn look_now(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
         let expected = self.system.model.layout().len(what);
         if out.len() != expected {
-            return Err(self.failed(StepError::InvalidInput {
-                slot: format!("length of {what:?} (this model has {expected} numbers)"),
-                value: out.len() as f64,
-            }));
+            let wrong = StepError::length(&what.to_string(), out.len(), expected);
+            return Err(self.failed(wrong));
         }
         if !self.started {
             self.begin()?;

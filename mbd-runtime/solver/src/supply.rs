@@ -401,10 +401,10 @@ pub(crate) fn check_numbers<T: Float>(
     numbers: &[T],
 ) -> Result<(), StepError> {
     let (scene, layout) = (model.scene(), model.layout());
-    let (slot, value) = if numbers.len() != layout.ni {
-        let slot = format!("length of the inputs (this model has {})", layout.ni);
-        (slot, numbers.len() as f64)
-    } else if let Some(at) = numbers.iter().position(|x| !x.is_finite()) {
+    if numbers.len() != layout.ni {
+        return Err(StepError::length("inputs", numbers.len(), layout.ni));
+    }
+    let (slot, value) = if let Some(at) = numbers.iter().position(|x| !x.is_finite()) {
         let value = numbers.get(at).map_or(f64::NAN, |x| x.to_f64());
         (input_name(scene, layout, at), value)
     } else {

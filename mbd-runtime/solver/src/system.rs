@@ -431,10 +431,11 @@ impl<T: Float> System<T> {
                 what: format!("the node model of `{}`", name(node)),
                 instead: why.to_owned(),
             },
-            NodeError::Shape { what, found, .. } => StepError::InvalidInput {
-                slot: format!("length of {what}"),
-                value: found as f64,
-            },
+            NodeError::Shape {
+                what,
+                found,
+                expected,
+            } => StepError::length(what, found, expected),
         }
     }
 

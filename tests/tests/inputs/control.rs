@@ -184,7 +184,7 @@ fn what_cannot_be_held_is_refused_and_changes_nothing() {
     );
     let refused = cause(run.set_inputs(&vec![0.0; 3]));
     assert!(
-        matches!(&refused, StepError::InvalidInput { slot, .. } if slot.contains("this model has 7"))
+        matches!(&refused, StepError::Length { list, expected: 7, found: 3 } if list == "inputs")
     );
     let refused = cause(run.set_inputs(&SwingInputs::default()));
     assert!(refused.to_string().contains("`Swing`"), "{refused}");

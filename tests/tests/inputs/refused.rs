@@ -168,7 +168,7 @@ fn a_controller_that_would_be_asked_without_end_is_refused_by_its_period() {
     let mut run = Simulation::new(&door, Options::tsit5(1e-6)).expect("options that fit");
     let none = |_: &DoorSample<'_>, _: &mut DoorInputs| {};
     for (period, said) in [
-        (0.0, "`sampling period` cannot be 0e0"),
+        (0.0, "`sampling period` cannot be 0"),
         (f64::NAN, "`sampling period` cannot be NaN"),
         (
             1e-23,

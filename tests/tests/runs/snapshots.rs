@@ -109,6 +109,21 @@ fn a_run_that_has_not_begun_goes_on_to_the_bit_by_every_method_compiled_and_not(
 }
 
 #[test]
+fn what_happened_after_a_snapshot_has_not_happened_where_it_is_restored() {
+    let cart = Cart::new(CartParams::default()).expect("defaults");
+    let mut run = Simulation::new(&cart, Options::tsit5(1e-7)).expect("options that fit");
+    run.run(1.0).expect("it runs");
+    let (saved, before) = (run.snapshot(), [run.events().len(), run.actions().len()]);
+    run.run(3.5).expect("it runs");
+    let all = (run.events().to_vec(), run.actions().to_vec());
+    assert!(all.0.len() > before[0] && all.1.len() > before[1]);
+    run.restore(&saved).expect("of the same model");
+    assert_eq!([run.events().len(), run.actions().len()], before);
+    run.run(3.5).expect("it runs");
+    assert_eq!((run.events().to_vec(), run.actions().to_vec()), all);
+}
+
+#[test]
 fn options_of_the_run_that_goes_on_are_its_own() {
     // Steps of another size follow the time of the snapshot, not its count.
     let mut coarse = cart(Options::rk4(2e-3), 0.05);

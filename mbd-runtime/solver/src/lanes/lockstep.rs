@@ -94,9 +94,7 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
         }
         let length = layout.nx();
         if start.len() != length {
-            let slot = format!("length of the state (this model has {length})");
-            let value = start.len() as f64;
-            return Err(StepError::InvalidInput { slot, value });
+            return Err(StepError::length("state", start.len(), length));
         }
         for (is, what) in [
             (layout.nc > 0, "joints with rows"),

@@ -97,10 +97,8 @@ impl<T: Float> Simulation<T> {
             }));
         }
         if until < self.time - resolution(self.time) {
-            return Err(self.failed(StepError::InvalidInput {
-                slot: format!("end time (the run is at {} s)", self.time),
-                value: until,
-            }));
+            let now = self.time;
+            return Err(self.failed(StepError::Backwards { now, until }));
         }
         let periods = self.check_periods(until);
         periods.map_err(|cause| self.failed(cause))?;

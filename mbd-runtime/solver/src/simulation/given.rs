@@ -109,10 +109,10 @@ impl<T: Float> Simulation<T> {
     pub(super) fn check_state(&self, time: f64, state: &[T]) -> Result<(), StepError> {
         let (model, nx) = (&self.system.model, self.system.nx);
         let bad = |x: &T| !x.is_finite() || x.to_f64().abs() > 1e150;
-        let (slot, value) = if state.len() != nx {
-            let slot = format!("length of the state (this model has {nx})");
-            (slot, state.len() as f64)
-        } else if !time.is_finite() {
+        if state.len() != nx {
+            return Err(StepError::length("state", state.len(), nx));
+        }
+        let (slot, value) = if !time.is_finite() {
             ("time".into(), time)
         } else if time.abs() > LATEST {
             let slot = "time (beyond 1e12 s nothing shorter than 4 ms is resolved; let it begin near zero)";
@@ -184,17 +184,19 @@ impl<T: Float> Simulation<T> {
             let known = near_and_all(name, known.iter().map(String::as_str));
             let why = format!("is no joint coordinate{known}");
             let name = name.to_owned();
-            self.failed(StepError::Unplaced { name, why })
+            self.failed(StepError::UnknownName { name, why })
         })
     }
 
     /// What [`Simulation::set_nodes`] does.
     pub(crate) fn give_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
         let expected = 3 * self.system.model.layout().nodes.len();
-        let bad = guess.iter().find(|x| !x.is_finite());
-        if guess.len() != expected || bad.is_some() {
-            let value = bad.map_or(guess.len() as f64, |x| x.to_f64());
-            let slot = format!("positions of the nodes ({expected} numbers)");
+        if guess.len() != expected {
+            let wrong = StepError::length("positions of the nodes", guess.len(), expected);
+            return Err(self.failed(wrong));
+        }
+        if let Some(bad) = guess.iter().find(|x| !x.is_finite()) {
+            let (slot, value) = ("positions of the nodes".into(), bad.to_f64());
             return Err(self.failed(StepError::InvalidInput { slot, value }));
         }
         self.guess = Some(self.system.near_origin(self.time, guess));

@@ -9,6 +9,7 @@ mod owned;
 
 use std::f64::consts::TAU;
 
+use mbd_scene::similar::near_and_all;
 use mbd_scene::{
     Detachable, Float, InputSource, Joint, Layout, Link, Model, Place, Quantity, Scene, Unit,
     place_bodies,
@@ -94,10 +95,6 @@ impl<T: Float> Simulation<T> {
         same_units(from.scene(), to.scene(), &said)?;
         let olds = owned(from.scene(), from.layout());
         let news = owned(to.scene(), to.layout());
-        let unplaced = |name: &str, why: String| StepError::Unplaced {
-            name: name.to_owned(),
-            why,
-        };
         let known = |name: &str| {
             let mut bodies = to.scene().bodies.iter();
             let mut params = to.scene().params.iter();
@@ -108,8 +105,15 @@ impl<T: Float> Simulation<T> {
         let names = given.numbers.iter().map(|(name, _)| *name);
         let mut strangers = names.chain(map.names()).filter(|name| !known(name));
         if let Some(name) = strangers.next() {
-            let why = format!("is nothing of `{}` that has a state", to.scene().name);
-            return Err(unplaced(name, why));
+            let owners = news.iter().map(|new| new.name.as_str());
+            let params = to.scene().params.iter().map(|param| param.name.as_str());
+            let known = near_and_all(name, owners.chain(params));
+            let why = format!(
+                "is nothing of `{}` that has a state{known}",
+                to.scene().name
+            );
+            let name = name.to_owned();
+            return Err(StepError::UnknownName { name, why });
         }
         let mut handover = Handover::default();
         // In the numbers of the run that ends, which are measured from where its origin is.
@@ -138,9 +142,8 @@ impl<T: Float> Simulation<T> {
                     in_world(&mut numbers.iter().map(|x| x.to_f64()))
                 }
                 (Some((_, numbers)), ..) => {
-                    let slot = format!("length of `{}` ({} numbers)", new.name, new.count());
-                    let value = numbers.len() as f64;
-                    return Err(StepError::InvalidInput { slot, value });
+                    let name = format!("`{}`", new.name);
+                    return Err(StepError::length(&name, numbers.len(), new.count()));
                 }
                 // Measured from the same origin already.
                 (None, Some(numbers), ..) => numbers,
@@ -154,11 +157,8 @@ impl<T: Float> Simulation<T> {
                     continue;
                 }
                 (None, None, None, None) => {
-                    let why = format!(
-                        "is new in `{}` and starts nowhere: declare where, or give it",
-                        to.scene().name
-                    );
-                    return Err(unplaced(&new.name, why));
+                    let (name, model) = (new.name.clone(), to.scene().name.clone());
+                    return Err(StepError::StartsNowhere { name, model });
                 }
             };
             for (at, number) in new.places().zip(numbers) {

@@ -244,6 +244,9 @@ impl<T: Float> Simulation<T> {
         self.changes.stop = None;
         self.system.action_work = snapshot.action_work;
         self.time = snapshot.time;
+        // What happened later has not happened.
+        self.events.retain(|it| it.time <= snapshot.time);
+        self.changes.all.retain(|it| it.time <= snapshot.time);
         (self.origin, self.count) = (snapshot.origin, snapshot.count);
         if let Pace::Fixed(size) = self.pace
             && (self.origin + self.count as f64 * size - self.time).abs() > resolution(self.time)
