@@ -16,6 +16,8 @@ use crate::error::StepError;
 
 /// Part of what joints leave of a speed below which others decide it.
 const LEAST: f64 = 1e-9;
+/// A slope that is rounding of larger ones, over their size.
+const ROUNDING: f64 = 1e-12;
 /// The largest part of the speeds by which one that is held may be off what it is set to.
 const SAME: f64 = 1e-9;
 
@@ -42,11 +44,13 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         };
         let mut speeds: Vec<f64> = self.state[nq..nq + nv].iter().map(|x| x.to_f64()).collect();
+        // Of translations by themselves slopes are of size 1, of rotations an arm of the scene.
+        let rounding = ROUNDING * self.length.max(1.0);
         let largest = speeds.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         for (number, (event, what, value)) in set.iter().enumerate() {
+            let slopes = slopes.iter().map(|slope| slope[number] - at_rest[number]);
             let row: Vec<f64> = slopes
-                .iter()
-                .map(|slope| slope[number] - at_rest[number])
+                .map(|x| if x.abs() > rounding { x } else { 0.0 })
                 .collect();
             let along = |speeds: &[f64]| row.iter().zip(speeds).map(|(a, b)| a * b).sum::<f64>();
             let change = value - at_rest[number] - along(&speeds);

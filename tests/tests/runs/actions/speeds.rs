@@ -46,7 +46,7 @@ fn a_ball_bounces_as_often_and_as_high_as_its_restitution_says() {
     let ball = Ball::new(BallParams::default()).expect("defaults");
     let fall = f64::sqrt(2.0 / G);
     for options in methods() {
-        let mut run = Simulation::new(&ball, options.clone()).expect("options");
+        let mut run = Simulation::new(&ball, options).expect("options");
         run.run(2.5).expect("it bounces");
         let mut time = fall;
         let mut speed = G * fall;
@@ -240,6 +240,25 @@ fn angular_velocities_are_set_in_their_axes() {
         );
         run.run(0.2).expect("a run");
         assert_near(&outputs(&mut run, ["w.z"]), &[0.0], 1e-12, "world");
+    }
+}
+
+#[test]
+fn a_velocity_of_which_a_rail_leaves_one_component_is_set_as_a_whole() {
+    for coordinates in FAMILIES {
+        let model = scene(
+            coordinates,
+            "gravity: none; world { frame rail at [0.1, 0.2, 0.3] m rotated rpy(31 deg, -17 deg, 80 deg) }
+             body cart { mass: 2 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame side at [0.3, -0.2, 0.1] m }
+             body arm { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+             joint guide: prismatic from world.rail to cart.side { axis: y, start_rate: 2 m/s }
+             joint weld: rigid from cart.side to arm.com
+             event hit = time rises 0.5 s { set: arm.velocity = -0.5 * arm.velocity }
+             output rate = guide.slide_rate;",
+        );
+        let mut run = Simulation::new(&model, Options::tsit5(1e-10)).expect("options");
+        run.run(1.0).expect("it bounces back");
+        assert_near(&outputs(&mut run, ["rate"]), &[-1.0], 1e-12, "the rail");
     }
 }
 
