@@ -285,7 +285,8 @@ impl<T: Scalar> Simulation<T> {
         T::name_event(self, what)
     }
 
-    /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written.
+    /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written. Of a generated model that
+    /// was not asked for it (`emit`), it is not a number.
     ///
     /// # Errors
     /// A slice of another length; no equilibrium of a node.

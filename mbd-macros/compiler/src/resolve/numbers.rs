@@ -332,10 +332,15 @@ impl Resolver<'_> {
                 let [lexemes @ .., semicolon, count] = group.lexemes else {
                     return self.fail(say::input_type(value.at));
                 };
-                if semicolon.kind != LexemeKind::Sign(';')
-                    || count.kind != LexemeKind::Number("3".into())
-                {
-                    return self.fail(say::input_type(value.at));
+                match (&semicolon.kind, &count.kind) {
+                    (LexemeKind::Sign(';'), LexemeKind::Number(count)) if count == "3" => {}
+                    (LexemeKind::Sign(';'), LexemeKind::Number(count)) => {
+                        let name = self.scene.inputs.get(instance.slot)?.name.clone();
+                        let kind: String = lexemes.iter().map(Lexeme::shown).collect();
+                        let report = say::input_count(value.at, &name, &kind, count);
+                        return self.fail(report);
+                    }
+                    _ => return self.fail(say::input_type(value.at)),
                 }
                 (lexemes, 3)
             }

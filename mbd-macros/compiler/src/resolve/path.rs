@@ -337,6 +337,8 @@ impl Resolver<'_> {
         let at = Region::from(step.word.at);
         match (&entry.members, &step.index) {
             (Members::One(named), None) => Some(*named),
+            // What cannot be read may have been meant as many.
+            (Members::One(named), Some(_)) if self.bad.contains(named) => None,
             (Members::One(_), Some(_)) => self.fail(say::no_index(at, &step.word.text)),
             (Members::Many(members), _) if members.is_empty() => {
                 self.fail(say::no_member(at, &step.word.text, entry.at))

@@ -145,16 +145,11 @@ fn params(model: &dyn Model<f64>) -> String {
     let params = model.scene().params.iter().zip(model.params());
     let lines = params.map(|(param, value)| {
         let unit = &param.unit;
-        let range = param
-            .range
-            .map_or(String::new(), |range| format!(", {range:?} in SI"));
-        format!(
-            "{} = {} {}{range}  {}\n",
-            param.name,
-            value / unit.factor,
-            unit.text,
-            param.doc.trim()
-        )
+        let range = param.range.map_or(String::new(), |[low, high]| {
+            format!(" in {} ..= {}", unit.told(low), unit.told(high))
+        });
+        let (value, doc) = (unit.told(*value), param.doc.trim());
+        format!("{} = {value}{range}  {doc}\n", param.name)
     });
     lines.collect()
 }

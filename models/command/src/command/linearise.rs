@@ -410,6 +410,11 @@ fn growing(space: &StateSpace, place: &str) -> String {
 /// The tables.
 fn told(space: &StateSpace, place: &str) -> String {
     let count = space.states.len();
+    if count == 0 {
+        return format!(
+            "Linear system about the {place}: nothing moves there, joints, locks and motors hold every coordinate\n"
+        );
+    }
     let mut states = ReportTable::new(format!("Linear system about the {place}"))
         .column("state", "")
         .column("unit", "")

@@ -147,6 +147,15 @@ pub fn input_type(at: Region) -> LexemeMessage {
     )
 }
 
+pub fn input_count(at: Region, name: &str, kind: &str, count: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "an input is one number or a vector of three; {count} of them are a repetition: `input {name}[i in 0..{count}]: {kind};`"
+        ),
+    )
+}
+
 pub fn input_of_no_kind(at: Region, name: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
