@@ -247,7 +247,15 @@ fn a_metric_of_an_output_is_told_in_its_unit() {
     );
     let list = "output both = [pin.angle, 2 * pin.angle] in deg;";
     assert_eq!(unit(&format!("{list} metric most = max both[1];")), "deg");
-    assert_eq!(unit(&format!("{bend} metric most = max abs(bend);")), "rad");
+    for of in ["abs(bend)", "-bend", "bend - 0.1 rad", "max(bend, 1 deg)"] {
+        assert_eq!(
+            unit(&format!("{bend} metric most = max {of};")),
+            "deg",
+            "{of}"
+        );
+    }
+    // What has another unit than its parts is told in SI.
+    assert_eq!(unit(&format!("{bend} metric most = max 2 * bend;")), "rad");
     let power = "output power = 2 N*m * pin.angle_rate in kW;";
     assert_eq!(
         unit(&format!("{power} metric work = integral power;")),

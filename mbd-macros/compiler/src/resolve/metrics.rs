@@ -6,7 +6,8 @@ use mbd_scene::{Formula, Output, Unit};
 use super::{Instance, MayDependOn, Named, Resolver, Typed, fold};
 use crate::lexeme::{LexemeKind, Region};
 use crate::messages::resolve as say;
-use crate::syntax::{ValueSyntax, expression, words};
+use crate::syntax::expression::{self, Expression};
+use crate::syntax::{ValueSyntax, words};
 use crate::units;
 
 impl Resolver<'_> {
@@ -106,9 +107,33 @@ impl Resolver<'_> {
         (!fields.doubtful).then_some(())
     }
 
-    /// The unit of an output where a metric is of one that it names alone: that of the column, as a campaign takes it.
+    /// The unit of an output where a metric is of one alone, of its size, or of a sum or the larger of such: that of the column, as a campaign takes it.
     fn told_in(&mut self, of: ValueSyntax<'_>, instance: &Instance<'_>) -> Option<(Unit, Region)> {
-        let path = expression::path(of).ok()?;
+        let parsed = expression::whole(of).ok()?;
+        let unit = self.unit_kept(&parsed, instance)?;
+        Some((unit, of.at))
+    }
+
+    /// The unit of the first output in an expression that has the unit of its parts.
+    fn unit_kept(&mut self, of: &Expression, instance: &Instance<'_>) -> Option<Unit> {
+        let path = match of {
+            Expression::Path(path) => path,
+            Expression::Negative(of, _) => return self.unit_kept(of, instance),
+            Expression::Call {
+                name, arguments, ..
+            } if ["abs", "min", "max", "clamp"].contains(&name.text.as_str()) => {
+                let mut each = arguments.iter();
+                return each.find_map(|one| self.unit_kept(one, instance));
+            }
+            Expression::Binary {
+                sign: '+' | '-',
+                sides,
+            } => {
+                let mut each = sides.iter();
+                return each.find_map(|one| self.unit_kept(one, instance));
+            }
+            _ => return None,
+        };
         let first = path.first()?;
         let entry = self.names.get(&first.word.text)?.clone();
         let scope = instance.scope(MayDependOn::Constant);
@@ -116,7 +141,7 @@ impl Resolver<'_> {
             return None;
         };
         let unit = self.scene.outputs.get(output)?.unit.clone();
-        (!unit.text.is_empty()).then_some((unit, of.at))
+        (!unit.text.is_empty()).then_some(unit)
     }
 
     /// Refuses a number without a unit beside an output alone that is told in degrees: it would be radians.
