@@ -222,7 +222,7 @@ fn what_cannot_be_run_in_lock_step_is_refused_with_its_reason() {
         .err()
         .expect("too short");
     assert!(
-        refused.to_string().contains("this model has 6"),
+        refused.to_string().contains("it has 6 in this model"),
         "{refused}"
     );
     let start = vec![Lanes4::from_f64(0.0); 6];

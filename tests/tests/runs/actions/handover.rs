@@ -133,7 +133,7 @@ fn what_starts_nowhere_or_lies_in_another_plane_is_refused_by_name() {
         .take_over(&mut first, &[])
         .expect_err("the cover is nowhere");
     assert!(
-        matches!(&error.cause, StepError::Unplaced { name, .. } if name == "cover"),
+        matches!(&error.cause, StepError::StartsNowhere { name, .. } if name == "cover"),
         "{error}"
     );
     let error = told(
