@@ -142,7 +142,7 @@ fn what_starts_nowhere_or_lies_in_another_plane_is_refused_by_name() {
             .expect_err("six numbers"),
     );
     assert!(
-        error.contains("`cover`") && error.contains("6 numbers"),
+        error.contains("`cover`") && error.contains("it has 6"),
         "{error}"
     );
     let error = told(
@@ -150,7 +150,7 @@ fn what_starts_nowhere_or_lies_in_another_plane_is_refused_by_name() {
             .take_over(&mut first, &[("covr", &[0.0])])
             .expect_err("no such thing"),
     );
-    assert!(error.contains("`covr`"), "{error}");
+    assert!(error.contains("did you mean `cover`?"), "{error}");
     let flat = Flat::new(FlatParams::default()).expect("defaults");
     let mut second = Simulation::new(&flat, Options::rk4(1e-2)).expect("options that fit");
     let error = told(
