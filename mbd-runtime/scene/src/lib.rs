@@ -40,7 +40,7 @@ mod vocabulary;
 pub use direction::turns_direction;
 pub use evaluate::{
     Handed, Scratch, ToldMotion, commands, counted_angles, evaluate, evaluate_with_multipliers,
-    folded, handed, impulses, locked, masses, sensitivity, set_speeds, settings,
+    folded, handed, impulses, locked, masses, scalars, sensitivity,
 };
 pub use event::{
     Actions, Detachable, Direction, Event, MapSource, Mapped, Next, Settable, Setting,

@@ -402,10 +402,8 @@ impl Resolver<'_> {
         };
         let what: Vec<Settable> = match *of {
             Formula::CoordinateRate(joint, number) => {
-                let mut motors = self.scene.joints.get(joint)?.motors();
-                let driven = motors.any(|(driven, _)| driven == number);
-                drop(motors);
-                if driven {
+                let declared = self.scene.joints.get(joint)?;
+                if declared.motors().any(|(driven, _)| driven == number) {
                     return self.fail(say::driven_speed_set(value.at, path));
                 }
                 vec![Settable::CoordinateRate(joint, number)]

@@ -24,7 +24,7 @@ use crate::laws::{
 };
 use crate::scalar::algebra::write;
 use crate::tree::SpatialInertia;
-use crate::{At, JointStart, Layout, Quantity, Real, Scene, Settable};
+use crate::{At, Formula, JointStart, Layout, Quantity, Real, Scene};
 use solver::MotionSolver;
 
 /// Scratch of one evaluation: carries nothing from call to call.
@@ -378,8 +378,9 @@ pub fn locked(
     }));
 }
 
-/// Appends what every event would set, one number a [`Setting`](crate::Setting) [SI], in declaration order.
-pub fn settings(
+/// Appends one number a formula [SI].
+pub fn scalars<'f>(
+    formulas: impl IntoIterator<Item = &'f Formula>,
     scene: &Scene,
     layout: &Layout,
     numbers: &Numbers<f64>,
@@ -388,23 +389,8 @@ pub fn settings(
     out: &mut Vec<f64>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    let all = scene.events.iter().flat_map(|event| &event.actions.set);
-    out.extend(all.map(|setting| formula::scalar(&setting.value, &evaluation)));
-}
-
-/// Appends what some speeds are that events set.
-pub fn set_speeds(
-    what: impl IntoIterator<Item = Settable>,
-    scene: &Scene,
-    layout: &Layout,
-    numbers: &Numbers<f64>,
-    at: &At<'_, f64>,
-    scratch: &mut Scratch<f64>,
-    out: &mut Vec<f64>,
-) {
-    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    let speeds = what.into_iter().filter_map(Settable::speed);
-    out.extend(speeds.map(|speed| formula::scalar(&speed, &evaluation)));
+    let all = formulas.into_iter();
+    out.extend(all.map(|one| formula::scalar(one, &evaluation)));
 }
 
 /// What a motor is told, or a line that is wound.

@@ -7,7 +7,7 @@
 //! the change of the speeds that is least in the metric of M. An impulse along a component of the velocity of a place acts there; one along the rate of a
 //! joint's coordinate acts on child and parent. Source: Featherstone, Rigid Body Dynamics Algorithms, impulsive dynamics; [derived].
 
-use mbd_scene::{At, Float, Quantity, Settable, plain};
+use mbd_scene::{At, Float, Formula, Quantity, Settable, plain};
 use nalgebra::DMatrix;
 
 use super::Simulation;
@@ -77,7 +77,9 @@ impl<T: Float> Simulation<T> {
 
     /// What the speeds that are set are at rest, then at a unit of each speed of the state.
     fn rows_of_speeds(&mut self, set: &[(usize, Settable, f64)]) -> Vec<Vec<f64>> {
-        let layout = self.system.model.layout().clone();
+        let asked = set.iter().filter_map(|(_, what, _)| what.speed());
+        let asked: Vec<Formula> = asked.collect();
+        let layout = self.system.model.layout();
         let speeds = layout.nq..layout.nq + layout.nv;
         let mut rows = Vec::with_capacity(layout.nv + 1);
         let here = (self.time, &self.state[..]);
@@ -94,8 +96,7 @@ impl<T: Float> Simulation<T> {
                         ..*at
                     };
                     let mut found = Vec::with_capacity(set.len());
-                    let what = set.iter().map(|(_, what, _)| *what);
-                    mbd_scene::set_speeds(what, scene, layout, numbers, &at, scratch, &mut found);
+                    mbd_scene::scalars(&asked, scene, layout, numbers, &at, scratch, &mut found);
                     rows.push(found);
                     if let Some(unit) = unit {
                         state[unit] = 0.0;

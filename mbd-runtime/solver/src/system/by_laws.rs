@@ -83,7 +83,9 @@ impl<T: Float> System<T> {
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         let mut values = Vec::new();
         laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
-            mbd_scene::settings(scene, layout, numbers, at, scratch, &mut values);
+            let all = scene.events.iter().flat_map(|event| &event.actions.set);
+            let all = all.map(|setting| &setting.value);
+            mbd_scene::scalars(all, scene, layout, numbers, at, scratch, &mut values);
         });
         Ok(values)
     }

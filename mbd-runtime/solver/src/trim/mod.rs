@@ -298,7 +298,8 @@ impl<T: Scalar> Trim<'_, T> {
         self
     }
 
-    /// Begins where a run stands, with the params of this model ([`Simulation::trim`] takes those of the run, as its events left them): its time and state, the turns of its angles, what is locked and detached there, its inputs and nodes.
+    /// Begins where a run stands: its time and state, the turns of its angles, what is locked and detached there, its inputs and nodes. Params are those of this
+    /// model; [`Simulation::trim`] takes those of the run, as its events left them.
     #[must_use]
     pub fn begin_at(mut self, run: &Simulation<T>) -> Self {
         let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
