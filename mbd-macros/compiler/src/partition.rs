@@ -212,27 +212,45 @@ fn rounds(kinds: &[usize], lengths: &[usize], start: usize) -> Option<(usize, us
     (length <= LONGEST).then_some((period * together.max(1), start + period * rounds))
 }
 
-/// Runs that do not come in rounds: those with others alike in groups that start and end where those of the others do.
+/// Runs that do not come in rounds: those with others alike in groups that start and end where those of the others do. Groups that are too short for
+/// a block of their own join what is before them.
 fn others(
     alike: impl Fn(usize) -> bool,
     lengths: &[usize],
     runs: Range<usize>,
 ) -> Vec<Range<usize>> {
     let mut groups: Vec<Range<usize>> = Vec::new();
+    // Whether the last group may take what comes next: it has nothing to be shared for.
+    let mut takes = false;
+    let mut close = |group: Range<usize>| {
+        let length = |group: &Range<usize>| lengths[group.clone()].iter().sum::<usize>();
+        let (own, is_shared) = (length(&group), alike(group.start));
+        let short = own < SHARED;
+        match groups.last_mut() {
+            Some(last) if takes && (short || !is_shared) && length(last) + own <= LONGEST => {
+                last.end = group.end;
+                takes = true;
+            }
+            _ => {
+                groups.push(group);
+                takes = short || !is_shared;
+            }
+        }
+    };
     let (mut open, mut length) = (runs.start, 0);
     for run in runs.clone() {
         if run > open {
             let full = alike(open) && length >= SHARED;
             let other = alike(run) != alike(open) || alike(run) && lengths[run] >= SHARED;
             if full || other || length + lengths[run] > LONGEST {
-                groups.push(open..run);
+                close(open..run);
                 (open, length) = (run, 0);
             }
         }
         length += lengths[run];
     }
     if open < runs.end {
-        groups.push(open..runs.end);
+        close(open..runs.end);
     }
     groups
 }
@@ -486,7 +504,7 @@ mod tests {
     }
 
     #[test]
-    fn short_rounds_make_a_piece_together() {
+    fn short_rounds_make_a_block_together() {
         assert_eq!(groups(&[4; 12], &[3; 12]), [0..4, 4..8, 8..12]);
         assert_eq!(groups(&[4; 5], &[2; 5]), std::slice::from_ref(&(0..5)));
         // Three long rounds stay apart.

@@ -131,7 +131,7 @@ impl<S: Real> Constraints<S> {
         let (directions, speeds) = (layout.directions, layout.directions.speeds());
         let count = given.len().saturating_sub(layout.nv + layout.nc);
         let (list, asked) = given.split_at(count);
-        if count != factored_len(layout) {
+        if count != layout.factor {
             return out.fill(S::from_f64(f64::NAN));
         }
         out.fill(S::zero());

@@ -95,6 +95,8 @@ pub struct Layout {
     pub asked: [FromSolution; 2],
     /// The system of bodies and joints, and the order in which it is solved.
     pub elimination: Elimination,
+    /// Length of [`Quantity::Factor`](crate::Quantity::Factor).
+    pub factor: usize,
 }
 
 /// What is found once, when a scene is compiled: which rows repeat others, and in which order the system is solved.

@@ -55,12 +55,9 @@ impl Layout {
             Quantity::ProjectionStep if self.nc > 0 => self.nv + 1,
             Quantity::JointCoordinates => 3 * self.measured,
             Quantity::Residual => self.nx() + self.nc,
-            Quantity::Factor if self.tree.is_some() => crate::tree::factored_len(self),
-            Quantity::Factor if self.nc > 0 => crate::elimination::factored_len(self),
+            Quantity::Factor => self.factor,
             Quantity::Solve if self.solves() => self.nv + self.nc,
-            Quantity::Reactions | Quantity::ProjectionStep | Quantity::Factor | Quantity::Solve => {
-                0
-            }
+            Quantity::Reactions | Quantity::ProjectionStep | Quantity::Solve => 0,
             Quantity::Partial(of, by) => self.len(of.quantity()) * self.variables(by),
         }
     }

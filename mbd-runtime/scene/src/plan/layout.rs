@@ -64,9 +64,11 @@ impl Layout {
                 slots.kept = RowSet(repeat.kept.within(repeat.rows).0 | motors);
             }
         }
+        self.redundancy = redundancy;
         if self.tree.is_some() {
             self.elimination = relative(scene, &self);
-            self.redundancy = redundancy;
+            // Counted once: whoever solves with a factor asks for it every time.
+            self.factor = crate::tree::factored_len(&self);
             return self;
         }
         let joints = scene.joints.iter().zip(&self.joints);
@@ -96,11 +98,13 @@ impl Layout {
             points: &self.points,
             joints: &self.joints,
             carrying: &carrying,
-            closed: redundancy.closed,
+            closed: self.redundancy.closed,
         };
         let order = order.unwrap_or_else(|| system.choose());
         self.elimination = system.lay_out(order);
-        self.redundancy = redundancy;
+        if self.nc > 0 {
+            self.factor = crate::elimination::factored_len(&self);
+        }
         self
     }
 }

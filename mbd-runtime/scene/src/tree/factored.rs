@@ -96,7 +96,7 @@ impl<S: Real> TreeSystem<S> {
         let (layout, given) = (evaluation.layout, evaluation.at.rows);
         let plan = &layout.elimination;
         let count = given.len().saturating_sub(layout.nv + layout.nc);
-        if count != factored_len(layout) {
+        if count != layout.factor {
             return out.fill(S::from_f64(f64::NAN));
         }
         let (list, asked) = given.split_at(count);

@@ -63,7 +63,9 @@ impl<T: Float> Jacobian<T> {
     /// Room for a model, with the powers behind its state or without.
     pub(crate) fn new(model: &dyn Model<T>, works: bool) -> Self {
         let total = |by: DerivativeBy| PartialDerivatives::new(model, by, works);
-        let timed = model.scene().reads_time();
+        // What is measured from an origin that moves depends on time.
+        let scene = model.scene();
+        let timed = scene.runs.origin.is_some() || scene.reads_time();
         let own = differentiates(model);
         Jacobian {
             state: total(Variable::State.into()),
@@ -95,7 +97,7 @@ impl<T: Float> Jacobian<T> {
         let through_rows = layout.solves();
         if through_rows {
             let own = self.own.then_some(&mut *work);
-            let mut evaluator = Evaluator::known(model, own, &mut self.laws);
+            let mut evaluator = Evaluator::new(model, own, &mut self.laws);
             self.rows.prepare(layout, &mut evaluator, at)?;
             let totals = [&mut self.state, &mut self.node];
             for total in totals.into_iter().chain(self.time.as_mut()) {

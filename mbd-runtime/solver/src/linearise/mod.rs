@@ -36,6 +36,7 @@ pub(crate) use space::output_names;
 pub use vibration::Vibration;
 
 use crate::error::StepError;
+use crate::list::all_finite;
 use crate::slopes::{Effective, Slopes};
 
 /// Total derivatives at one state, with the room to compute them again.
@@ -73,7 +74,6 @@ use crate::slopes::{Effective, Slopes};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Linearisation<T: Float> {
-    layout: Layout,
     states: TotalDerivative<T>,
     parameters: TotalDerivative<T>,
     inputs: TotalDerivative<T>,
@@ -290,7 +290,6 @@ impl<T: Float> Linearisation<T> {
             inputs: TotalDerivative::new(layout, Variable::Input),
             rows: ThroughRows::new(layout),
             by_node: Partials::new(layout, Variable::Node),
-            layout: layout.clone(),
         }
     }
 
@@ -301,7 +300,8 @@ impl<T: Float> Linearisation<T> {
         at: &At<'_, T>,
         work: &mut Work<T>,
     ) -> Result<(), LinearisationError> {
-        if *model.layout() != self.layout {
+        let layout = model.layout();
+        if !self.fits(layout) {
             return Err(LinearisationError::OtherModel);
         }
         self.states
@@ -311,12 +311,12 @@ impl<T: Float> Linearisation<T> {
             .partials
             .evaluate(model, Variable::Input, at, work);
         self.by_node.evaluate(model, Variable::Node, at, work);
-        if self.layout.effective_lines > 0 {
+        if layout.effective_lines > 0 {
             // A model's own derivatives hold K_e and L_e.
             let scene = (model.scene(), model.layout());
             let mut slopes = Slopes::new(scene.0, scene.1, model.params());
             for (of, matrix) in self.parameters.partials.each() {
-                if self.layout.solves() && of == Differentiated::Derivative {
+                if layout.solves() && of == Differentiated::Derivative {
                     continue;
                 }
                 let of = (of.quantity(), Variable::Parameter);
@@ -326,10 +326,10 @@ impl<T: Float> Linearisation<T> {
             let partials = &mut self.parameters.partials;
             partials.evaluate(model, Variable::Parameter, at, work);
         }
-        if self.layout.solves() {
+        if layout.solves() {
             self.through_rows(model, at, work)?;
         }
-        for network in 0..self.layout.networks.len() {
+        for network in 0..layout.networks.len() {
             let Some(mut elimination) = NetworkElimination::new(model, network) else {
                 continue;
             };
@@ -350,6 +350,27 @@ impl<T: Float> Linearisation<T> {
         self.check_finite()
     }
 
+    /// Whether there is the room that a layout needs.
+    fn fits(&self, layout: &Layout) -> bool {
+        let totals = [
+            (Variable::State, &self.states.partials),
+            (Variable::Parameter, &self.parameters.partials),
+            (Variable::Input, &self.inputs.partials),
+            (Variable::Node, &self.by_node),
+        ];
+        let has_room = |by: Variable, of: Differentiated, matrix: &Matrix<T>| {
+            let size = (layout.len(of.quantity()), layout.variables(by));
+            (matrix.rows(), matrix.columns()) == size
+        };
+        let mut all = totals.into_iter();
+        let matrices = all.all(|(by, partials)| {
+            has_room(by, Differentiated::Derivative, &partials.derivative)
+                && has_room(by, Differentiated::Balance, &partials.balance)
+                && has_room(by, Differentiated::Outputs, &partials.outputs)
+        });
+        matrices && self.rows.fits(layout)
+    }
+
     /// ∂ẋ at fixed nodes, where joints have rows.
     fn through_rows(
         &mut self,
@@ -357,9 +378,9 @@ impl<T: Float> Linearisation<T> {
         at: &At<'_, T>,
         work: &mut Work<T>,
     ) -> Result<(), LinearisationError> {
-        let layout = &self.layout;
+        let layout = model.layout();
         let mut laws = None;
-        let evaluator = &mut Evaluator::new(model, at, work, &mut laws);
+        let evaluator = &mut Evaluator::new(model, Some(work), &mut laws);
         self.rows.prepare(layout, evaluator, at)?;
         for (by, partials) in [
             (Variable::State, &mut self.states.partials),
@@ -384,7 +405,7 @@ impl<T: Float> Linearisation<T> {
             (Variable::Input, &mut self.inputs.partials),
         ] {
             for (of, matrix) in partials.each() {
-                if matrix.values.iter().any(|x| !x.is_finite()) {
+                if !all_finite(&matrix.values) {
                     let what = Quantity::Partial(of, by);
                     return Err(LinearisationError::not_finite(what));
                 }

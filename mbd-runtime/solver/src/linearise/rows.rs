@@ -12,6 +12,7 @@ use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Wo
 use super::LinearisationError;
 use super::matrix::Matrix;
 use crate::laws::Laws;
+use crate::list::all_finite;
 use crate::slopes::{DerivativeBy, Effective, Slopes};
 
 /// Part that other rows leave to a row below which rows depend on each other.
@@ -22,6 +23,8 @@ const DEPENDENT: f64 = 1e-9;
 pub(crate) struct ThroughRows<T> {
     /// The factor, then a right-hand side.
     factor: Vec<T>,
+    /// Numbers of the factor.
+    count: usize,
     /// v̇, then λ of the rows in the system.
     solution: Vec<T>,
     residual: Vec<T>,
@@ -84,29 +87,8 @@ pub(crate) struct Evaluator<'a, T> {
 }
 
 impl<'a, T: Float> Evaluator<'a, T> {
-    /// The model where it evaluates what derivatives through rows are made of, else its laws.
+    /// The model with its scratch, or its laws. Where the model does not know the equations of motion, its laws are asked, too.
     pub(crate) fn new(
-        model: &'a dyn Model<T>,
-        at: &At<'_, T>,
-        work: &'a mut Work<T>,
-        laws: &'a mut Option<Box<Witness>>,
-    ) -> Self {
-        let layout = model.layout();
-        let rows = vec![T::zero(); layout.nv + layout.nc];
-        let mut probe = vec![T::from_f64(f64::NAN); layout.len(Quantity::Residual)];
-        model.evaluate(
-            Quantity::Residual,
-            &At { rows: &rows, ..*at },
-            work,
-            &mut probe,
-        );
-        // A model leaves untouched what it does not know.
-        let known = probe.iter().all(|x| x.is_finite());
-        Self::known(model, known.then_some(work), laws)
-    }
-
-    /// The model with its scratch, or its laws.
-    pub(crate) fn known(
         model: &'a dyn Model<T>,
         work: Option<&'a mut Work<T>>,
         laws: &'a mut Option<Box<Witness>>,
@@ -135,6 +117,20 @@ impl<'a, T: Float> Evaluator<'a, T> {
         }
     }
 
+    /// r; from here on by the laws of the scene where the model does not know it.
+    fn begin(&mut self, at: &At<'_, T>, out: &mut [T]) {
+        if let Some(work) = &mut self.work {
+            // A model leaves untouched what it does not know.
+            out.fill(T::from_f64(f64::NAN));
+            self.model.evaluate(Quantity::Residual, at, work, out);
+            if all_finite(out) {
+                return;
+            }
+            self.work = None;
+        }
+        self.evaluate(Quantity::Residual, at, out);
+    }
+
     /// ∂r.
     fn differentiate(&mut self, by: DerivativeBy, at: &At<'_, T>, out: &mut [T]) {
         let model = self.model;
@@ -159,14 +155,22 @@ impl<'a, T: Float> Evaluator<'a, T> {
 
 impl<T: Float> ThroughRows<T> {
     pub(crate) fn new(layout: &Layout) -> Self {
-        let unknowns = layout.nv + layout.nc;
+        let (unknowns, count) = (layout.nv + layout.nc, layout.len(Quantity::Factor));
         ThroughRows {
-            factor: vec![T::zero(); layout.len(Quantity::Factor) + unknowns],
+            factor: vec![T::zero(); count + unknowns],
+            count,
             solution: vec![T::zero(); unknowns],
             residual: vec![T::zero(); layout.len(Quantity::Residual)],
             found: vec![T::zero(); unknowns],
             partial: Matrix::new(0, 0),
         }
+    }
+
+    /// Whether there is the room that a layout needs.
+    pub(crate) fn fits(&self, layout: &Layout) -> bool {
+        self.solution.len() == layout.nv + layout.nc
+            && self.residual.len() == layout.len(Quantity::Residual)
+            && self.count == layout.factor
     }
 
     /// v̇ and λ, by (1); the factor stays.
@@ -179,49 +183,60 @@ impl<T: Float> ThroughRows<T> {
         evaluator: &mut Evaluator<'_, T>,
         at: &At<'_, T>,
     ) -> Result<(), LinearisationError> {
-        let count = layout.len(Quantity::Factor);
-        evaluator.evaluate(Quantity::Factor, at, &mut self.factor[..count]);
-        let factor = &self.factor[..count];
+        self.solution.fill(T::zero());
+        let given = At {
+            rows: &self.solution,
+            ..*at
+        };
+        evaluator.begin(&given, &mut self.residual);
+        let factor = &mut self.factor[..self.count];
+        evaluator.evaluate(Quantity::Factor, at, factor);
         let margin = factor.last().map_or(0.0, |margin| margin.to_f64());
         if margin.abs() < DEPENDENT.max(16.0 * T::EPSILON.to_f64()) {
             return Err(LinearisationError::DependentRows { margin });
         }
-        if factor.iter().any(|x| !x.is_finite()) {
+        if !all_finite(factor) {
             return Err(LinearisationError::not_finite(Quantity::Factor));
         }
-        self.solution.fill(T::zero());
-        for _ in 0..2 {
-            let given = At {
-                rows: &self.solution,
-                ..*at
-            };
-            evaluator.evaluate(Quantity::Residual, &given, &mut self.residual);
-            let residual = std::mem::take(&mut self.residual);
-            self.solve(layout, evaluator, at, |row| residual[row]);
-            self.residual = residual;
-            for (x, found) in self.solution.iter_mut().zip(&self.found) {
-                *x += *found;
-            }
-        }
-        match self.solution.iter().all(|x| x.is_finite()) {
+        self.correct(layout, evaluator, at);
+        let given = At {
+            rows: &self.solution,
+            ..*at
+        };
+        evaluator.evaluate(Quantity::Residual, &given, &mut self.residual);
+        self.correct(layout, evaluator, at);
+        match all_finite(&self.solution) {
             true => Ok(()),
             false => Err(LinearisationError::not_finite(Quantity::Derivative)),
         }
     }
 
-    /// Finds x and y for the right-hand side −r.
-    fn solve(
-        &mut self,
-        layout: &Layout,
-        evaluator: &mut Evaluator<'_, T>,
-        at: &At<'_, T>,
-        residual: impl Fn(usize) -> T,
-    ) {
-        let (count, nx) = (layout.len(Quantity::Factor), layout.nx());
-        let rows = (layout.nq..layout.nq + layout.nv).chain(nx..nx + layout.nc);
-        for (slot, row) in self.factor[count..].iter_mut().zip(rows) {
-            *slot = -residual(row);
+    /// Takes what the residual asks for from the solution.
+    fn correct(&mut self, layout: &Layout, evaluator: &mut Evaluator<'_, T>, at: &At<'_, T>) {
+        let residual = std::mem::take(&mut self.residual);
+        self.ask(layout, |row| residual[row]);
+        self.residual = residual;
+        self.solve(evaluator, at);
+        for (x, found) in self.solution.iter_mut().zip(&self.found) {
+            *x += *found;
         }
+    }
+
+    /// Puts −r behind the factor, for [`ThroughRows::solve`]; whether anything in it is not zero.
+    fn ask(&mut self, layout: &Layout, residual: impl Fn(usize) -> T) -> bool {
+        let nx = layout.nx();
+        let rows = (layout.nq..layout.nq + layout.nv).chain(nx..nx + layout.nc);
+        let mut any = false;
+        for (slot, row) in self.factor[self.count..].iter_mut().zip(rows) {
+            let left = residual(row);
+            any |= left != T::zero();
+            *slot = -left;
+        }
+        any
+    }
+
+    /// Finds x and y for the right-hand side behind the factor.
+    fn solve(&mut self, evaluator: &mut Evaluator<'_, T>, at: &At<'_, T>) {
         let given = At {
             rows: &self.factor,
             ..*at
@@ -247,18 +262,15 @@ impl<T: Float> ThroughRows<T> {
         evaluator.differentiate(by, &given, &mut partial.values);
         out.values
             .copy_from_slice(&partial.values[..layout.nx() * columns]);
-        let rows = || (layout.nq..layout.nq + layout.nv).chain(layout.nx()..partial.rows());
         for column in 0..columns {
             // Positions often change nothing: only what pulls depends on them.
-            if rows().all(|row| partial.at(row, column) == T::zero()) {
-                for speed in 0..layout.nv {
-                    out.values[(layout.nq + speed) * columns + column] = T::zero();
-                }
-                continue;
+            match self.ask(layout, |row| partial.values[row * columns + column]) {
+                true => self.solve(evaluator, at),
+                false => self.found.fill(T::zero()),
             }
-            self.solve(layout, evaluator, at, |row| partial.at(row, column));
-            for (speed, x) in self.found[..layout.nv].iter().enumerate() {
-                out.values[(layout.nq + speed) * columns + column] = *x;
+            let rates = out.values.chunks_exact_mut(columns).skip(layout.nq);
+            for (rates, x) in rates.zip(&self.found[..layout.nv]) {
+                rates[column] = *x;
             }
         }
         self.partial = partial;
