@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
-use mbd_runtime::scene::{Packed, Scene, fingerprint};
+use mbd_runtime::scene::{Packed, fingerprint};
 use mbd_runtime::{
     Batch, Case, Content, Ended, FailedCase, Finished, Joined, Model, Onward, RunError, Sampling,
     Simulation, StepError, Trajectory,
@@ -15,7 +15,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use crate::columns;
-use crate::dispersion::{CampaignFile, Dispersions, WrittenMetric};
+use crate::dispersion::{CampaignFile, Dispersions, LaterScene, WrittenMetric};
 use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
@@ -23,6 +23,7 @@ use crate::histories::Choice;
 use crate::manifest::{Manifest, ResultColumn, ResultOptions};
 use crate::metric::Metrics;
 use crate::results::CaseRow;
+use crate::run::always_mapped;
 use crate::run::names::wrong;
 use crate::run::{GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, go_on};
 use settled::{given, planned, settings_of};
@@ -147,8 +148,17 @@ impl Campaign {
         let mut nominal = plans.remove(0);
         let settings = phases.first().map(|phase| phase.settings.clone());
         let settings = settings.unwrap_or_default();
-        let later = models.iter().skip(1).map(|model| model.scene());
-        let later: Vec<(&Scene, &RunPlan)> = later.zip(&plans).collect();
+        let later: Vec<LaterScene<'_>> = models
+            .iter()
+            .enumerate()
+            .skip(1)
+            .zip(&plans)
+            .map(|((place, model), plan)| LaterScene {
+                scene: model.scene(),
+                plan,
+                mapped: always_mapped(&phases, place),
+            })
+            .collect();
         let scene = (model.scene(), model.layout());
         let run = ((&nominal, &settings), later.as_slice());
         let dispersions = Dispersions::new(written, scene, run, folder)?;

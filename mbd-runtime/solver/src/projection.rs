@@ -48,7 +48,7 @@ const START: Effort = Effort {
 /// The largest turn of one iteration [rad]: beyond it the rows are nothing like their linear part.
 const LARGEST_TURN: f64 = 0.7;
 /// Rows that a step leaves this far from zero, in scene lengths, have come apart.
-const APART: f64 = 1e-6;
+pub(crate) const APART: f64 = 1e-6;
 /// What rounding may leave of rows, in units of the scalar's last place at the largest number they are made of.
 const ROUNDED: f64 = 64.0;
 /// What a solve may leave of the rows, relative: beyond it rows that are not in the system ask for more than those that are.

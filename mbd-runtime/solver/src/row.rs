@@ -24,6 +24,8 @@ pub(crate) struct RowMaker {
     pub content: Content,
     /// The last row, its time first.
     pub row: Vec<f64>,
+    /// The one before it.
+    last: Vec<f64>,
     /// Which of its numbers are measured; `None` of a column that it has not.
     pub picked: Vec<Option<usize>>,
 }
@@ -41,6 +43,7 @@ impl RowMaker {
         RowMaker {
             content,
             row: Vec::with_capacity(columns),
+            last: Vec::with_capacity(columns),
             picked: Vec::new(),
         }
     }
@@ -116,6 +119,7 @@ impl RowMaker {
         let determined = anew
             .as_ref()
             .map(|[_, determined, rates]| [determined.as_slice(), rates.as_slice()]);
+        std::mem::swap(&mut self.last, row);
         row.clear();
         row.push(time);
         if content.state {
@@ -129,7 +133,11 @@ impl RowMaker {
                 .zip(bodies.chunks_exact(layout.directions.motion()))
             {
                 if own.is_none() {
+                    let attitude = row.len() + layout.directions.translations().len();
                     row.extend(numbers.iter().map(|x| x.to_f64()));
+                    if layout.directions.plane.is_none() {
+                        go_on_from(&self.last, row, attitude);
+                    }
                 }
             }
             row.push(system.drift);
@@ -178,6 +186,17 @@ impl RowMaker {
             }
         }
         Ok(undetermined)
+    }
+}
+
+/// Gives a quaternion of a row, at a place, the sign with which it goes on from the last row: q and −q are one attitude.
+fn go_on_from(last: &[f64], row: &mut [f64], at: usize) {
+    let (Some(last), Some(own)) = (last.get(at..at + 4), row.get_mut(at..at + 4)) else {
+        return;
+    };
+    let along: f64 = last.iter().zip(&*own).map(|(a, b)| a * b).sum();
+    if along < 0.0 {
+        own.iter_mut().for_each(|x| *x = -*x);
     }
 }
 

@@ -233,10 +233,9 @@ impl Trajectory {
             begins += count;
         }
         let place = |column: &usize| kept.iter().position(|own| own == column);
-        RowMaker {
-            picked: columns.iter().map(place).collect(),
-            ..RowMaker::new(content, kept.len())
-        }
+        let mut maker = RowMaker::new(content, kept.len());
+        maker.picked = columns.iter().map(place).collect();
+        maker
     }
 
     /// The value of a metric that this history measures, and what it may be off by because the quantity was not resolved, both in its unit.

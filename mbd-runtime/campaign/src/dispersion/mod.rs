@@ -16,7 +16,7 @@ use crate::run::number::number;
 use crate::run::{RunPlan, Settings};
 use crate::sampling::{CaseSampling, Distribution, UnitSamples};
 use correlation::Correlation;
-pub use name::{Dispersible, DispersionTarget};
+pub use name::{Dispersible, DispersionTarget, LaterScene};
 pub use written::{
     CampaignFile, WrittenEnvelopes, WrittenFootprint, WrittenHistories, WrittenMetric,
     WrittenRequirement,
@@ -69,7 +69,7 @@ impl Dispersions {
     pub fn new(
         written: &CampaignFile,
         (scene, layout): (&Scene, &Layout),
-        (run, later): ((&RunPlan, &Settings), &[(&Scene, &RunPlan)]),
+        (run, later): ((&RunPlan, &Settings), &[LaterScene<'_>]),
         folder: &Path,
     ) -> Result<Self, PlanError> {
         let sampling = sampling(written)?;

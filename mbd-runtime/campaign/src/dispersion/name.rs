@@ -38,11 +38,30 @@ pub struct Dispersible {
     pub nominal: f64,
 }
 
+/// A scene that goes on from another one.
+#[derive(Debug)]
+pub struct LaterScene<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// How it is run.
+    pub plan: &'a RunPlan,
+    /// The names that are always mapped when it goes on.
+    pub mapped: Vec<&'a str>,
+}
+
+impl<'a> LaterScene<'a> {
+    /// The params that begin as planned, with their values: those of the others are what a `map` hands on.
+    fn params(&self) -> impl Iterator<Item = (&'a Parameter, &'a f64)> {
+        let all = self.scene.params.iter().zip(&self.plan.params);
+        all.filter(|(param, _)| !self.mapped.contains(&param.name.as_str()))
+    }
+}
+
 /// Everything that can be dispersed in a scene that is run as planned, and the params of those that go on from it.
 pub fn known(
     (scene, layout): (&Scene, &Layout),
     (plan, settings): (&RunPlan, &Settings),
-    later: &[(&Scene, &RunPlan)],
+    later: &[LaterScene<'_>],
 ) -> Vec<Dispersible> {
     let known = |param: &Parameter, target: DispersionTarget, nominal: f64| Dispersible {
         name: param.name.clone(),
@@ -55,8 +74,8 @@ pub fn known(
     let mut all: Vec<Dispersible> = params
         .map(|(index, (param, nominal))| known(param, DispersionTarget::Param(index), *nominal))
         .collect();
-    for (scene, plan) in later {
-        for (param, nominal) in scene.params.iter().zip(&plan.params) {
+    for later in later {
+        for (param, nominal) in later.params() {
             if !all.iter().any(|known| known.name == param.name) {
                 all.push(known(param, DispersionTarget::LaterParam, *nominal));
             }
@@ -184,7 +203,7 @@ pub fn is_one(
     known: &Dispersible,
     setting: &str,
     first: (&Scene, &RunPlan),
-    later: &[(&Scene, &RunPlan)],
+    later: &[LaterScene<'_>],
 ) -> Result<(), PlanError> {
     if !matches!(
         known.target,
@@ -192,11 +211,13 @@ pub fn is_one(
     ) {
         return Ok(());
     }
-    let scenes = std::iter::once(&first).chain(later);
-    let of = scenes.filter_map(|(scene, plan)| {
-        let mut params = scene.params.iter().zip(&plan.params);
-        let (param, value) = params.find(|(param, _)| param.name == known.name)?;
-        Some((&scene.name, &param.unit, *value))
+    let (scene, plan) = first;
+    let own = scene.params.iter().zip(&plan.params);
+    let own = own.map(|it| (scene, it));
+    let others = later.iter();
+    let others = others.flat_map(|later| later.params().map(|it| (later.scene, it)));
+    let of = own.chain(others).filter_map(|(scene, (param, value))| {
+        (param.name == known.name).then_some((&scene.name, &param.unit, *value))
     });
     let all: Vec<(&String, &Unit, f64)> = of.collect();
     let Some((one, unit, value)) = all.first() else {

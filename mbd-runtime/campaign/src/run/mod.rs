@@ -9,6 +9,7 @@ mod settings;
 mod words;
 
 pub use names::PlanError;
+pub(crate) use phases::always_mapped;
 pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};
 pub use plan::{RunPlan, check_units};
 pub(crate) use settings::belongs_to_the_run;

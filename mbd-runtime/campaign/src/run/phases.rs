@@ -211,3 +211,23 @@ pub fn go_on(
         handover,
     }))
 }
+
+/// The names that every event maps after which a phase goes on: what they are there is never what is planned.
+pub(crate) fn always_mapped(phases: &[Phase], place: usize) -> Vec<&str> {
+    let events = phases.iter().flat_map(|phase| {
+        let events = phase.model.scene().events.iter().zip(&phase.next);
+        events.filter(|(_, next)| **next == Some(place))
+    });
+    let mut maps = events.map(|(event, _)| {
+        let next = event.actions.next.iter();
+        let names = next
+            .flat_map(|next| &next.map)
+            .map(|entry| entry.name.as_str());
+        names.collect::<Vec<_>>()
+    });
+    let first = maps.next().unwrap_or_default();
+    maps.fold(first, |mut all, names| {
+        all.retain(|name| names.contains(name));
+        all
+    })
+}

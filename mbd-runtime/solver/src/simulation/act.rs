@@ -6,9 +6,12 @@
 
 use mbd_scene::{Float, Gravity, ParamError, Quantity, Settable, plain};
 
-use super::Simulation;
+use super::handover::HandedBefore;
+use super::{Simulation, moved};
 use crate::chatter::MOST_SWITCHES;
+use crate::columns::body_name;
 use crate::error::{RunError, StepError};
+use crate::projection::APART;
 use crate::unilateral::Mode;
 
 /// What events did at an instant: see [`Simulation::actions`].
@@ -43,6 +46,8 @@ pub(crate) struct Changes<T> {
     pub stop: Option<usize>,
     /// Every action.
     pub all: Vec<Acted>,
+    /// What the map of the event that ended the run hands on, from before anything acted.
+    pub handed: Option<HandedBefore<T>>,
 }
 
 impl<T: Float> Simulation<T> {
@@ -82,6 +87,7 @@ impl<T: Float> Simulation<T> {
         if acting.is_empty() {
             return Ok(false);
         }
+        let handed = self.handed_before(crossed);
         let before = (self.state.clone(), self.system.memory.clone());
         let changed = self.change_together(&acting);
         if changed.is_err() {
@@ -97,7 +103,9 @@ impl<T: Float> Simulation<T> {
             }
             self.stale = true;
         }
-        changed.map(|()| true)
+        changed?;
+        self.changes.handed = handed.map(|handed| handed.at(&self.state));
+        Ok(true)
     }
 
     fn change_together(&mut self, acting: &[usize]) -> Result<(), StepError> {
@@ -223,10 +231,31 @@ impl<T: Float> Simulation<T> {
             }
         }
         if params != model.params() {
+            let before = self.system.placed_by_joints(self.time, &self.state);
             let changed = self.take_params(&params);
             changed.map_err(|error| self.cannot_act(acting, error.to_string()))?;
+            self.check_places(acting, &before)?;
         }
         Ok(speeds)
+    }
+
+    /// Whether bodies that joint coordinates place are where they were before params changed.
+    fn check_places(&mut self, acting: &[usize], before: &[f64]) -> Result<(), StepError> {
+        let after = self.system.placed_by_joints(self.time, &self.state);
+        let layout = self.system.model.layout();
+        let moved = moved::furthest(layout.directions, before, &after);
+        let Some((body, [distance, angle])) = moved else {
+            return Ok(());
+        };
+        let allowed = APART * self.system.projection.length;
+        let by = match [distance > allowed, angle > APART] {
+            [true, _] => format!("{} m", plain(distance, 4)),
+            [false, true] => format!("{} deg", plain(angle.to_degrees(), 4)),
+            [false, false] => return Ok(()),
+        };
+        let name = body_name(self.system.model.scene(), body);
+        let why = format!("it moves `{name}` by {by}: bodies would have to jump");
+        Err(self.cannot_act(acting, why))
     }
 
     /// Runs the same scene with these params from here on.
@@ -247,14 +276,12 @@ impl<T: Float> Simulation<T> {
         self.system.read_modes(self.time, &self.state)?;
         let held = self.system.hold_again(self.time, &mut self.state);
         held.map_err(|error| match error {
-            StepError::JointsApart { norm, rows, .. } => {
-                let joints: Vec<String> =
-                    rows.iter().map(|(name, ..)| format!("`{name}`")).collect();
-                let why = format!(
-                    "it leaves {} apart by {}: bodies would have to jump",
-                    joints.join(", "),
-                    plain(norm, 4)
-                );
+            StepError::JointsApart { rows, .. } => {
+                let apart = rows.iter();
+                let apart =
+                    apart.map(|(name, by, unit)| format!("`{name}` by {} {unit}", plain(*by, 4)));
+                let apart = apart.collect::<Vec<_>>().join(", ");
+                let why = format!("it takes apart {apart}: bodies would have to jump");
                 self.cannot_act(acting, why)
             }
             other => other,

@@ -21,6 +21,7 @@ use crate::error::{RunError, StepError};
 use crate::laws::params_of;
 use crate::origin::{MeasuredFrom, MovingOrigin};
 use crate::unilateral::Mode;
+pub(super) use map::HandedBefore;
 use map::HandoverMap;
 use owned::{Owned, OwnerKind, owned};
 
@@ -75,7 +76,7 @@ impl<T: Float> Simulation<T> {
         self.detach_the_same(last);
         self.system
             .count_on(&last.system, &last.state, &mut self.state);
-        self.begin()?;
+        self.begin_after(true)?;
         let after = (self.momentum(), self.energies());
         handover.momentum = [before.0, after.0];
         handover.energies = [before.1, after.1];

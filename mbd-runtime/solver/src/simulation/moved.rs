@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use mbd_scene::{Float, Layout, Scene};
+use mbd_scene::{Directions, Float, Layout, Scene};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use crate::columns::part_name;
@@ -80,6 +80,30 @@ pub(super) fn moved<T: Float>(
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     all
+}
+
+/// The body that is furthest from where it was, by number, with its distance [m] and the angle between its attitudes [rad], of two lists as
+/// [`Quantity::Bodies`](mbd_scene::Quantity::Bodies) has them; that which turned most where none is elsewhere.
+pub(super) fn furthest(
+    directions: Directions,
+    before: &[f64],
+    after: &[f64],
+) -> Option<(usize, [f64; 2])> {
+    let (count, lengths) = (directions.motion(), directions.translations().len());
+    let bodies = before.chunks_exact(count).zip(after.chunks_exact(count));
+    let moves = bodies.map(|(before, after)| {
+        let pairs = after.iter().zip(before).take(lengths);
+        let distance = size(pairs.map(|(after, before)| after - before));
+        let angle = match directions.plane {
+            None => turn(quaternion(before, lengths), quaternion(after, lengths)),
+            Some(_) => (after[lengths] - before[lengths]).abs(),
+        };
+        [distance, angle]
+    });
+    moves.enumerate().max_by(|(_, a), (_, b)| {
+        let by_angle = a[1].total_cmp(&b[1]);
+        a[0].total_cmp(&b[0]).then(by_angle)
+    })
 }
 
 /// The quaternion w, x, y, z at a place of a state.

@@ -143,6 +143,7 @@ impl<T: Float> Simulation<T> {
             done: vec![false; layout.events],
             stop: None,
             all: Vec::new(),
+            handed: None,
         };
         Ok(Simulation {
             system,
@@ -213,13 +214,18 @@ impl<T: Float> Simulation<T> {
 
     /// Begins to run, in whatever asks for a run that has begun.
     pub(crate) fn begin(&mut self) -> Result<(), RunError> {
+        self.begin_after(false)
+    }
+
+    /// The same of a run that goes on from another one (`goes_on`), which has seen what happens at this time.
+    pub(super) fn begin_after(&mut self, goes_on: bool) -> Result<(), RunError> {
         let within = std::mem::replace(&mut self.under_way, true);
-        let begun = self.begin_now();
+        let begun = self.begin_now(goes_on);
         self.under_way = within;
         begun
     }
 
-    fn begin_now(&mut self) -> Result<(), RunError> {
+    fn begin_now(&mut self, goes_on: bool) -> Result<(), RunError> {
         self.started = true;
         self.as_declared = false;
         self.joints_set.clear();
@@ -230,7 +236,7 @@ impl<T: Float> Simulation<T> {
         self.stiffness = StiffnessTest::default();
         self.stalled = f64::NAN;
         self.method.set_lost(&[]);
-        let started = self.consistent_start();
+        let started = self.consistent_start(goes_on);
         started.map_err(|cause| {
             self.started = false;
             self.failed(cause)
@@ -260,7 +266,7 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    fn consistent_start(&mut self) -> Result<(), StepError> {
+    fn consistent_start(&mut self, goes_on: bool) -> Result<(), StepError> {
         self.stale = false;
         self.left.clear();
         if self.system.unsupplied {
@@ -315,7 +321,10 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.margins.rearmed.fill(Rearmed::default());
         self.begin_margins(&mut |_| ())?;
-        let clocks = self.clocks();
+        let clocks = match goes_on {
+            true => Vec::new(),
+            false => self.clocks(),
+        };
         self.settle_sides(&|index| !clocks.contains(&index))?;
         self.settle_clocks(&clocks)?;
         self.begin_behind()?;

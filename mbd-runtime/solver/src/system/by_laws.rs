@@ -38,6 +38,15 @@ impl<T: Float> System<T> {
         laws.evaluate(&*self.model, what, &at, out);
     }
 
+    /// The bodies as absolute coordinates have them where joint coordinates place them; empty in absolute coordinates.
+    pub(crate) fn placed_by_joints(&mut self, time: f64, state: &[T]) -> Vec<f64> {
+        let mut bodies = vec![0.0; self.model.layout().len(Quantity::Bodies)];
+        if !bodies.is_empty() {
+            self.by_laws(Quantity::Bodies, time, state, &mut bodies);
+        }
+        bodies
+    }
+
     /// Hands over the laws at the stage that was evaluated last, or at the state that was looked at last (`seen`).
     pub(crate) fn by_laws_at(
         &mut self,

@@ -10,7 +10,9 @@ use mbd_runtime::Model;
 
 use super::failure::CommandFailure;
 use super::phases::Phases;
+use super::run::above;
 use super::scene_file::SceneFile;
+use crate::run::{RunPlan, warning_before};
 
 /// The scene of a campaign, and the campaign.
 #[derive(Args, Debug)]
@@ -24,6 +26,10 @@ pub struct SceneCampaignArgs {
 /// Runs a campaign of a scene, or a shard of it.
 pub fn campaign(args: &SceneCampaignArgs) -> Result<String, CommandFailure> {
     let phases = phases(&args.scene)?;
+    let first = phases.0.model.scene();
+    // The campaign tells what it cannot run.
+    let nominal = RunPlan::new(first, &phases.0.settings).ok();
+    let moved = above(nominal.and_then(|plan| warning_before(first, &plan)));
     let source = |campaign: &Path| ResultSource {
         command: format!(
             "mbd run {} --campaign {}",
@@ -33,7 +39,7 @@ pub fn campaign(args: &SceneCampaignArgs) -> Result<String, CommandFailure> {
         scene: Some(args.scene.clone()),
         campaign: campaign.to_owned(),
     };
-    Ok(mbd_campaign::campaign(&args.campaign, phases, &source)?)
+    Ok(moved + &mbd_campaign::campaign(&args.campaign, phases, &source)?)
 }
 
 /// Writes the page of a campaign, with the histories it chooses.

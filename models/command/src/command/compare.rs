@@ -7,9 +7,9 @@ use mbd_report::files;
 use mbd_report::{Cell, Compared, Report, ReportTable, significant};
 
 use super::failure::CommandFailure;
-use super::run::{FinishedRun, RunArgs, flown, unwritten};
+use super::run::{FinishedRun, RunArgs, above, flown, unwritten};
 use crate::describe::factor;
-use crate::run::{Quality, metrics, shown};
+use crate::run::{Quality, metrics, shown, warning};
 
 /// What to compare.
 #[derive(Args, Debug)]
@@ -35,11 +35,14 @@ const DIGITS: usize = 8;
 
 /// Runs everything and writes `compare.html`.
 pub fn compare(args: &CompareArgs) -> Result<String, CommandFailure> {
-    let mut all = Vec::new();
+    let (mut all, mut warned) = (Vec::new(), String::new());
     for text in &args.runs {
         let typed = TypedRun::try_parse_from(text.split_whitespace())
             .map_err(|error| CommandFailure::Usage(format!("in \"{text}\": {error}")))?;
-        all.push((text.as_str(), flown(&typed.run)?));
+        let run = flown(&typed.run)?;
+        let moved = warning(&run.scene, &run.plan, &run.outcome);
+        warned += &above(moved.map(|warning| format!("{}: {warning}", label(all.len()))));
+        all.push((text.as_str(), run));
     }
     let table = differences(&all);
     let labels: Vec<String> = (0..all.len()).map(label).collect();
@@ -57,7 +60,8 @@ pub fn compare(args: &CompareArgs) -> Result<String, CommandFailure> {
     files::make_folder(&args.out).map_err(|error| unwritten(&error))?;
     let file = args.out.join("compare.html");
     page.write(&file).map_err(|error| unwritten(&error))?;
-    Ok(format!("{}\nwritten to {}\n", table.text(), file.display()))
+    let (table, file) = (table.text(), file.display());
+    Ok(format!("{warned}{table}\nwritten to {file}\n"))
 }
 
 /// A, B, C, ….

@@ -16,9 +16,9 @@ use toml::Value;
 
 use super::check::pretty;
 use super::failure::CommandFailure;
-use super::run::{Flag, INPUT, SET, assign, assigned, value};
+use super::run::{Flag, INPUT, SET, above, assign, assigned, value};
 use super::scene_file::SceneFile;
-use crate::run::{PlanError, RunPlan};
+use crate::run::{PlanError, RunPlan, warning_of};
 
 /// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
 const MOMENT: f64 = 1e-3;
@@ -91,6 +91,10 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     let mut run = Simulation::new(&model, plan.options).map_err(|e| invalid(&e))?;
     plan.begin(&mut run).map_err(|e| invalid(&e))?;
     run.start().map_err(|e| invalid(&e))?;
+    let moved = above(warning_of(&run, &plan));
+    if args.json {
+        eprint!("{moved}");
+    }
     if args.after.is_some() {
         run.run(plan.until).map_err(|e| invalid(&e))?;
     }
@@ -117,7 +121,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
             Some(time) => format!("motion after {time}"),
             None => "start".to_owned(),
         };
-        return Ok(format!("{}{}", told(&space, &place), note));
+        return Ok(format!("{moved}{}{note}", told(&space, &place)));
     }
     let begun = run.trim();
     let begun = along.iter().fold(begun, |it, name| it.along(name));
@@ -149,7 +153,7 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         false => "steady motion",
     };
     Ok(format!(
-        "{}\n{}\n{}{}{}",
+        "{moved}{}\n{}\n{}{}{}",
         told_rest(&rest, place),
         told_there(&there),
         told(&rest.space, place),

@@ -264,6 +264,11 @@ fn names(given: &[String]) -> Vec<String> {
     parts.map(|(name, _)| name.trim().to_owned()).collect()
 }
 
+/// A warning as lines above what is printed.
+pub fn above(warning: Option<String>) -> String {
+    warning.map_or(String::new(), |warning| warning + "\n")
+}
+
 /// Runs a scene that flies alone.
 fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     let FinishedRun {

@@ -7,9 +7,9 @@ use mbd_campaign::progress::ProgressLine;
 use mbd_compiler::{mixes_turns, read_number};
 
 use super::failure::CommandFailure;
-use super::run::{folder_name, unwritten};
+use super::run::{above, folder_name, unwritten};
 use super::scene_file::SceneFile;
-use crate::run::{RunPlan, fly, shown};
+use crate::run::{RunPlan, fly, shown, warning_before};
 use crate::trade::{advice, publish, race, table, unit, usual};
 
 /// What is asked of every run.
@@ -45,20 +45,21 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFail
     let unit = unit(&scene, &args.output).map_err(|error| wrong(&error))?;
     let within = args.within.as_deref();
     let within = within.map(|text| wanted(text, &unit)).transpose()?;
-    let race = race(&scene, &settings, &args.output, window).map_err(|error| wrong(&error))?;
-    let told = advice(&race, &unit, within.unwrap_or_else(|| usual(&race)));
-    if advice_alone {
-        return Ok(told + "\n");
-    }
-    let folder = args
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
     // It is shown, not judged.
     let plan = RunPlan {
         estimate: false,
         ..RunPlan::new(&scene, &settings).map_err(|error| wrong(&error))?
     };
+    let moved = above(warning_before(&scene, &plan));
+    let race = race(&scene, &settings, &args.output, window).map_err(|error| wrong(&error))?;
+    let told = advice(&race, &unit, within.unwrap_or_else(|| usual(&race)));
+    if advice_alone {
+        return Ok(format!("{moved}{told}\n"));
+    }
+    let folder = args
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
     let outcome = fly(&scene, &plan, &mut ProgressLine::silent()).map_err(|error| wrong(&error))?;
     publish(
         &race,
@@ -68,7 +69,7 @@ pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, CommandFail
     )
     .map_err(|error| unwritten(&error))?;
     Ok(format!(
-        "{}\n{told}\nwritten to {}: trade.html, trade.svg, trade.csv\n",
+        "{moved}{}\n{told}\nwritten to {}: trade.html, trade.svg, trade.csv\n",
         table(&race, &unit).text(),
         folder.display()
     ))

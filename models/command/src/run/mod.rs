@@ -18,7 +18,7 @@ pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{publish_phases, summary as phases_json};
 pub use quality::{Quality, not_finite};
-pub use start::warning;
+pub use start::{warning, warning_before, warning_of};
 pub use summary::summary_json;
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Whether a run started where it was asked to.
 
 use mbd_campaign::run::RunPlan;
+use mbd_compiler::Interpreted;
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::scene::{Scene, plain};
-use mbd_runtime::{Layout, Moved};
+use mbd_runtime::{Layout, Moved, Simulation};
 
-use super::outcome::RunOutcome;
+use super::outcome::{RunOutcome, begun};
 
 /// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
 const FAR: f64 = 1e-3;
@@ -45,18 +46,38 @@ pub fn moved_text(moved: &Moved) -> String {
     format!("{}, `{}`", told.join(", "), moved.name)
 }
 
+/// The same as [`warning_of`] for a run that has been made.
+#[must_use]
+pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
+    told(scene, plan, (&outcome.moved, outcome.singular_start))
+}
+
+/// The same before any run of a plan; `None` also where it cannot start, which is told where it is run.
+#[must_use]
+pub fn warning_before(scene: &Scene, plan: &RunPlan) -> Option<String> {
+    let model = Interpreted::<f64>::shared(scene.clone(), &plan.params).ok()?;
+    let mut run = begun(&*model, plan).ok()?;
+    run.start().ok()?;
+    warning_of(&run, plan)
+}
+
 /// One sentence where a body that the declaration or the settings place starts somewhere else, and one where the start is singular; `None` where all
 /// start where they were asked to, and one motion follows.
 #[must_use]
-pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
-    let singular = outcome.singular_start.then(|| {
+pub fn warning_of(run: &Simulation<f64>, plan: &RunPlan) -> Option<String> {
+    let found = (run.start_moved(), run.starts_singular());
+    told(run.model().scene(), plan, found)
+}
+
+fn told(scene: &Scene, plan: &RunPlan, (moved, singular): (&[Moved], bool)) -> Option<String> {
+    let singular = singular.then(|| {
         "warning: the start is a singular position of the joints (bars in one line, say): more than one motion is possible from there, and rounding decides \
          which; begin beside it, `start: 1 deg` of a coordinate, or with a rate"
             .to_owned()
     });
     let all = [
-        displaced(scene, plan, outcome),
-        redirected(plan, outcome),
+        displaced(scene, plan, moved),
+        redirected(plan, moved),
         singular,
     ];
     let all: Vec<String> = all.into_iter().flatten().collect();
@@ -64,12 +85,12 @@ pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<St
 }
 
 /// One sentence where a body starts somewhere else than it is put.
-fn displaced(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
+fn displaced(scene: &Scene, plan: &RunPlan, moved: &[Moved]) -> Option<String> {
     let far = |moved: &&Moved| {
         let distance = moved.distance > FAR * size(scene, plan);
         plan.placed.contains(&moved.name) && (distance || moved.angle > ROTATED)
     };
-    let all: Vec<&Moved> = outcome.moved.iter().filter(far).collect();
+    let all: Vec<&Moved> = moved.iter().filter(far).collect();
     let worst = all.first()?;
     let others = match all.len() {
         1 => String::new(),
@@ -100,11 +121,11 @@ fn displaced(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
 }
 
 /// One sentence where a body or a point starts with another velocity, or angular velocity, than is said.
-fn redirected(plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
-    let fastest = |of: fn(&Moved) -> f64| outcome.moved.iter().map(of).fold(0.0, f64::max);
+fn redirected(plan: &RunPlan, moved: &[Moved]) -> Option<String> {
+    let fastest = |of: fn(&Moved) -> f64| moved.iter().map(of).fold(0.0, f64::max);
     let another = |said: &[String], change: fn(&Moved) -> f64, set: fn(&Moved) -> f64| {
         let negligible = ROUNDING + FAR * fastest(set);
-        let told = outcome.moved.iter();
+        let told = moved.iter();
         let told = told.filter(|moved| said.contains(&moved.name) && change(moved) > negligible);
         let worst = told.max_by(|a, b| change(a).total_cmp(&change(b)))?;
         Some((&worst.name, change(worst)))

@@ -249,10 +249,13 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
             format!("{name}, fixed step {step} s")
         }
     };
-    let switches = if plan.options.locate {
-        "located"
-    } else {
-        "not located"
+    let within_nodes = layout.effective_lines > 0;
+    let switches = match plan.options.locate {
+        true if within_nodes => {
+            "located, but for lines that end at `static` and `stepwise` nodes: these switch within the balance of the node"
+        }
+        true => "located",
+        false => "not located",
     };
     let mut rows: Vec<(&str, Cell)> = vec![
         ("method", method.into()),

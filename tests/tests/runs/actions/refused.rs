@@ -1,6 +1,7 @@
 //! Actions that cannot be done end the run by name, and the run stays before them.
 
-use mbd_runtime::{Options, Simulation, StepError, model};
+use mbd_runtime::{Generic, Options, Simulation, StepError, model};
+use tests::declared::read;
 
 model! {
     /// A spring whose stiffness is set to what a state says.
@@ -63,6 +64,69 @@ fn a_param_that_would_move_a_body_on_its_joint_is_refused_by_name() {
         "{told}"
     );
     assert_eq!(run.model().params(), [1.0]);
+}
+
+/// In relative coordinates no joint comes apart: the bodies themselves would be elsewhere.
+#[test]
+fn a_param_that_moves_what_joint_coordinates_place_is_refused_by_name() {
+    let scene = |frames: &str, setting: &str| {
+        read(&format!(
+            "model Door {{ coordinates: relative; gravity: none;
+                param off = 0 m in -1 m ..= 1 m;
+                param slant = 0 rad;
+                param k = 1 N/m;
+                {frames}
+                joint pin: hinge from world.sill to leaf.edge {{ axis: y, start_rate: 1 rad/s }}
+                joint loose: free from world to bob.com;
+                spring tie from leaf.tip to bob {{ free_length: 1 m, stiffness: k }}
+                body bob {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame eye at [0 m, 0 m, off], start at [3, 0, 0] m }}
+                event moved = time rises 0.5 s {{ set: {setting} }} }}"
+        ))
+    };
+    let leaf = |at: &str, tip: &str| {
+        format!(
+            "body leaf {{ mass: 2 kg, inertia: diag(0.4, 0.5, 0.4) kg*m^2, frame edge at {at}, frame tip at {tip} }}"
+        )
+    };
+    let (fixed, tip) = ("[0, 0, 0] m", "[1, 0, 0] m");
+    let refused = [
+        (
+            leaf("[off, 0 m, 0 m]", tip),
+            "world { frame sill at [0, 0, 0] m }",
+            "off = 0.1 m",
+            "0.1 m",
+        ),
+        (
+            leaf(fixed, tip),
+            "world { frame sill at [0 m, 0 m, off] }",
+            "off = 1 m",
+            "1 m",
+        ),
+        (
+            leaf(fixed, tip),
+            "world { frame sill at [0, 0, 0] m rotated about(y, slant) }",
+            "slant = 90 deg",
+            "90 deg",
+        ),
+    ];
+    for (leaf, world, setting, by) in &refused {
+        let model = Generic::<f64>::with_defaults(scene(&format!("{world} {leaf}"), setting));
+        let model = model.expect("defaults");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+        let told = run.run(1.0).expect_err("the leaf would jump").to_string();
+        let words = ["`moved`", "`leaf`", by, "jump"];
+        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+        assert!(run.actions().is_empty());
+    }
+    // What only a spring ends at, or nothing, may be elsewhere.
+    for leaf in [leaf(fixed, "[1 m, 0 m, off]"), leaf(fixed, tip)] {
+        let world = "world { frame sill at [0, 0, 0] m }";
+        let model = Generic::<f64>::with_defaults(scene(&format!("{world} {leaf}"), "off = 0.1 m"));
+        let model = model.expect("defaults");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+        run.run(1.0).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(run.actions().len(), 1);
+    }
 }
 
 #[test]

@@ -165,3 +165,23 @@ fn what_is_tied_to_the_world_far_away_is_refused_with_an_origin_that_follows_too
         "{far:?}"
     );
 }
+
+/// What is measured from an origin that moves depends on time, which a method that asks for derivatives must know: without them its order is two.
+#[test]
+fn a_stiff_method_keeps_its_order_with_an_origin_that_moves() {
+    let steps = |origin: &str, tolerance: f64| {
+        let scene = read(&format!(
+            "model Orbit {{ {origin} gravity: none; const mu = 3.986004418e14 m^3/s^2;
+                point a {{ mass: 1 kg, start at [7000, 0, 0] km velocity [0, 7.546, 0] km/s }}
+                load pull on a = -mu * 1 kg * a.position / norm(a.position)^3; }}"
+        ));
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let mut run = Simulation::new(&model, Options::rodas5p(tolerance)).expect("options");
+        run.run(100.0).unwrap_or_else(|error| panic!("{error}"));
+        run.statistics().steps
+    };
+    for tolerance in [1e-4, 1e-6] {
+        let (still, moving) = (steps("", tolerance), steps("origin: follows a;", tolerance));
+        assert!(moving <= still + still / 4, "{moving} {still}");
+    }
+}

@@ -14,6 +14,29 @@ pub struct HandoverMap {
     entries: Vec<(String, Option<String>, Handed)>,
 }
 
+/// What the map of an event handed on before the actions at its instant.
+#[derive(Clone, Debug)]
+pub(in crate::simulation) struct HandedBefore<T> {
+    event: usize,
+    time: f64,
+    /// The state that the actions left.
+    left: Vec<T>,
+    handed: Vec<Handed>,
+}
+
+impl<T: Float> HandedBefore<T> {
+    /// The same where more has acted since.
+    pub(in crate::simulation) fn at(self, state: &[T]) -> Self {
+        let left = state.to_vec();
+        HandedBefore { left, ..self }
+    }
+
+    /// Whether a run still stands where the actions left it.
+    fn stands(&self, time: f64, state: &[T]) -> bool {
+        self.time == time && self.left == state
+    }
+}
+
 impl HandoverMap {
     /// The names in the next model, without its params.
     pub fn names(&self) -> impl Iterator<Item = &str> {
@@ -88,10 +111,36 @@ fn owner(scene: &Scene, place: Place) -> Option<String> {
 }
 
 impl<T: Float> Simulation<T> {
-    /// What the map of an event hands on now; params of the next scene are told apart by their names.
+    /// Before events act, what the map of the one that ends the run hands on; or what one has handed on that acted at this instant already.
+    pub(in crate::simulation) fn handed_before(
+        &mut self,
+        crossed: &[usize],
+    ) -> Option<HandedBefore<T>> {
+        let kept = self.changes.handed.take();
+        if let Some(kept) = kept.filter(|it| it.stands(self.time, &self.state)) {
+            return Some(kept);
+        }
+        let event = self.changes.stop.filter(|event| crossed.contains(event))?;
+        next_of(self.system.model.scene(), event)?;
+        // What has no value here is told where it is asked for.
+        let handed = self.handed(event).ok()?;
+        Some(HandedBefore {
+            event,
+            time: self.time,
+            left: Vec::new(),
+            handed,
+        })
+    }
+
+    /// What the map of an event hands on, from just before its instant; params of the next scene are told apart by their names.
     fn handed(&mut self, event: usize) -> Result<Vec<Handed>, RunError> {
         if !self.started {
             self.begin()?;
+        }
+        let before = self.changes.handed.as_ref();
+        let before = before.filter(|it| it.event == event && it.stands(self.time, &self.state));
+        if let Some(before) = before {
+            return Ok(before.handed.clone());
         }
         let state = self
             .state

@@ -137,6 +137,47 @@ fn every_case_falls_by_the_closed_forms_of_both_scenes() {
 }
 
 #[test]
+fn a_param_that_the_map_always_hands_on_has_no_nominal_value_of_its_own() {
+    let folder = Folder::new("campaign_phases_mapped");
+    let first = |map: &str| {
+        format!(
+            "model One {{ gravity: none; param c = 2 kg/s; point p {{ mass: 1 kg }} output one = c;
+                event e = time rises 1 s {{ then: scene \"two.mbd\"{map} }} }}
+            [run]\nuntil = \"2 s\"\n"
+        )
+    };
+    folder.file(
+        "two.mbd",
+        "model Two { gravity: none; param c = 7 kg/s; param d = 1; point p { mass: 1 kg } output two = c; output ratio = d; }",
+    );
+    let dispersed = |name: &str, spread: &str| {
+        let text = format!(
+            "seed = 1\ncases = 4\n[params]\n{name} = {spread}\n[metrics]\ntwo = {{ final = \"two\" }}\n"
+        );
+        folder.file("dispersed.toml", &text)
+    };
+    let out = folder.0.join("out").display().to_string();
+    let fly = |map: &str, name: &str, spread: &str| {
+        let scene = folder.file("one.mbd", &first(map));
+        run(&["campaign", &scene, &dispersed(name, spread), "--out", &out])
+    };
+    let spread = "{ dist = \"uniform\", low = \"1 kg/s\", high = \"3 kg/s\" }";
+    fly(", map: [c = 0.5 * c, d = 2]", "c", spread).expect("a campaign");
+    let cases = std::fs::read_to_string(folder.0.join("out/cases.csv")).unwrap();
+    let (head, rows) = cases.split_once('\n').unwrap();
+    for row in rows.lines() {
+        assert_eq!(cell(head, row, "two"), 0.5 * cell(head, row, "c"), "{row}");
+    }
+    // Without a map the two nominal values contradict each other.
+    let told = fly("", "c", spread).unwrap_err().to_string();
+    assert!(told.contains("give both one nominal value"), "{told}");
+    // What the map always decides cannot be dispersed.
+    let numbers = "{ dist = \"uniform\", low = 1, high = 3 }";
+    let told = fly(", map: [c = c, d = 2]", "d", numbers).unwrap_err();
+    assert!(told.to_string().contains("`d`"), "{told}");
+}
+
+#[test]
 fn threads_lanes_and_shards_change_no_byte_and_a_history_is_that_of_the_case_run_alone() {
     let folder = Folder::new("campaign_phases_bytes");
     let chute = folder.file("chute.mbd", CHUTE);

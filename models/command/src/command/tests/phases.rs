@@ -194,6 +194,60 @@ fn parts_that_separate_where_frames_were_keep_momentum_and_energy() {
 }
 
 #[test]
+fn what_a_map_hands_on_is_from_just_before_the_instant() {
+    let folder = Folder::new("phases_map_before");
+    let last_of = |set: &str, other: &str| {
+        let first = folder.file(
+            "first.mbd",
+            &format!(
+                "model First {{ gravity: none; state soc = 1 {{ rate: 0 1/s }} param gain = 2;
+                    point p {{ mass: 1 kg, start at [0, 0, 1] m velocity [1, 0, 0] m/s }}
+                    {other}
+                    event separated = time rises 1 s {{ {set} then: scene \"second.mbd\", map: [charge = soc, speed = p.velocity.x / (1 m/s), told = gain] }} }}
+                [run]\nuntil = \"2 s\"\n"
+            ),
+        );
+        folder.file(
+            "second.mbd",
+            "model Second { gravity: none; param told = 1; state charge = 0 { rate: 0 1/s } state speed = 0 { rate: 0 1/s } point p { mass: 1 kg }
+                output said = told; output on = p.velocity.x; }",
+        );
+        let summary = flown(&folder, &first, &[]);
+        ["charge", "speed", "said", "on"].map(|name| last(&summary, 1, name))
+    };
+    let changes = "soc = 0.5, p.velocity.x = 3 m/s, gain = 7";
+    assert_eq!(last_of("", ""), [1.0, 1.0, 2.0, 1.0]);
+    // What goes on by its own name goes on as the event left it.
+    assert_eq!(
+        last_of(&format!("set: [{changes}],"), ""),
+        [1.0, 1.0, 2.0, 3.0]
+    );
+    let beside = format!("event also = time rises 1 s {{ set: [{changes}] }}");
+    assert_eq!(last_of("", &beside), [1.0, 1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn a_time_at_which_a_scene_goes_on_has_passed_for_it() {
+    let folder = Folder::new("phases_clock");
+    let scene = |name: &str, next: &str| {
+        format!(
+            "model {name} {{ gravity: none; point p {{ mass: 1 kg, start at [0, 0, 1] m velocity [0, 0, 1] m/s }}
+                event e = time rises 1 s {{ then: scene \"{next}\" }} }}
+            [run]\nuntil = \"2 s\"\n"
+        )
+    };
+    // One that leads back to itself, and two that lead to each other.
+    let own = folder.file("own.mbd", &scene("Own", "own.mbd"));
+    let one = folder.file("one.mbd", &scene("One", "two.mbd"));
+    folder.file("two.mbd", &scene("Two", "one.mbd"));
+    for first in [own, one] {
+        let summary = flown(&folder, &first, &[]);
+        let phases = summary["phases"].as_array().expect("phases");
+        assert_eq!(phases.len(), 2, "{first}");
+    }
+}
+
+#[test]
 fn relative_coordinates_go_on_where_the_bodies_are() {
     let folder = Folder::new("phases_tree");
     let body = |name: &str| {

@@ -260,3 +260,39 @@ fn a_start_from_which_several_motions_are_possible_is_told() {
         }
     }
 }
+
+#[test]
+fn every_command_that_starts_a_run_tells_what_the_start_moved() {
+    let folder = Folder::new("starts_everywhere");
+    let scene = folder.file(
+        "bob.mbd",
+        "model Bob { gravity: [0, 0, -9.81] m/s^2;
+            body bob { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0, 0, 1] m, start at [0.5, 0, -0.8] m }
+            joint pin: hinge from world to bob.top { axis: y }
+            output bend = pin.angle;
+            metric widest = max pin.angle; }
+        [run]\nuntil = \"0.5 s\"\n",
+    );
+    let campaign = folder.file("few.toml", "seed = 1\ncases = 2\n[start]\npin.angle_rate = { dist = \"normal\", sigma = \"0.1 rad/s\" }\n");
+    let out = folder.0.join("out").display().to_string();
+    let commands: [&[&str]; 5] = [
+        &["linearise", &scene],
+        &["trade", &scene, "--output", "bend", "--out", &out],
+        &["advise", &scene, "--output", "bend"],
+        &["campaign", &scene, &campaign, "--out", &out],
+        &[
+            "compare",
+            &scene,
+            &format!("{scene} --tol 1e-6"),
+            "--out",
+            &out,
+        ],
+    ];
+    for command in commands {
+        let told = run(command).unwrap_or_else(|error| panic!("{command:?}: {error}"));
+        assert!(
+            told.contains("warning: `bob` does not start where"),
+            "{command:?}: {told}"
+        );
+    }
+}
