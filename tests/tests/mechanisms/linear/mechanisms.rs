@@ -314,7 +314,7 @@ fn outputs_of_runs_about_a_balance_are_those_of_the_sampled_linear_system() {
             "{what}: {}",
             space.accelerations
         );
-        let [_, push] = space.sampled(SPAN).expect("a period");
+        let [advance, push] = space.sampled(SPAN).expect("a period");
         let step = DVector::from_fn(inputs.len(), |k, _| match k < course {
             true => 0.0,
             false => (2.4 * (k as f64 + 1.0)).sin(),
@@ -328,5 +328,25 @@ fn outputs_of_runs_about_a_balance_are_those_of_the_sampled_linear_system() {
         let want = &space.c * (push * &step) + &space.d * &step;
         let apart = (&got - &want).amax() / want.amax().max(1.0);
         assert!(apart < 1e-7, "{what}: {apart:.1e}");
+        // From beside the balance: a coordinate, a rate, and all of them at once.
+        let count = space.a.nrows();
+        let unit = |at: usize| DVector::from_fn(count, |k, _| f64::from(u8::from(k == at)));
+        let all = DVector::from_fn(count, |k, _| (1.7 * (k as f64 + 1.0)).cos());
+        let seed = seed as usize;
+        for (which, small) in [unit(seed % n), unit(n + seed % n), all]
+            .iter()
+            .zip([3e-5, 3e-5, 1e-5])
+        {
+            let moved = &space.tangent * which;
+            let after = |side: f64| {
+                let state = state.iter().zip(moved.iter());
+                let state: Vec<f64> = state.map(|(x, by)| x + side * small * by).collect();
+                outputs_after(&model, &state, balance.as_slice())
+            };
+            let got = (after(1.0) - after(-1.0)) / (2.0 * small);
+            let want = &space.c * (&advance * which);
+            let apart = (&got - &want).amax() / want.amax().max(1.0);
+            assert!(apart < 1e-6, "{what}: {apart:.1e}");
+        }
     }
 }

@@ -210,10 +210,10 @@ fn what_a_map_hands_on_is_from_just_before_the_instant() {
         folder.file(
             "second.mbd",
             "model Second { gravity: none; param told = 1; state charge = 0 { rate: 0 1/s } state speed = 0 { rate: 0 1/s } point p { mass: 1 kg }
-                output said = told; output on = p.velocity.x; }",
+                output said = told; output moving = p.velocity.x; }",
         );
         let summary = flown(&folder, &first, &[]);
-        ["charge", "speed", "said", "on"].map(|name| last(&summary, 1, name))
+        ["charge", "speed", "said", "moving"].map(|name| last(&summary, 1, name))
     };
     let changes = "soc = 0.5, p.velocity.x = 3 m/s, gain = 7";
     assert_eq!(last_of("", ""), [1.0, 1.0, 2.0, 1.0]);
