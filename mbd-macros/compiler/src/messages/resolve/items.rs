@@ -5,7 +5,7 @@ use mbd_scene::Dimension;
 use crate::lexeme::Region;
 use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
-use crate::messages::syntax::ended;
+use crate::messages::syntax::{ended, unknown_unit};
 use crate::syntax::{foreign, words};
 use crate::units::{self, described, si_text};
 
@@ -192,6 +192,9 @@ pub fn unknown_input_type(at: Region, word: &str) -> LexemeMessage {
             at,
             "an input is one number or three; values over time are a table, `table wind = { 0 s: 0 m/s, 10 s: 8 m/s };`, used as `wind(time)`",
         );
+    }
+    if units::is_answered(word) {
+        return unknown_unit(at, word);
     }
     LexemeMessage::new(
         at,
