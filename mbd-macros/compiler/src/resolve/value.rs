@@ -154,11 +154,11 @@ impl Resolver<'_> {
                 unit,
                 at,
             } => {
-                self.unit_alone(text, unit.as_ref(), *at)?;
+                self.unit_alone(text, unit.as_ref(), *at, scope)?;
                 Some(self.number(*value, text, unit.as_ref(), *at))
             }
             Expression::Vector { parts, unit, at } => {
-                self.unit_alone("[…]", unit.as_ref(), *at)?;
+                self.unit_alone("[…]", unit.as_ref(), *at, scope)?;
                 self.vector(parts, unit.as_ref(), *at, scope)
             }
             Expression::Path(steps) => self.path(steps, parsed.at(), scope),
