@@ -33,6 +33,7 @@ mod tables;
 mod turns;
 mod unit_words;
 mod value;
+mod vanishing;
 
 use std::collections::{BTreeMap, BTreeSet};
 

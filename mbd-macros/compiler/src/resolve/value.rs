@@ -3,6 +3,7 @@
 use mbd_scene::{Dimension, Formula, Function, Unit};
 
 use super::turns::Turns;
+use super::vanishing::vanishes;
 use super::{Resolver, fold};
 use crate::describe;
 use crate::lexeme::Region;
@@ -360,6 +361,9 @@ impl Resolver<'_> {
             '/' => {
                 if b.vector {
                     return self.fail(say::divide_by_vector(b.at));
+                }
+                if vanishes(&b.formula, &self.scene) {
+                    return self.fail(say::not_finite(at));
                 }
                 self.product(Function::Div, a, b, at)
             }
