@@ -115,7 +115,7 @@ pub fn state_without_rate(at: Region, name: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "state `{name}` has no rate: write how fast it changes, such as `{{ rate: (u - {name}) / (20 ms) }}`; a number that stays is a `const` or a `param`"
+            "state `{name}` has no rate: write how fast it changes, such as `{{ rate: (u - {name}) / (20 ms) }}`; a number that stays is a `const` or a `param`, and one that events alone `set` has `{{ rate: 0 }}`"
         ),
     )
 }

@@ -69,6 +69,18 @@ pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> Lexeme
     )
 }
 
+/// `text`: the bare number among the components of a vector that are in another unit.
+pub fn bare_component(at: Region, text: &str, others: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "the components of a vector must be alike: beside {} write `{text} {}`",
+            described(others),
+            si_text(others)
+        ),
+    )
+}
+
 /// `behind`: the dimension of the unit behind the bracket, `own`: that of what stands in it.
 pub fn unit_twice(
     at: Region,
