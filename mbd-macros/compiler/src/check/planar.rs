@@ -1,11 +1,11 @@
 //! What a planar scene must obey: joints that close in the plane, and coordinates that something there changes, where anything acts along them.
 
 use mbd_scene::joints::{FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
-use mbd_scene::{Layout, Plane, Scene};
+use mbd_scene::{Gravity, Layout, Plane, Scene};
 
 use crate::describe;
 use crate::messages::check as say;
-use crate::resolve::{Named, Resolver, letter as axis_text};
+use crate::resolve::{Named, Resolver, fold, letter as axis_text};
 
 /// Tells joints whose frames disagree out of the plane, what couples coordinates that the plane holds or acts along them, and joints that hold
 /// everything there.
@@ -15,6 +15,9 @@ pub fn check_planar(resolver: &mut Resolver<'_>) {
     };
     if !resolver.whole || !resolver.messages.is_empty() {
         return;
+    }
+    if let Some(across) = gravity_across(&resolver.scene, plane) {
+        resolver.notes.push(across);
     }
     let scene = &resolver.scene;
     let unchanged = Layout::unchanged(scene);
@@ -83,6 +86,20 @@ pub fn check_planar(resolver: &mut Resolver<'_>) {
     warnings
         .into_iter()
         .for_each(|warning| resolver.warnings.push(warning));
+}
+
+/// A note where gravity is known and has nothing in the plane.
+fn gravity_across(scene: &Scene, plane: Plane) -> Option<String> {
+    let Gravity::Uniform { acceleration } = &scene.gravity else {
+        return None;
+    };
+    let parts = acceleration
+        .each_ref()
+        .map(|part| fold::at_defaults(part, scene));
+    let normal = plane.normal();
+    let is_across = |k: usize| parts[k].is_some_and(|part| (part != 0.0) == (k == normal));
+    let across = (0..3).all(is_across);
+    across.then(|| say::gravity_across(plane.word(), letter(normal)))
 }
 
 /// Numbers of a coordinate that act along it; the others belong to these, or to its stops.

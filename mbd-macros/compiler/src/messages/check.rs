@@ -223,6 +223,13 @@ pub fn still(at: Region, coordinate: &str, plane: &str) -> LexemeMessage {
     )
 }
 
+/// A note: on a table top nothing falls.
+pub fn gravity_across(plane: &str, normal: &str) -> String {
+    format!(
+        "gravity is along {normal}, across the plane `{plane}`, which carries it: nothing falls in the plane"
+    )
+}
+
 /// The axis of a joint in a plane, and what moves there.
 pub struct AxisInPlane {
     /// It turns about its axis; or slides along it.
