@@ -625,9 +625,7 @@ mod tests {
             near,
             [vec!["rpm"], vec!["deg"], vec!["deg"], vec!["rpm"], vec![]]
         );
-        for word in [
-            "mpa", "kts", "mil", "mHz", "MHz", "mdeg", "xPa", "ab", "kN",
-        ] {
+        for word in ["mpa", "kts", "mil", "mHz", "MHz", "mdeg", "xPa", "ab", "kN"] {
             assert_eq!(super::near(word), Vec::<&str>::new(), "{word}");
         }
     }
