@@ -2,7 +2,7 @@
 //!
 //! Exponents of mass, length, time and current are doubled so that √ stays whole. An angle has no dimension; `deg` is π/180.
 
-use mbd_scene::similar::all_nearest;
+use mbd_scene::similar::slips;
 use mbd_scene::{Dimension, Unit};
 
 /// A dimension from (not doubled) exponents of mass, length and time.
@@ -213,6 +213,15 @@ const FOREIGN: &[(&str, &str)] = &[
     ("ms2", "m/s^2"),
     ("mps", "m/s"),
     ("kmh", "kph"),
+    ("kts", "knot"),
+    ("gm", "g"),
+    ("gms", "g"),
+    ("hrs", "h"),
+    ("msec", "ms"),
+    ("usec", "us"),
+    ("lpm", "l/min"),
+    ("sqm", "m^2"),
+    ("cc", "cm^3"),
     // The sign of micro, and the Greek letter.
     ("\u{b5}m", "um"),
     ("\u{3bc}m", "um"),
@@ -223,6 +232,29 @@ const FOREIGN: &[(&str, &str)] = &[
 
 /// Units that are not here, and what one of them is.
 const INSTEAD: &[(&str, &str)] = &[
+    ("mpa", "`MPa` for a megapascal, `1e-3 Pa` for a millipascal"),
+    ("kn", "`knot` for a knot, `kN` for a kilonewton"),
+    ("kt", "`knot` for a knot, `1e6 kg` for a kilotonne"),
+    ("mms", "`mm` for millimetres, `mm/s` for a speed"),
+    ("cms", "`cm` for centimetres, `cm/s` for a speed"),
+    ("kms", "`km` for kilometres, `km/s` for a speed"),
+    ("mil", MIL_TEXT),
+    ("mils", MIL_TEXT),
+    ("thou", MIL_TEXT),
+    ("grad", GON_TEXT),
+    ("grads", GON_TEXT),
+    ("gon", GON_TEXT),
+    ("lbft", FOOT_POUND_TEXT),
+    ("ftlb", FOOT_POUND_TEXT),
+    ("ftlbs", FOOT_POUND_TEXT),
+    ("lbfft", FOOT_POUND_TEXT),
+    ("ftlbf", FOOT_POUND_TEXT),
+    ("lbin", "`lbf*inch` for an inch-pound"),
+    ("inlb", "`lbf*inch` for an inch-pound"),
+    ("gpm", "`231 inch^3/min` for a US gallon a minute"),
+    ("gal", "`231 inch^3` for a US one"),
+    ("gallon", "`231 inch^3` for a US one"),
+    ("gallons", "`231 inch^3` for a US one"),
     ("mohm", "`1e-3 ohm` for a milliohm, `1e6 ohm` for a megohm"),
     ("lb", POUND_TEXT),
     ("lbs", POUND_TEXT),
@@ -253,6 +285,9 @@ const INSTEAD: &[(&str, &str)] = &[
     ("days", "`24 h` for one"),
 ];
 
+const FOOT_POUND_TEXT: &str = "`lbf*ft` for a foot-pound";
+const MIL_TEXT: &str = "`25.4 um` for a thousandth of an inch";
+const GON_TEXT: &str = "`0.9 deg` for a gon";
 const POUND_TEXT: &str = "`0.45359237 kg` for one of mass, `lbf` for a force";
 
 /// The word of a unit that is spelled otherwise, if that is read.
@@ -261,11 +296,20 @@ pub fn spelled(word: &str) -> Option<&'static str> {
     found.map(|(_, ours)| *ours)
 }
 
-/// What to write instead of a unit that is not here.
+/// What to write instead of a unit that is not here. `kn` may be a knot, and `KN` is none.
 pub fn instead(word: &str) -> Option<&'static str> {
-    let lower = word.to_lowercase();
+    let lower = match same_but_for_case(word) {
+        Some(_) => word.to_owned(),
+        None => word.to_lowercase(),
+    };
     let found = INSTEAD.iter().find(|(theirs, _)| *theirs == lower);
     found.map(|(_, text)| *text)
+}
+
+/// Whether there is an answer to a word for a unit that is none.
+pub fn is_answered(word: &str) -> bool {
+    let known = [foreign(word), instead(word), same_but_for_case(word)];
+    known.iter().any(Option::is_some) || run_together(word).is_some()
 }
 
 /// Named dimensions: the word of an input, and its SI unit.
@@ -328,15 +372,15 @@ pub fn same_but_for_case(word: &str) -> Option<&'static str> {
     }
 }
 
-/// The units that a word of three letters or more may be a slip of: their first letter is that of the word, since another one is another power of ten.
+/// The units that a word may be a slip of: of three letters or more, and their first letter is that of the word, since another one is another power of ten.
 pub fn near(word: &str) -> Vec<&'static str> {
     let long = |known: &&str| known.len() >= 3 && known.chars().next() == word.chars().next();
     let all = UNITS.iter().map(|(word, ..)| *word);
     let all = all.chain(SPELLINGS.iter().map(|(theirs, _)| *theirs));
     let mut found: Vec<&str> = Vec::new();
-    for near in all_nearest(word, all.filter(long)) {
+    for near in slips(word, all.filter(long)) {
         let ours = spelled(near).unwrap_or(near);
-        if word.chars().count() >= 3 && !found.contains(&ours) {
+        if !found.contains(&ours) {
             found.push(ours);
         }
     }
@@ -366,9 +410,11 @@ pub fn run_together(word: &str) -> Option<String> {
         let mass = |unit: &&str| find(unit).is_some_and(|(_, dimension)| dimension == MASS);
         all.contains(&"l") || all.iter().skip(1).any(mass)
     };
-    let found = products
-        .filter(|all| single(all) && !plural(all) && !apart(all))
-        .min_by_key(|all| (scaled(all), all.len()));
+    let products: Vec<_> = products.filter(|all| single(all) && !apart(all)).collect();
+    if products.iter().any(|all| plural(all)) {
+        return None;
+    }
+    let found = (products.into_iter()).min_by_key(|all| (scaled(all), all.len()));
     found.map(|all| format!("{}{exponent}", all.join("*")))
 }
 
@@ -554,6 +600,7 @@ mod tests {
         assert_eq!(cut("kgm2"), "kg*m^2");
         assert_eq!(cut("m3"), "m^3");
         assert_eq!(run_together("kgs"), None);
+        assert_eq!(run_together("mms"), None);
         assert_eq!(run_together("kilos"), None);
         assert_eq!(run_together("m"), None);
         // Other units than the letters of ours make.
@@ -578,7 +625,7 @@ mod tests {
             near,
             [vec!["rpm"], vec!["deg"], vec!["deg"], vec!["rpm"], vec![]]
         );
-        for word in ["mHz", "MHz", "mdeg", "xPa", "ab", "kN"] {
+        for word in ["mpa", "kts", "mil", "mHz", "MHz", "mdeg", "xPa", "ab", "kN"] {
             assert_eq!(super::near(word), Vec::<&str>::new(), "{word}");
         }
     }

@@ -405,3 +405,30 @@ fn no_word_of_a_scene_leaves_its_comment_in_the_code_or_turns_the_direction_of_w
     };
     assert!(code(&plain) == code(&tricky), "{tricky}");
 }
+
+#[test]
+fn names_of_patterns_of_rust_end_in_an_underscore_there() {
+    let reading = read_text(
+        "pub model Named { gravity: none;
+            const None = 2;
+            param Some = 1 kg;
+            input Ok: force;
+            state Err = 0 m { rate: 1 m/s }
+            point bob { mass: Some * None }
+            load push on bob = [Ok, Err * 1 N/m, 0 N]; }",
+    );
+    assert!(reading.errors.is_empty(), "{}", reading.errors[0]);
+    let text = formatted(emit(&reading));
+    for field in ["pub Some_: f64", "pub Ok_: f64"] {
+        assert!(text.contains(field), "{field}: {text}");
+    }
+    for pattern in [
+        "let Some =",
+        "pub Some:",
+        "let None =",
+        "pub Ok:",
+        "fn Err(",
+    ] {
+        assert!(!text.contains(pattern), "{pattern}: {text}");
+    }
+}

@@ -394,6 +394,25 @@ fn an_output_of_an_axis_is_noted_and_one_of_a_place_is_not() {
     }
 }
 
+#[test]
+fn gravity_across_the_plane_of_a_scene_is_noted() {
+    let noted = |gravity: &str| {
+        let text = format!(
+            "model Disc {{ planar: xy; gravity: {gravity}; body disc {{ mass: 1 kg, inertia: 1 kg*m^2 }} joint loose: free from world to disc.com; }}"
+        );
+        let read = read_text(&text);
+        assert!(read.scene.is_some(), "{}", told(&read));
+        read.notes.join("; ")
+    };
+    assert_eq!(
+        noted("[0, 0, -9.81] m/s^2"),
+        "gravity is along z, across the plane `xy`, which carries it: nothing falls in the plane"
+    );
+    for gravity in ["none", "[0, -9.81, 0] m/s^2", "[0, -5, -5] m/s^2"] {
+        assert_eq!(noted(gravity), "", "{gravity}");
+    }
+}
+
 /// Compares what every file of a folder is told with its first lines; `UPDATE_GOLDEN` writes them.
 fn compare(folder: &str, told: impl Fn(&str, &Reading) -> Vec<String>) {
     let mut wrong = Vec::new();

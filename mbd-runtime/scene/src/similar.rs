@@ -56,6 +56,37 @@ pub fn nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Option
     }
 }
 
+/// The words of a set of which a word is a slip of typing, whatever it means: other capitals, two neighbours swapped, in words of four letters a
+/// letter too many or too few, in words of five one instead of another.
+#[must_use]
+pub fn slips<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let typed = word.to_lowercase();
+    let is_slip = |candidate: &&str| {
+        let meant = candidate.to_lowercase();
+        let [short, long] = {
+            let mut lengths = [&typed, &meant].map(|word| word.chars().count());
+            lengths.sort_unstable();
+            lengths
+        };
+        match distance(&typed, &meant) {
+            0 => true,
+            1 if short < long => long >= 4,
+            1 => short >= 5 || sorted(&typed) == sorted(&meant),
+            _ => false,
+        }
+    };
+    let mut found = all_nearest(word, set.into_iter().filter(is_slip));
+    found.sort_unstable();
+    found
+}
+
+/// The letters of a word in their order in the alphabet.
+fn sorted(word: &str) -> Vec<char> {
+    let mut letters: Vec<char> = word.chars().collect();
+    letters.sort_unstable();
+    letters
+}
+
 /// `; did you mean `x`?`, `; did you mean `x` or `y`?` where these are equally near, or nothing: also where there are more, of which any would be a guess.
 #[must_use]
 pub fn did_you_mean<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> String {
@@ -113,6 +144,30 @@ mod tests {
         let legs = ["leg[0]", "leg[1]", "leg[2]", "leg[3]"];
         assert_eq!(did_you_mean("leg[7]", legs), "");
         assert_eq!(nearest("Bob", ["bob", "Bobb", "bob"]), Some("bob"));
+    }
+
+    #[test]
+    fn a_word_of_a_few_letters_with_another_letter_in_it_is_another_word() {
+        let functions = [
+            "dot",
+            "sin",
+            "sinh",
+            "cosh",
+            "cos",
+            "ln",
+            "norm",
+            "log10",
+            "smoothstep",
+        ];
+        for word in ["det", "rot", "sn", "coth", "tang"] {
+            assert_eq!(slips(word, functions), [""; 0], "{word}");
+        }
+        let near = ["sni", "nrm", "coss", "SIN", "smothstep", "smoothstap"];
+        let near = near.map(|word| slips(word, functions).concat());
+        assert_eq!(
+            near,
+            ["sin", "norm", "cos", "sin", "smoothstep", "smoothstep"]
+        );
     }
 
     #[test]

@@ -214,17 +214,131 @@ pub fn leaning(
     )
 }
 
-pub fn still(at: Region, coordinate: &str, plane: &str, driven: bool) -> LexemeMessage {
-    let (acts, cause) = match driven {
-        true => ("a motor drives", "the motor"),
-        false => ("a joint couples", "that joint"),
+pub fn still(at: Region, coordinate: &str, plane: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "a joint couples `{coordinate}`, which nothing in the plane `{plane}` changes: remove that joint, or choose another axis"
+        ),
+    )
+}
+
+/// A note: on a table top nothing falls.
+pub fn gravity_across(plane: &str, normal: &str) -> String {
+    format!(
+        "gravity is along {normal}, across the plane `{plane}`, which carries it: nothing falls in the plane"
+    )
+}
+
+/// The axis of a joint in a plane, and what moves there.
+pub struct AxisInPlane {
+    /// It turns about its axis; or slides along it.
+    pub turns: bool,
+    /// Its axis as it is declared.
+    pub own: String,
+    /// About what bodies turn there, or along what they slide.
+    pub moves: String,
+    /// The letters of the axes that fit.
+    pub better: Vec<&'static str>,
+    /// The plane in which bodies turn about the axis that it has.
+    pub plane: Option<&'static str>,
+}
+
+impl AxisInPlane {
+    /// `it turns about z, and there bodies turn about y`
+    fn told(&self) -> String {
+        let (own, moves) = (&self.own, &self.moves);
+        match self.turns {
+            true => format!("it turns about {own}, and there bodies turn about {moves}"),
+            false => format!("it slides along {own}, and there bodies slide along {moves}"),
+        }
+    }
+
+    /// `write `axis: y``
+    fn remedy(&self) -> String {
+        let better: Vec<String> = (self.better.iter())
+            .map(|letter| format!("`axis: {letter}`"))
+            .collect();
+        match better.as_slice() {
+            [] => "choose another axis".to_owned(),
+            better => format!("write {}", better.join(" or ")),
+        }
+    }
+}
+
+pub fn apart_by_its_axis(
+    at: Region,
+    joint: &str,
+    (plane, normal): (&str, &str),
+    [parent, child]: &[String; 2],
+    gap: f64,
+    axis: &AxisInPlane,
+) -> LexemeMessage {
+    let instead = axis.plane.map_or_else(String::new, |plane| {
+        format!("choose `planar: {plane};`, or ")
+    });
+    LexemeMessage::new(
+        at,
+        format!(
+            "joint `{joint}` can never close in the plane `{plane}`: {}. {instead}{} and give both frames the same {normal}: `{parent}` and `{child}` are {gap:.3} m apart along it",
+            axis.told(),
+            axis.remedy()
+        ),
+    )
+}
+
+/// `fields`: what is said of the coordinate; `axis`: of a joint that has one, which does not move in the plane.
+pub fn never_acts(
+    at: Region,
+    coordinate: &str,
+    plane: &str,
+    fields: &[&str],
+    axis: Option<&AxisInPlane>,
+) -> LexemeMessage {
+    let why = axis.map_or_else(String::new, |axis| format!(": {}", axis.told()));
+    let remedy = axis.map_or_else(|| "choose another axis".to_owned(), AxisInPlane::remedy);
+    let out = match fields {
+        [_] => "leave it out",
+        _ => "leave them out",
     };
     LexemeMessage::new(
         at,
         format!(
-            "{acts} `{coordinate}`, which nothing in the plane `{plane}` changes: remove {cause}, or choose another axis"
+            "nothing in the plane `{plane}` changes `{coordinate}`, so that its {} can never act{why}. {remedy}, or {out}",
+            quoted(fields)
         ),
     )
+}
+
+/// A joint that allows no motion in the plane; `coordinate`: its first one.
+pub fn holds_in_plane(
+    at: Region,
+    joint: &str,
+    coordinate: &str,
+    plane: &str,
+    axis: Option<&AxisInPlane>,
+) -> LexemeMessage {
+    let why = axis.map_or_else(
+        || format!("nothing there changes `{coordinate}`"),
+        AxisInPlane::told,
+    );
+    let remedy = axis.map_or_else(|| "choose other axes".to_owned(), AxisInPlane::remedy);
+    LexemeMessage::new(
+        at,
+        format!(
+            "joint `{joint}` allows no motion in the plane `{plane}`: {why}. {remedy}, or `rigid` if it is to hold"
+        ),
+    )
+    .about(joint, None)
+}
+
+/// `` `a`, `b` and `c` ``
+fn quoted(words: &[&str]) -> String {
+    let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
+    match words.as_slice() {
+        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        words => words.concat(),
+    }
 }
 
 pub fn idle_motor(sentence: &str) -> String {

@@ -418,6 +418,16 @@ pub fn decimal_comma(at: Region, before: &str, behind: &str, unit: Option<&Unit>
     )
 }
 
+/// `numbers`: with commas between them, outside brackets.
+pub fn list_without_brackets(at: Region, numbers: &[String], unit: Option<&Unit>) -> LexemeMessage {
+    let unit = unit.map_or_else(String::new, |unit| format!(" {}", unit.text));
+    let numbers = numbers.join(", ");
+    LexemeMessage::new(
+        at,
+        format!("several numbers stand in brackets: write `[{numbers}]{unit}`"),
+    )
+}
+
 pub fn field_alone(at: Region, field: &str) -> LexemeMessage {
     let text = match foreign::translated(foreign::FOREIGN_FIELDS, field) {
         Some(ours) => format!("`{field}` alone says nothing: write `{ours}: {field}`"),

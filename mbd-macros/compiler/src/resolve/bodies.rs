@@ -181,11 +181,16 @@ impl Resolver<'_> {
         value: ValueSyntax<'_>,
         scope: Scope<'_>,
     ) -> Option<Option<RotationRows>> {
-        let is_about = Cursor::new(value).peek_word() == Some(words::ABOUT);
+        // `about z by 30 deg`, `30 deg about z`, `rpy [0, 30, 0] deg`
+        let mut words = value.lexemes.iter();
+        let is_about = words.any(|lexeme| lexeme.kind == LexemeKind::Word(words::ABOUT.into()));
+        let mut cursor = Cursor::new(value);
+        let in_brackets = cursor.word().is_some() && cursor.group(Bracket::Square).is_some();
         let parsed = match expression::whole(value) {
             Ok(parsed) => parsed,
-            // `about z by 30 deg`
-            Err(_) if is_about => return self.fail(say::rotation_form(value.at)),
+            Err(_) if is_about || in_brackets => {
+                return self.fail(say::rotation_form(value.at));
+            }
             Err(report) => return self.fail(report),
         };
         let Expression::Call {

@@ -201,6 +201,52 @@ impl Resolver<'_> {
         }
     }
 
+    /// Tells of what events attach although nothing detaches it, and of what begins detached and no event attaches. Scenes that go on may hand over what
+    /// is detached.
+    pub fn never_detached(&mut self) {
+        let attached = std::mem::take(&mut self.attached);
+        if self.any_bad("event") || self.dropped.contains("event") {
+            return;
+        }
+        let (scene, starts) = (&self.scene, &self.scene.starts.detached);
+        let detaches = |what| {
+            let mut events = scene.events.iter();
+            events.any(|event| event.actions.detach.contains(&what))
+        };
+        let never = attached
+            .into_iter()
+            .filter(|(what, _)| !starts.contains(what) && !detaches(*what));
+        let mut reports: Vec<_> = never
+            .map(|(what, at)| say::attached_never_detached(at, scene.detachable_name(what)))
+            .collect();
+        let goes_on = scene.events.iter().any(|event| event.actions.stop);
+        for &what in starts.iter().filter(|_| !goes_on) {
+            let named = match what {
+                Detachable::Line(line) => Named::Line(line),
+                Detachable::Joint(joint) => Named::Joint(joint),
+            };
+            let mut events = scene.events.iter();
+            let attaches = events.any(|event| event.actions.attach.contains(&what));
+            let at = self
+                .declared
+                .get(&named)
+                .filter(|_| !self.bad.contains(&named));
+            if let (Some(&at), false, None) = (at, attaches, scene.locked(what)) {
+                let kind = match what {
+                    Detachable::Line(line) => {
+                        scene.lines.get(line).map_or("line", |it| it.kind.word())
+                    }
+                    Detachable::Joint(_) => "joint",
+                };
+                let name = scene.detachable_name(what);
+                reports.push(say::detached_for_good(at, kind, name));
+            }
+        }
+        reports
+            .into_iter()
+            .for_each(|report| self.warnings.push(report));
+    }
+
     /// Refuses joints that are not bare enough to be detached.
     fn detachable_joint(&mut self, joint: usize, at: Region) -> Option<()> {
         let declared = self.scene.joints.get(joint)?;
@@ -245,6 +291,9 @@ impl Resolver<'_> {
                 continue;
             }
             named.push((found, part.at));
+            if item.word.text == "attach" {
+                self.attached.push((found, part.at));
+            }
             list.push(found);
         }
         all
@@ -362,7 +411,13 @@ impl Resolver<'_> {
                 return self.fail(say::set_to_no_number(at, &target.name));
             }
             (Some(found), Some(range)) if !(range[0]..=range[1]).contains(&found) => {
-                return self.fail(say::set_outside(at, &target.name, found, range));
+                return self.fail(say::set_outside(
+                    at,
+                    &target.name,
+                    found,
+                    range,
+                    &target.unit,
+                ));
             }
             _ => {}
         }

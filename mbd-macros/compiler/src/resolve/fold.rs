@@ -121,7 +121,7 @@ impl FoldContext<'_> {
 }
 
 /// A function of known values; `None` for shapes it does not take.
-fn compute(function: Function, values: &[Fixed]) -> Option<Fixed> {
+pub(super) fn compute(function: Function, values: &[Fixed]) -> Option<Fixed> {
     let scalar = |i: usize| values.get(i).copied().and_then(Fixed::scalar);
     let vector = |i: usize| values.get(i).copied().and_then(Fixed::vector);
     let (a, b) = (values.first().copied()?, values.get(1).copied());

@@ -6,7 +6,7 @@ use super::{Named, Resolver, Scope, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
 use crate::syntax::expression::Expression;
-use crate::syntax::{Word, foreign, words};
+use crate::syntax::{Word, foreign};
 use crate::units;
 
 impl Resolver<'_> {
@@ -158,9 +158,8 @@ impl Resolver<'_> {
             }
             other => {
                 let tables = self.names.words_of(|n| matches!(n, Named::Table(_)));
-                let known: Vec<&str> = words::FUNCTIONS.iter().copied().chain(tables).collect();
-                let report = say::unknown_function(name.at.into(), other, &known);
-                self.fail(report)
+                let report = say::unknown_function(name.at.into(), other, &tables);
+                self.fail_unless_broken(other, report)
             }
         }
     }

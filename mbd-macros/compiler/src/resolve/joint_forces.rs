@@ -180,6 +180,10 @@ impl Resolver<'_> {
         item: &'i Item<'a>,
     ) -> Option<()> {
         let word = word?;
+        if item.broken {
+            // What is wrong with it is told.
+            return None;
+        }
         match fields.insert(word, item) {
             Some(first) => {
                 let (at, first) = (item.word.at.into(), first.word.at.into());

@@ -1,7 +1,7 @@
 //! Locks: coordinates that events hold where they are, and free again. Each is a joint of its own behind those that are declared.
 
-use mbd_scene::joints::{JointLaw, Lock};
-use mbd_scene::{Detachable, Joint};
+use mbd_scene::joints::{JointLaw, Lock, START_RATE};
+use mbd_scene::{Detachable, Formula, Joint};
 
 use super::events::listed;
 use super::{Instance, MayDependOn, Named, Resolver};
@@ -85,6 +85,16 @@ impl Resolver<'_> {
             let at: Region = field.word.at.into();
             if driven.contains(&index) {
                 return self.fail(say::driven_coordinate_locked(at, &name, coordinate));
+            }
+            let mut starts = self.scene.starts.coordinates.iter();
+            let start = starts.find(|it| (it.joint, it.coordinate) == (joint, index));
+            let rate = start.and_then(|start| start.rate.as_ref());
+            if rate.is_some_and(|rate| *rate != Formula::Number(0.0)) {
+                let of_block = blocks.get(index).map(Vec::as_slice).unwrap_or_default();
+                let mut fields = of_block.iter().chain(&item.block);
+                let field = fields.find(|field| field.word.text == START_RATE.name);
+                let at = field.map_or(at, |field| field.word.at.into());
+                return self.fail(say::rate_of_locked(at, &name, coordinate));
             }
             let lock = self.lock_of(joint, index, at);
             let what = Detachable::Joint(lock);

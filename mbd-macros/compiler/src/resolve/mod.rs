@@ -33,10 +33,11 @@ mod tables;
 mod turns;
 mod unit_words;
 mod value;
+mod vanishing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use mbd_scene::Scene;
+use mbd_scene::{Detachable, Scene};
 
 pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
@@ -155,6 +156,8 @@ pub struct Resolver<'a> {
     pub whole: bool,
     /// Locks that events free, and where.
     pub freed: Vec<(usize, Region)>,
+    /// What events attach, each with the place where it is named.
+    pub attached: Vec<(Detachable, Region)>,
     /// Locks whose force or torque is asked for, and where.
     pub asked_of_locks: Vec<(usize, Region)>,
     /// Where events name scenes that go on.
@@ -217,6 +220,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.unlocked();
     resolver.states_in_radians();
     resolver.detached_starts();
+    resolver.never_detached();
     resolver.origin(model);
     resolver.emitted(model);
     resolver.open_unit_words();
@@ -258,6 +262,7 @@ impl<'a> Resolver<'a> {
             known: ResolvedSoFar::Numbers,
             whole: true,
             freed: Vec::new(),
+            attached: Vec::new(),
             asked_of_locks: Vec::new(),
             going: Vec::new(),
             chosen: BTreeSet::new(),

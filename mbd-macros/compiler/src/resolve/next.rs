@@ -4,7 +4,7 @@ use mbd_scene::{MapSource, Mapped, Next, Place};
 
 use super::events::{listed, piece};
 use super::fields::ItemFields;
-use super::{Instance, MayDependOn, Named, Resolver};
+use super::{Instance, MayDependOn, Named, Resolver, Scope};
 use crate::lexeme::{Lexeme, LexemeKind, Region};
 use crate::messages::resolve as say;
 use crate::syntax::ValueSyntax;
@@ -149,6 +149,14 @@ impl Resolver<'_> {
                 (Some(Named::Point(_)), []) => {
                     return self.place(value, scope).map(MapSource::Place);
                 }
+                (None, []) if first.index.is_none() && self.is_unknown(word, scope) => {
+                    let is_source = |named: Named| {
+                        named.is_value() || matches!(named, Named::Body(_) | Named::Point(_))
+                    };
+                    let known = self.names.words_of(is_source);
+                    let report = say::no_source(first.word.at.into(), word, &known);
+                    return self.fail_unless_broken(word, report);
+                }
                 _ if word == "world" => return self.place(value, scope).map(MapSource::Place),
                 _ => {}
             }
@@ -161,6 +169,12 @@ impl Resolver<'_> {
             dimension: typed.dimension,
             value: typed.formula,
         })
+    }
+
+    /// Whether a word is none that every scene has, and no index.
+    fn is_unknown(&self, word: &str, scope: Scope<'_>) -> bool {
+        let index = scope.indices.iter().any(|(name, _)| name == word);
+        !index && !["time", "pi", "world", "energy"].contains(&word)
     }
 
     fn has_frame(&self, body: usize, word: &str) -> bool {

@@ -251,7 +251,13 @@ impl Resolver<'_> {
                 && !any(unit, self.si)
             {
                 let name = &declared.name;
-                return self.fail(say::argument_dimension(argument.at, name, wanted, found));
+                return self.fail(say::argument_dimension(
+                    argument.at,
+                    name,
+                    wanted,
+                    found,
+                    argument.angle == 1 && found == units::NONE,
+                ));
             }
             let what = format!("the argument of `{}`", declared.name);
             self.turns_as_in(argument, unit, &what)?;

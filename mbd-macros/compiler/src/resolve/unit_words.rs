@@ -42,6 +42,13 @@ struct OpenWord {
     value: Option<usize>,
     /// Whether it is one only where the number fits what it stands for.
     has_to_fit: bool,
+    /// It is a power: `s^2`.
+    raised: bool,
+    /// The name is that of the index of a repetition: a pure number.
+    index: bool,
+    /// Whether the number fits what is wanted where it stands, and whether it does with the name, too.
+    fits: bool,
+    fits_by_name: bool,
     note: String,
     report: LexemeMessage,
 }
@@ -59,16 +66,27 @@ impl Resolver<'_> {
     /// It is the unit, and a note says so, if what has the name has a dimension, and another one, and the word stands below the line or is a
     /// power, `1.2 kg/m^3` beside a mass `m`, or the value has the dimension that is wanted there: `damping: 2 N*m*s`, `force: -2 N*m * pin.angle`; where
     /// none is wanted, if the number with the unit is a quantity that has a name, and with the value is none: `20 N*m` is a torque beside a mass `m`.
-    pub fn unit_alone(&mut self, number: &str, unit: Option<&Unit>, at: Region) -> Option<()> {
+    /// Beside a pure number, as an index of a repetition is one, the dimension that is wanted decides alone.
+    pub fn unit_alone(
+        &mut self,
+        number: &str,
+        unit: Option<&Unit>,
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<()> {
         let text = unit.map_or("", |unit| unit.text.as_str());
         for (place, word) in open_words(text).into_iter().skip(1) {
-            if !self.names.is(word, Named::is_value) {
+            if !self.is_name_of_a_value(word, scope) {
                 continue;
             }
+            let index = is_index(word, scope);
             let of_unit = units::find(word).map_or(units::NONE, |(_, dimension)| dimension);
             let entry = self.names.get(word);
             let named = entry.and_then(|entry| entry.first());
-            let kind = named.map_or("name", Named::kind);
+            let kind = match index {
+                true => "index",
+                false => named.map_or("name", Named::kind),
+            };
             let declared = (kind, entry.map(|entry| entry.at));
             let report = say::unit_or_name(at, (number, text), place, word, declared);
             let below = text[..place].ends_with('/');
@@ -80,6 +98,10 @@ impl Resolver<'_> {
                 at,
                 value: self.unit_words.value,
                 has_to_fit: !below && !raised,
+                raised,
+                index,
+                fits: false,
+                fits_by_name: false,
                 note: format!("`{word}` in `{text}` is the unit, not the {kind} `{word}`"),
                 report,
             };
@@ -139,7 +161,7 @@ impl Resolver<'_> {
 
     /// The value with words of its units as names, if it fits together so. What does not is told nowhere.
     fn read_by_name(&mut self, parsed: &Expression, scope: Scope<'_>) -> Option<Typed> {
-        let by_name = self.by_name(parsed)?;
+        let by_name = self.by_name(parsed, scope)?;
         let (said, bad) = (self.messages.count(), self.bad.len());
         let outer = self.unit_words.value.take();
         let typed = self.typed(&by_name, scope);
@@ -159,6 +181,9 @@ impl Resolver<'_> {
         let (at, other) = self.unit_words.by_name.remove(found);
         let fits = |read: &Typed| read.dimension.is_none_or(|it| wanted.contains(&it));
         if fits(&typed) || !fits(&other) {
+            let open = self.unit_words.open.iter_mut();
+            let open = open.filter(|open| open.at == at);
+            open.for_each(|open| open.fits_by_name |= fits(&other));
             return typed;
         }
         self.are_names(|open| open.at == at);
@@ -191,15 +216,15 @@ impl Resolver<'_> {
     }
 
     /// An expression in which words of units are the names that they are, too, from the first such word on. `None` where that is no product with names.
-    fn by_name(&self, parsed: &Expression) -> Option<Expression> {
+    fn by_name(&self, parsed: &Expression, scope: Scope<'_>) -> Option<Expression> {
         let both = |sides: &[Expression; 2]| {
             Some(Box::new([
-                self.by_name(&sides[0])?,
-                self.by_name(&sides[1])?,
+                self.by_name(&sides[0], scope)?,
+                self.by_name(&sides[1], scope)?,
             ]))
         };
         let all = |parts: &[Expression]| -> Option<Vec<Expression>> {
-            parts.iter().map(|part| self.by_name(part)).collect()
+            parts.iter().map(|part| self.by_name(part, scope)).collect()
         };
         Some(match parsed {
             Expression::Number {
@@ -207,26 +232,26 @@ impl Resolver<'_> {
                 text,
                 unit: Some(unit),
                 at,
-            } if let Some(place) = self.first_name(unit) => {
+            } if let Some(place) = self.first_name(unit, scope) => {
                 let number = |unit| Expression::Number {
                     value: *value,
                     text: text.clone(),
                     unit,
                     at: *at,
                 };
-                self.times_names(unit, place, *at, number)?
+                self.times_names(unit, place, *at, number, scope)?
             }
             Expression::Vector {
                 parts,
                 unit: Some(unit),
                 at,
-            } if let Some(place) = self.first_name(unit) => {
+            } if let Some(place) = self.first_name(unit, scope) => {
                 let vector = |unit| Expression::Vector {
                     parts: parts.clone(),
                     unit,
                     at: *at,
                 };
-                self.times_names(unit, place, *at, vector)?
+                self.times_names(unit, place, *at, vector, scope)?
             }
             Expression::Number { .. } | Expression::Path(_) => parsed.clone(),
             Expression::Vector { parts, unit, at } => Expression::Vector {
@@ -244,7 +269,7 @@ impl Resolver<'_> {
                 at: *at,
             },
             Expression::Component { of, axis } => Expression::Component {
-                of: Box::new(self.by_name(of)?),
+                of: Box::new(self.by_name(of, scope)?),
                 axis: axis.clone(),
             },
             Expression::Compare { sign, sides } => Expression::Compare {
@@ -252,7 +277,7 @@ impl Resolver<'_> {
                 sides: both(sides)?,
             },
             Expression::Negative(inner, at) => {
-                Expression::Negative(Box::new(self.by_name(inner)?), *at)
+                Expression::Negative(Box::new(self.by_name(inner, scope)?), *at)
             }
             Expression::Binary { sign, sides } => {
                 // `a / 2 m * N` divides by 2 m alone, if `N` is a name.
@@ -263,7 +288,7 @@ impl Resolver<'_> {
                         unit: Some(unit), ..
                     },
                 ) = (divides, &sides[1])
-                    && self.first_name(unit).is_some()
+                    && self.first_name(unit, scope).is_some()
                 {
                     return None;
                 }
@@ -276,10 +301,15 @@ impl Resolver<'_> {
     }
 
     /// Where in a unit the first word stands that is the name of a value, behind the first word.
-    fn first_name(&self, unit: &Unit) -> Option<usize> {
+    fn first_name(&self, unit: &Unit, scope: Scope<'_>) -> Option<usize> {
         let words = open_words(&unit.text).into_iter().skip(1);
-        let mut names = words.filter(|(_, word)| self.names.is(word, Named::is_value));
+        let mut names = words.filter(|(_, word)| self.is_name_of_a_value(word, scope));
         names.next().map(|(place, _)| place)
+    }
+
+    /// Whether a word is the name of a value, or of the index of a repetition.
+    fn is_name_of_a_value(&self, word: &str, scope: Scope<'_>) -> bool {
+        is_index(word, scope) || self.names.is(word, Named::is_value)
     }
 
     /// `3 N*m/s` with the first word as unit and the others as names: `(3 N) * m / s`.
@@ -289,6 +319,7 @@ impl Resolver<'_> {
         place: usize,
         at: Region,
         number: impl Fn(Option<Unit>) -> Expression,
+        scope: Scope<'_>,
     ) -> Option<Expression> {
         let (before, names) = unit.text.split_at(place);
         let before = before.trim_end_matches(['*', '/']);
@@ -300,7 +331,7 @@ impl Resolver<'_> {
             let (word, exponent) = word.split_once('^').unwrap_or((word, "1"));
             let waits =
                 |named| matches!(named, Named::Const(it) if self.unit_words.waiting.contains(&it));
-            if !self.names.is(word, Named::is_value) || self.names.is(word, waits) {
+            if !self.is_name_of_a_value(word, scope) || self.names.is(word, waits) {
                 return None;
             }
             let step = PathStep {
@@ -339,7 +370,7 @@ impl Resolver<'_> {
     pub fn unit_fits(&mut self, at: Region) {
         let open = self.unit_words.open.iter_mut();
         open.filter(|open| open.at.last == at.last)
-            .for_each(|open| open.has_to_fit = false);
+            .for_each(|open| (open.has_to_fit, open.fits) = (false, true));
     }
 
     /// A value has not the dimension that is wanted: what to say if a word in its unit may be a name.
@@ -356,7 +387,8 @@ impl Resolver<'_> {
         let mut noted = BTreeSet::new();
         for open in std::mem::take(&mut self.unit_words.open) {
             let is_unit = !open.has_to_fit || self.is_a_quantity(&open);
-            if is_unit && self.differs(&open.word, open.of_unit) {
+            let differs = self.differs(&open.word, open.of_unit);
+            if is_unit && (differs || self.is_unit_beside_a_number(&open)) {
                 if noted.insert(open.word) {
                     self.notes.push(open.note);
                 }
@@ -377,6 +409,17 @@ impl Resolver<'_> {
             }
             None => false,
         }
+    }
+
+    /// Whether a word that is the name of a pure number, too, is the unit: the value has the dimension that is wanted, and none with the number in
+    /// place of the unit, or a power makes it a quantity that has a name, `9.81 m/s^2`.
+    fn is_unit_beside_a_number(&self, open: &OpenWord) -> bool {
+        let named = self.names.get(&open.word).and_then(|entry| entry.first());
+        let unit = named.and_then(|named| self.unit_of(named));
+        let pure = open.index || unit.is_some_and(|unit| unit.dimension == units::NONE);
+        let wanted = open.fits && !open.fits_by_name;
+        let quantity = open.raised && units::name(open.whole).is_some();
+        pure && open.of_unit != units::NONE && (wanted || quantity)
     }
 
     /// Whether a number is a quantity that has a name where this word is the unit, and none where it is the value.
@@ -472,7 +515,7 @@ impl Resolver<'_> {
                     return None;
                 };
                 let word = step.word.text.as_str();
-                let index = scope.indices.iter().any(|(name, _)| name == word);
+                let index = is_index(word, scope);
                 let taken = self.names.get(word).is_some()
                     || self.later.contains(word)
                     || self.broken.contains(word);
@@ -514,6 +557,11 @@ impl Resolver<'_> {
             _ => None,
         }
     }
+}
+
+/// Whether a word is the index of a repetition around.
+fn is_index(word: &str, scope: Scope<'_>) -> bool {
+    scope.indices.iter().any(|(name, _)| name == word)
 }
 
 /// The words of a unit outside brackets, each with its place.

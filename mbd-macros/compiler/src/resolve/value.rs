@@ -3,6 +3,7 @@
 use mbd_scene::{Dimension, Formula, Function, Unit};
 
 use super::turns::Turns;
+use super::vanishing::vanishes;
 use super::{Resolver, fold};
 use crate::describe;
 use crate::lexeme::Region;
@@ -154,11 +155,11 @@ impl Resolver<'_> {
                 unit,
                 at,
             } => {
-                self.unit_alone(text, unit.as_ref(), *at)?;
+                self.unit_alone(text, unit.as_ref(), *at, scope)?;
                 Some(self.number(*value, text, unit.as_ref(), *at))
             }
             Expression::Vector { parts, unit, at } => {
-                self.unit_alone("[…]", unit.as_ref(), *at)?;
+                self.unit_alone("[…]", unit.as_ref(), *at, scope)?;
                 self.vector(parts, unit.as_ref(), *at, scope)
             }
             Expression::Path(steps) => self.path(steps, parsed.at(), scope),
@@ -241,6 +242,11 @@ impl Resolver<'_> {
         }
         let typed: Vec<Option<Typed>> = parts.iter().map(|part| self.typed(part, scope)).collect();
         let typed: Vec<Typed> = typed.into_iter().collect::<Option<_>>()?;
+        let bare = typed
+            .iter()
+            .filter(|part| part.dimension == Some(units::NONE));
+        let numbers = bare.filter_map(|part| Some((part.bare.clone()?, part.at)));
+        let numbers: Vec<(String, Region)> = numbers.collect();
         let mut formulas = Vec::with_capacity(3);
         let mut dimension: Option<Dimension> = unit.map(|unit| unit.dimension);
         let mut bare: Option<Vec<String>> = unit.is_none().then(Vec::new);
@@ -261,7 +267,11 @@ impl Resolver<'_> {
             if let (Some(first), Some(this)) = (dimension, part.dimension)
                 && first != this
             {
-                return self.fail(say::mixed_components(part.at, first, this));
+                let others = if first == units::NONE { this } else { first };
+                return self.fail(match numbers.into_iter().next() {
+                    Some((text, at)) => say::bare_component(at, &text, others),
+                    None => say::mixed_components(part.at, first, this),
+                });
             }
             dimension = dimension.or(part.dimension);
             formulas.push(part.formula);
@@ -360,6 +370,9 @@ impl Resolver<'_> {
             '/' => {
                 if b.vector {
                     return self.fail(say::divide_by_vector(b.at));
+                }
+                if vanishes(&b.formula, &self.scene) {
+                    return self.fail(say::not_finite(at));
                 }
                 self.product(Function::Div, a, b, at)
             }

@@ -173,7 +173,7 @@ impl<'a> Cursor<'a> {
 
     /// The report that something else was expected here.
     pub fn expected(&self, what: &str) -> LexemeMessage {
-        if let Some(report) = self.before_decimal_comma() {
+        if let Some(report) = self.before_comma_of_numbers() {
             return report;
         }
         match self.peek() {
@@ -182,26 +182,58 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The report of a number whose decimals follow a comma, `1,5 kg`, if that is the comma before the next lexeme.
-    pub fn behind_decimal_comma(&self) -> Option<LexemeMessage> {
-        let (whole, comma, decimals) = (self.behind(2)?, self.behind(1)?, self.peek()?);
-        let (LexemeKind::Number(before), LexemeKind::Sign(','), LexemeKind::Number(behind)) =
-            (&whole.kind, &comma.kind, &decimals.kind)
-        else {
+    /// The report of numbers with commas between them outside brackets, if the comma before the next lexeme is the first of these, and what follows them:
+    /// two may be one whose decimals follow a comma, `1,5 kg`, others are a list, `0, 1, 0`.
+    pub fn behind_comma_of_numbers(&self) -> Option<(LexemeMessage, Cursor<'a>)> {
+        let (first, comma) = (self.behind(2)?, self.behind(1)?);
+        let (LexemeKind::Number(whole), LexemeKind::Sign(',')) = (&first.kind, &comma.kind) else {
             return None;
         };
+        let minus = self.behind(3).filter(|it| it.kind == LexemeKind::Sign('-'));
+        let mut numbers = vec![match minus {
+            Some(_) => format!("-{whole}"),
+            None => whole.clone(),
+        }];
         let mut ahead = *self;
-        ahead.take();
-        let at = Region::from(whole.at).to(decimals.at.into());
-        let unit = super::unit::suffix(&mut ahead).ok().flatten();
-        Some(say::decimal_comma(at, before, behind, unit.as_ref()))
+        let mut rest = *self;
+        let mut last = first.at;
+        while let Some((number, at)) = ahead.signed_number() {
+            numbers.push(number);
+            (last, rest) = (at, ahead);
+            if ahead.sign(',').is_none() {
+                break;
+            }
+        }
+        let unit = super::unit::suffix(&mut rest).ok().flatten();
+        let at = Region::from(minus.map_or(first.at, |minus| minus.at)).to(last.into());
+        let report = match numbers.as_slice() {
+            [_] => return None,
+            [_, decimals] if !whole.contains('.') && decimals.parse::<u64>().is_ok() => {
+                let at = Region::from(first.at).to(last.into());
+                say::decimal_comma(at, whole, decimals, unit.as_ref())
+            }
+            numbers => say::list_without_brackets(at, numbers, unit.as_ref()),
+        };
+        Some((report, rest))
     }
 
-    /// The same, if the comma comes next.
-    fn before_decimal_comma(&self) -> Option<LexemeMessage> {
+    /// A number with its sign, if one comes next, and where it is.
+    fn signed_number(&mut self) -> Option<(String, LexemeIndex)> {
+        let mut ahead = *self;
+        let sign = if ahead.sign('-').is_some() { "-" } else { "" };
+        let lexeme = ahead.take()?;
+        let LexemeKind::Number(number) = &lexeme.kind else {
+            return None;
+        };
+        *self = ahead;
+        Some((format!("{sign}{number}"), lexeme.at))
+    }
+
+    /// The report of numbers with commas between them, if the first comma comes next.
+    fn before_comma_of_numbers(&self) -> Option<LexemeMessage> {
         let mut ahead = *self;
         ahead.sign(',')?;
-        ahead.behind_decimal_comma()
+        ahead.behind_comma_of_numbers().map(|(report, _)| report)
     }
 
     /// What is written here instead of an operator of other languages that comes next.

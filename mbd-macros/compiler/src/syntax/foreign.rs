@@ -328,6 +328,14 @@ pub const FOREIGN_FUNCTIONS: Dictionary = &[
     ("fabs", "abs"),
     ("inner", "dot"),
     ("log", "ln"),
+    ("tang", "tan"),
+    ("tangent", "tan"),
+    ("tg", "tan"),
+    ("sine", "sin"),
+    ("cosine", "cos"),
+    ("sh", "sinh"),
+    ("ch", "cosh"),
+    ("th", "tanh"),
     ("arcsin", "asin"),
     ("arccos", "acos"),
     ("arctan", "atan"),
@@ -367,12 +375,38 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
         "write `a + (b - a) * t`; what goes through several numbers is a `table`",
     ),
     ("mix", "write `a + (b - a) * t`"),
-    ("asinh", "write `ln(a + sqrt(a^2 + 1))`"),
-    ("acosh", "write `ln(a + sqrt(a^2 - 1))`"),
-    ("atanh", "write `0.5 * ln((1 + a) / (1 - a))`"),
+    ("asinh", AREA_SINE),
+    ("arsinh", AREA_SINE),
+    ("arcsinh", AREA_SINE),
+    ("acosh", AREA_COSINE),
+    ("arcosh", AREA_COSINE),
+    ("arccosh", AREA_COSINE),
+    ("atanh", AREA_TANGENT),
+    ("artanh", AREA_TANGENT),
+    ("arctanh", AREA_TANGENT),
     ("sec", "write `1 / cos(a)`"),
     ("csc", "write `1 / sin(a)`"),
+    ("cosec", "write `1 / sin(a)`"),
     ("cot", "write `1 / tan(a)`"),
+    ("ctg", "write `1 / tan(a)`"),
+    ("acot", "write `atan2(1, a)`"),
+    ("coth", "write `cosh(a) / sinh(a)`"),
+    ("sech", "write `1 / cosh(a)`"),
+    ("csch", "write `1 / sinh(a)`"),
+    ("log1p", "write `ln(1 + a)`"),
+    ("ln1p", "write `ln(1 + a)`"),
+    ("expm1", "write `exp(a) - 1`"),
+    ("abs2", "write `a^2`, of a vector `dot(a, a)`"),
+    (
+        "det",
+        "there are no matrices in expressions; that of three vectors is `dot(a, cross(b, c))`",
+    ),
+    ("inv", NO_MATRICES),
+    ("transpose", NO_MATRICES),
+    ("rot", TURNED),
+    ("asind", IN_DEGREES),
+    ("acosd", IN_DEGREES),
+    ("atand", IN_DEGREES),
     ("sinc", "write `sin(a) / a` where `a` is not zero"),
     ("sind", "an angle carries its unit: `sin(30 deg)`"),
     ("cosd", "an angle carries its unit: `cos(30 deg)`"),
@@ -413,6 +447,10 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
 
 /// A vector that turns with a body, and the components of one along it.
 pub const TURNED: &str = "the axes of a body or a frame are `rod.x`, `rod.y` and `rod.z`, in world axes: a vector along them is `a * rod.x + b * rod.y + c * rod.z`, and the components of a vector `v` along them are `[dot(v, rod.x), dot(v, rod.y), dot(v, rod.z)]`";
+const AREA_SINE: &str = "write `ln(a + sqrt(a^2 + 1))`";
+const AREA_COSINE: &str = "write `ln(a + sqrt(a^2 - 1))`";
+const AREA_TANGENT: &str = "write `0.5 * ln((1 + a) / (1 - a))`";
+const NO_MATRICES: &str = "there are no matrices in expressions";
 const STEP: &str = "write `if(time < t0, 0, a)`";
 const IN_DEGREES: &str = "an output is told in degrees by `in deg` behind its value";
 const FROM_DEGREES: &str = "an angle carries its unit: `30 deg`";

@@ -42,8 +42,9 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
         }
         let marked = mark(&mut cursor, inside);
         let Some(word) = cursor.word() else {
-            if let Some(report) = cursor.behind_decimal_comma() {
+            if let Some((report, rest)) = cursor.behind_comma_of_numbers() {
                 messages.push(report);
+                cursor = rest;
                 let before: Option<&mut Item<'_>> = items.last_mut();
                 before.into_iter().for_each(|field| field.broken = true);
                 recover(&mut cursor, inside);

@@ -468,12 +468,14 @@ const OWN_KEYWORDS: &[&str] = &[
     "super", "true", "_",
 ];
 
-/// The others: names here, with an underscore behind them where they become fields and functions of Rust.
+/// The others, and what Rust takes for a pattern wherever a value gets a name: names here, with an underscore behind them where they become fields and
+/// functions of Rust.
 const KEYWORDS: &[&str] = &[
-    "abstract", "async", "await", "become", "box", "break", "continue", "crate", "do", "dyn",
-    "enum", "extern", "final", "fn", "for", "gen", "impl", "macro", "match", "move", "mut",
-    "override", "priv", "ref", "return", "static", "struct", "trait", "try", "type", "typeof",
-    "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
+    "Some", "None", "Ok", "Err", "abstract", "async", "await", "become", "box", "break",
+    "continue", "crate", "do", "dyn", "enum", "extern", "final", "fn", "for", "gen", "impl",
+    "macro", "match", "move", "mut", "override", "priv", "ref", "return", "static", "struct",
+    "trait", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual", "where", "while",
+    "yield",
 ];
 
 /// Whether a word is a keyword of Rust.

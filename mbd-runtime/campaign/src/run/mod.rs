@@ -13,4 +13,4 @@ pub(crate) use phases::always_mapped;
 pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};
 pub use plan::{RunPlan, check_units};
 pub(crate) use settings::belongs_to_the_run;
-pub use settings::{Settings, line_of, misnamed_table, split};
+pub use settings::{Settings, SettingsError, line_of, misnamed_table, split};

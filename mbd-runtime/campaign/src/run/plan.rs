@@ -96,6 +96,9 @@ impl RunPlan {
             .map(|value| number("instants", value, "s"))
             .collect::<Result<_, _>>()?;
         let options = options(scene, layout, settings)?;
+        if matches!(options.method, Method::Rattle { .. }) && layout.tree.is_some() {
+            return Err(wrong("method", NO_RATTLE));
+        }
         if let Some(rows) = every
             .or(options.method.fixed_step())
             .map(|every| until / every)
@@ -145,6 +148,9 @@ pub fn check_units(scene: &Scene, settings: &Settings) -> Result<(), PlanError> 
     }
     Ok(())
 }
+
+/// What is said of a method for absolute coordinates alone.
+const NO_RATTLE: &str = "`rattle` needs a mass matrix that stays, and in relative coordinates it changes with them: declare `coordinates: absolute;`, or take `vern7`, on the command line `--method vern7`";
 
 /// Refuses a history that memory or disk have no room for.
 fn fits(scene: &Scene, rows: f64) -> Result<(), PlanError> {
@@ -660,6 +666,24 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rattle_in_relative_coordinates_is_told_before_a_run() {
+        let arm = |family: &str| {
+            let text = format!(
+                "model Arm {{ coordinates: {family}; gravity: none;
+                    body arm {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+                    joint pin: hinge from world to arm.com {{ axis: y }} }}"
+            );
+            let scene = mbd_compiler::read_text(&text).scene.expect("an arm");
+            let run = "[run]\nuntil = 1\nmethod = \"rattle\"\nstep = \"1 ms\"\n";
+            RunPlan::new(&scene, &Settings::read(run).unwrap()).map(|_| ())
+        };
+        assert_eq!(arm("absolute"), Ok(()));
+        let error = arm("relative").unwrap_err();
+        assert_eq!(error.setting, "method");
+        assert!(error.text.contains("`--method vern7`"), "{error}");
+    }
 
     #[test]
     fn params_and_inputs_without_a_unit_are_in_si_as_their_declaration_is() {

@@ -22,7 +22,10 @@
 //! wind = ["3 m/s", 0.0, 0.0]
 //! ```
 
+use std::fmt;
+
 use mbd_compiler::{nearest, read_number};
+use mbd_runtime::scene::similar::near_and_all;
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -65,6 +68,24 @@ pub struct Settings {
     /// Values of params, with units: `riser_k = "50 kN/m"`.
     #[serde(default)]
     pub params: Table,
+}
+
+/// What is wrong with the settings of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SettingsError {
+    /// The line of the file where it stands, from 1, if it stands there.
+    pub line: Option<usize>,
+    /// What is wrong, and what to write.
+    pub text: String,
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "line {line}: {}", self.text),
+            None => f.write_str(&self.text),
+        }
+    }
 }
 
 /// Parts a scene file into the scene and the settings of its run. Each part keeps its lines where they are, so that places in messages stay true.
@@ -156,8 +177,8 @@ impl Settings {
     /// Reads the second part of [`split`].
     ///
     /// # Errors
-    /// A text that says where and what.
-    pub fn read(text: &str) -> Result<Settings, String> {
+    /// What is wrong, and where.
+    pub fn read(text: &str) -> Result<Settings, SettingsError> {
         #[derive(Deserialize)]
         struct Whole {
             #[serde(default)]
@@ -165,9 +186,9 @@ impl Settings {
         }
         toml::from_str::<Whole>(text)
             .map(|whole| whole.run)
-            .map_err(|error| {
-                let told = error.to_string().replace(error.message(), &told(&error));
-                format!("{told}{}", in_quotes(text, &error))
+            .map_err(|error| SettingsError {
+                line: line_of_error(text, &error),
+                text: in_quotes(text, &error).unwrap_or_else(|| told(&error)),
             })
     }
 
@@ -184,10 +205,21 @@ impl Settings {
 /// What is wrong; of a setting that other tools or the command line call otherwise what it is called here, in place of all that there are.
 fn told(error: &toml::de::Error) -> String {
     let message = error.message();
-    match unknown_field(message).and_then(|word| Some((word, words::of_setting(word)?))) {
-        Some((word, ours)) => format!("unknown field `{word}`: {ours}"),
-        None => message.to_owned(),
+    let Some(word) = unknown_field(message) else {
+        return message.to_owned();
+    };
+    if let Some(ours) = words::of_setting(word) {
+        return format!("unknown field `{word}`: {ours}");
     }
+    // "unknown field `a`, expected one of `b`, `c`"
+    let known = message.split('`').skip(3).step_by(2);
+    format!("unknown field `{word}`{}", near_and_all(word, known))
+}
+
+/// The line of a mistake of TOML.
+fn line_of_error(text: &str, error: &toml::de::Error) -> Option<usize> {
+    let before = text.get(..error.span()?.start)?;
+    Some(before.matches('\n').count() + 1)
 }
 
 /// The field of which a message of TOML says that there is none.
@@ -221,22 +253,14 @@ pub(crate) fn belongs_to_the_run(error: &toml::de::Error) -> String {
 }
 
 /// What to write instead of a value with a unit that stands without quotes; nothing after another mistake.
-fn in_quotes(text: &str, error: &toml::de::Error) -> String {
-    let line = error.span().and_then(|place| {
-        let before = text.get(..place.start)?.matches('\n').count();
-        text.lines().nth(before)
-    });
-    let Some((key, value)) = line.and_then(|line| line.split_once('=')) else {
-        return String::new();
-    };
+fn in_quotes(text: &str, error: &toml::de::Error) -> Option<String> {
+    let line = text.lines().nth(line_of_error(text, error)? - 1)?;
+    let (key, value) = line.split_once('=')?;
     let value = value.split('#').next().unwrap_or_default().trim();
-    match read_number(value) {
-        Ok((_, unit)) if !unit.text.is_empty() => format!(
-            "write a value with its unit in quotes: `{} = \"{value}\"`",
-            key.trim()
-        ),
-        _ => String::new(),
-    }
+    let (_, unit) = read_number(value).ok()?;
+    let key = key.trim();
+    let told = format!("write a value with its unit in quotes: `{key} = \"{value}\"`");
+    (!unit.text.is_empty()).then_some(told)
 }
 
 #[cfg(test)]
@@ -274,8 +298,11 @@ mod tests {
         assert_eq!(settings.until, Some(Value::String("2 s".into())));
         assert!(settings.start.contains_key("a"));
         let error = Settings::read(&split("x = 1\n[run]\nuntl = 3\n").1).unwrap_err();
+        assert_eq!(error.line, Some(3));
         assert!(
-            error.contains("line 3") && error.contains("untl"),
+            error.text.starts_with(
+                "unknown field `untl`; did you mean `until`? There are: until, method, step"
+            ),
             "{error}"
         );
         assert_eq!(Settings::read(""), Ok(Settings::default()));
@@ -283,7 +310,8 @@ mod tests {
 
     #[test]
     fn a_value_with_a_unit_without_quotes_is_told_how_to_be_written() {
-        let told = |line: &str| Settings::read(&format!("[run]\n{line}\n")).unwrap_err();
+        let told = |line: &str| Settings::read(&format!("[run]\n{line}\n"));
+        let told = |line: &str| told(line).unwrap_err().to_string();
         for (line, remedy) in [
             ("until = 10 s", "`until = \"10 s\"`"),
             ("every=20 ms # often", "`every = \"20 ms\"`"),
@@ -319,7 +347,8 @@ mod tests {
             ),
         ] {
             let wanted = format!("unknown field `{word}`: {ours}");
-            let told = Settings::read(&format!("[run]\n{line}\n")).unwrap_err();
+            let told = Settings::read(&format!("[run]\n{line}\n"));
+            let told = told.unwrap_err().to_string();
             assert!(told.contains("line 2") && told.contains(&wanted), "{told}");
             assert!(!told.contains("expected one of"), "{told}");
             let told = Settings::of_table(&line.parse().unwrap()).unwrap_err();

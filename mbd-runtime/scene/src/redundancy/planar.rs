@@ -140,12 +140,23 @@ impl Layout {
     }
 
     /// The coordinates of the joints of a planar scene that nothing in the plane changes: joint and coordinate, by index.
-    pub(crate) fn unchanged(scene: &Scene) -> Vec<(usize, usize)> {
+    #[must_use]
+    pub fn unchanged(scene: &Scene) -> Vec<(usize, usize)> {
         unchanged(scene, |_, joint| {
             (0..joint.law.coordinates())
                 .filter(|&index| joint.law.coordinate(index).is_some())
                 .collect()
         })
+    }
+
+    /// The axes of frame 1 of a joint in the axes of the part that it sits on, parameters at their defaults. In a plane both have the same normal.
+    #[must_use]
+    pub fn axes_of_joint(scene: &Scene, joint: usize) -> [[f64; 3]; 3] {
+        let layout = Layout::keeping(scene, Redundancy::default());
+        let configuration = Configuration::new(scene, &layout);
+        let place = scene.joints.get(joint).map(|joint| joint.parent);
+        let axes = place.map_or_else(Matrix3::identity, |place| configuration.frame(place).1);
+        axes.data.0
     }
 
     /// The joints of a planar scene that have one coordinate, and nothing in the plane changes it: their axis is the wrong one.

@@ -31,6 +31,7 @@
 use std::fmt;
 use std::time::Instant;
 
+use mbd_scene::similar::near_and_all;
 use mbd_scene::{Model, plain};
 
 use crate::compiled::Scalar;
@@ -223,8 +224,8 @@ impl fmt::Display for TradeError {
             ),
             TradeError::Column(column, known) => write!(
                 f,
-                "the history has no column `{column}`; there are: {}",
-                known.join(", ")
+                "the history has no column `{column}`{}",
+                near_and_all(column, known.iter().map(String::as_str))
             ),
             TradeError::NoReference(error) => {
                 write!(f, "no two references ran to the end: {error}")

@@ -3,6 +3,8 @@
 use mbd_compiler::{Location, Message, MessagePlace};
 use serde_json::{Value, json};
 
+use crate::run::SettingsError;
+
 /// Whether a text is coloured: for people in front of a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Paint {
@@ -44,29 +46,44 @@ pub struct Mistakes {
     /// What is wrong with the scene.
     pub errors: Vec<Message>,
     /// What is wrong with the settings of its run.
-    pub settings: Option<String>,
+    pub settings: Option<SettingsError>,
 }
 
 impl Mistakes {
     /// Every mistake as `file:line:column: text`, with the line and a caret; their number at the end.
     pub fn text(&self, paint: Paint) -> String {
-        let errors = self.errors.iter().map(|message| {
+        let shown = |message: &Message| {
             let places = message
                 .places
                 .iter()
                 .map(|place| self.place(message, place, paint));
             places.collect::<Vec<_>>().join("\n")
-        });
-        let settings = self.settings.iter().map(|text| {
+        };
+        let settings = self.setting().map(|message| shown(&message));
+        let settings = settings.or_else(|| {
             let file = paint.with(BOLD, &format!("{}:", self.file));
-            format!("{file} {}", text.trim_end())
+            let error = self.settings.as_ref()?;
+            Some(format!("{file} {}", error.text.trim_end()))
         });
-        let all: Vec<String> = errors.chain(settings).collect();
+        let all: Vec<String> = self.errors.iter().map(shown).chain(settings).collect();
         let count = match all.len() {
             1 => "1 error".to_owned(),
             count => format!("{count} errors"),
         };
         format!("{}\n{}", all.join("\n"), paint.with(RED, &count))
+    }
+
+    /// What is wrong with a setting that stands in the file, at the key or the table on its line.
+    fn setting(&self) -> Option<Message> {
+        let error = self.settings.as_ref()?;
+        let line = error.line?;
+        let shown = self.source.lines().nth(line.checked_sub(1)?)?;
+        let blanks = shown
+            .chars()
+            .take_while(|c| !(c.is_alphanumeric() || *c == '_'));
+        let column = blanks.count() + 1;
+        let text = error.text.trim_end().to_owned();
+        Some(Message::new(text, Location::Text { line, column }))
     }
 
     fn place(&self, message: &Message, place: &MessagePlace, paint: Paint) -> String {
@@ -94,12 +111,14 @@ impl Mistakes {
 
     /// The mistakes for a program: file, line, column, text.
     pub fn json(&self) -> Vec<Value> {
-        let settings = self.settings.iter();
-        let settings = settings.map(|text| json!({ "file": self.file, "text": text.trim_end() }));
-        listed(&self.errors, &self.file)
-            .into_iter()
-            .chain(settings)
-            .collect()
+        let settings = match self.setting() {
+            Some(message) => listed(&[message], &self.file),
+            None => (self.settings.iter())
+                .map(|error| json!({ "file": self.file, "text": error.text.trim_end() }))
+                .collect(),
+        };
+        let errors = listed(&self.errors, &self.file).into_iter();
+        errors.chain(settings).collect()
     }
 }
 

@@ -16,7 +16,9 @@ use models::scenes::{self, Make};
 use super::failure::CommandFailure;
 use super::list::{self, ReadyEntry};
 use super::mistakes::Mistakes;
-use crate::run::{PlanError, RunPlan, Settings, line_of, misnamed_table, split, windows};
+use crate::run::{
+    PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table, split, windows,
+};
 
 /// A scene that was read without errors.
 #[derive(Debug)]
@@ -146,10 +148,13 @@ impl SceneFile {
         let own = RunPlan::new(&self.scene, &self.settings).err();
         let line = own.filter(|own| own == error);
         let line = line.and_then(|error| self.line_of(&error));
-        CommandFailure::Invalid(match line {
-            Some(line) => format!("{}:{line}: {error}", self.name),
-            None => format!("{}: {error}", self.name),
-        })
+        match line {
+            Some(_) => self.mistake(SettingsError {
+                line,
+                text: error.to_string(),
+            }),
+            None => CommandFailure::Invalid(format!("{}: {error}", self.name)),
+        }
     }
 
     /// Tells what stands in the settings that it is run with and cannot be used; what is left out may be given with the command that runs it. A scene that
@@ -162,24 +167,36 @@ impl SceneFile {
         settings.until.get_or_insert(1.0.into());
         let told = match RunPlan::new(&self.scene, &settings) {
             Ok(plan) => match check_params(&self.scene, &plan.params) {
-                Ok(()) => self.open_start(&plan).filter(|_| begins),
-                Err(error) => Some(error.to_string()),
+                Ok(()) => {
+                    let told = self.open_start(&plan).filter(|_| begins);
+                    told.map(|text| SettingsError { line: None, text })
+                }
+                Err(error) => Some(SettingsError {
+                    line: None,
+                    text: error.to_string(),
+                }),
             },
-            Err(error) => match self.line_of(&error) {
-                Some(line) => Some(format!("line {line}: {error}")),
+            Err(error) => {
+                let line = self.line_of(&error);
                 // What the declaration says of its start stands in no setting.
-                None => (error.setting == "start").then(|| error.to_string()),
-            },
+                let told = line.is_some() || error.setting == "start";
+                told.then(|| SettingsError {
+                    line,
+                    text: error.to_string(),
+                })
+            }
         };
-        match told {
-            None => Ok(()),
-            Some(told) => Err(CommandFailure::Mistakes(Mistakes {
-                file: self.name.clone(),
-                source: self.source.clone(),
-                errors: Vec::new(),
-                settings: Some(told),
-            })),
-        }
+        told.map_or(Ok(()), |told| Err(self.mistake(told)))
+    }
+
+    /// A mistake in the settings of its run.
+    fn mistake(&self, settings: SettingsError) -> CommandFailure {
+        CommandFailure::Mistakes(Mistakes {
+            file: self.name.clone(),
+            source: self.source.clone(),
+            errors: Vec::new(),
+            settings: Some(settings),
+        })
     }
 
     /// What a run says of joints that cannot hold where it begins, and of springs without a direction there; `None` where there are none, or where
@@ -276,15 +293,18 @@ impl SceneFile {
         let document = (form == SceneFormat::Toml).then(|| scene.clone());
         let written = (form == SceneFormat::Text).then(|| scene.clone());
         let settings = match misnamed {
-            Some((line, told)) => Err(format!("line {line}: {told}")),
+            Some((line, text)) => Err(SettingsError {
+                line: Some(line),
+                text,
+            }),
             None => Settings::read(&run),
         };
         let settings = settings.and_then(|settings| {
             let scene = reading.scene.as_ref();
             let checked = scene.map_or(Ok(()), |scene| check_units(scene, &settings));
-            checked.map(|()| settings).map_err(|error| {
-                let line = line_of(&run, &error.setting);
-                line.map_or_else(|| error.to_string(), |line| format!("line {line}: {error}"))
+            checked.map(|()| settings).map_err(|error| SettingsError {
+                line: line_of(&run, &error.setting),
+                text: error.to_string(),
             })
         });
         let mut errors = reading.errors.clone();

@@ -11,7 +11,9 @@ mod start;
 mod summary;
 
 pub use estimate::{Estimate, doubt};
-pub use mbd_campaign::run::{Phase, PlanError, RunPlan, Settings, line_of, misnamed_table, split};
+pub use mbd_campaign::run::{
+    Phase, PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table, split,
+};
 pub use metrics::{metrics, windows};
 pub use outcome::{RunOutcome, fly, fly_measuring, fly_model};
 pub use phases::{Segment, fly_phases};

@@ -175,7 +175,7 @@ pub fn no_body(wrong: WrongInertia) -> String {
 pub fn rotation_form(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
-        "expected a rotation: `about(axis, angle)`, `rpy(roll, pitch, yaw)` about fixed axes, `euler_zyx(yaw, pitch, roll)` about moving axes, or `matrix(row, row, row)`",
+        "expected a rotation: `about(axis, angle)`, such as `about(y, 90 deg)`, `rpy(roll, pitch, yaw)` about fixed axes, `euler_zyx(yaw, pitch, roll)` about moving axes, or `matrix(row, row, row)`",
     )
 }
 

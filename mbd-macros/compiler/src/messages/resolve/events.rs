@@ -1,6 +1,8 @@
 //! Messages about events and what they do.
 
-use super::items::{known_or_near, short};
+use mbd_scene::Unit;
+
+use super::items::known_or_near;
 use crate::lexeme::Region;
 use crate::messages::{LexemeMessage, article};
 
@@ -145,18 +147,45 @@ pub fn node_speed_set(at: Region, path: &str) -> LexemeMessage {
     )
 }
 
+pub fn attached_never_detached(at: Region, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "nothing in this scene detaches `{name}`, so that to attach it changes nothing: give it `at_start: detached`, or let an event before `detach` it"
+        ),
+    )
+    .about(name, None)
+}
+
+pub fn detached_for_good(at: Region, kind: &str, name: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "{kind} `{name}` begins detached and no event attaches it, so that it never acts: write `attach: {name}` in an event, or leave `at_start` out"
+        ),
+    )
+    .about(name, None)
+}
+
 pub fn set_to_no_number(at: Region, name: &str) -> LexemeMessage {
     LexemeMessage::new(at, format!("`{name}` is set to what is no finite number"))
 }
 
-pub fn set_outside(at: Region, name: &str, found: f64, [low, high]: [f64; 2]) -> LexemeMessage {
+/// `unit`: in which the param is declared.
+pub fn set_outside(
+    at: Region,
+    name: &str,
+    found: f64,
+    [low, high]: [f64; 2],
+    unit: &Unit,
+) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "`{name}` is set to {}, outside its range {} ..= {} (SI units)",
-            short(found),
-            short(low),
-            short(high)
+            "`{name}` is set to {}, outside its range {} ..= {}",
+            unit.told(found),
+            unit.told(low),
+            unit.told(high)
         ),
     )
 }

@@ -5,7 +5,7 @@ use mbd_scene::Dimension;
 use crate::lexeme::Region;
 use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
-use crate::messages::syntax::ended;
+use crate::messages::syntax::{ended, unknown_unit};
 use crate::syntax::{foreign, words};
 use crate::units::{self, described, si_text};
 
@@ -115,7 +115,7 @@ pub fn state_without_rate(at: Region, name: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "state `{name}` has no rate: write how fast it changes, such as `{{ rate: (u - {name}) / (20 ms) }}`; a number that stays is a `const` or a `param`"
+            "state `{name}` has no rate: write how fast it changes, such as `{{ rate: (u - {name}) / (20 ms) }}`; a number that stays is a `const` or a `param`, and one that events alone `set` has `{{ rate: 0 }}`"
         ),
     )
 }
@@ -192,6 +192,9 @@ pub fn unknown_input_type(at: Region, word: &str) -> LexemeMessage {
             at,
             "an input is one number or three; values over time are a table, `table wind = { 0 s: 0 m/s, 10 s: 8 m/s };`, used as `wind(time)`",
         );
+    }
+    if units::is_answered(word) {
+        return unknown_unit(at, word);
     }
     LexemeMessage::new(
         at,

@@ -44,6 +44,15 @@ pub fn no_coordinate_to(at: Region, joint: &str, word: &str, known: &[&str]) -> 
     )
 }
 
+pub fn rate_of_locked(at: Region, joint: &str, coordinate: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "`{joint}.{coordinate}` is locked at the start, and what is locked has no rate: leave `start_rate` out, or `at_start: locked`"
+        ),
+    )
+}
+
 pub fn driven_coordinate_locked(at: Region, joint: &str, coordinate: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -5,6 +5,7 @@ use mbd_scene::Dimension;
 use crate::lexeme::Region;
 use crate::messages::LexemeMessage;
 use crate::messages::similar::did_you_mean;
+use crate::messages::syntax::ended;
 use crate::units::{described, si_text};
 
 pub fn scene_without_file(at: Region) -> LexemeMessage {
@@ -25,6 +26,17 @@ pub fn map_entry_wanted(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,
         "write a name of the scene that goes on, `=`, and what of this one it begins with: `probe = capsule.tip` for a body or a point, `charge = 0.9 * soc` for a state or a param",
+    )
+}
+
+/// `known`: the bodies, points and values of this scene.
+pub fn no_source(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "no body, point or value named `{word}`{} a body or a point of the other scene begins at one of this, `probe = capsule.tip`, a state or a param with a value, `charge = 0.9 * soc`",
+            ended(did_you_mean(word, known.iter().copied()))
+        ),
     )
 }
 
@@ -62,9 +74,12 @@ pub mod fit {
     }
 
     pub fn dimension(scene: &str, name: &str, wanted: Dimension, found: Dimension) -> String {
+        let wanted = match si_text(wanted).as_str() {
+            "" => described(wanted),
+            unit => format!("measured in {unit}"),
+        };
         format!(
-            "`{name}` is measured in {} in `{scene}`, this is {}",
-            si_text(wanted),
+            "`{name}` is {wanted} in `{scene}`, this is {}",
             described(found)
         )
     }

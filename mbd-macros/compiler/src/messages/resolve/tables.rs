@@ -154,13 +154,17 @@ pub fn argument_dimension(
     table: &str,
     wanted: Dimension,
     found: Dimension,
+    is_angle: bool,
 ) -> LexemeMessage {
+    let found = match is_angle {
+        true => "an angle".to_owned(),
+        false => described(found),
+    };
     LexemeMessage::new(
         at,
         format!(
-            "table `{table}` is over {}, this is {}",
-            described(wanted),
-            described(found)
+            "table `{table}` is over {}, this is {found}",
+            described(wanted)
         ),
     )
 }

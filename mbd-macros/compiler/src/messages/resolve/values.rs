@@ -3,11 +3,12 @@
 use mbd_scene::Dimension;
 
 use crate::lexeme::Region;
-use crate::messages::similar::did_you_mean;
+use crate::messages::similar::{did_you_mean, slips};
 use crate::messages::syntax::ended;
 use crate::messages::{LexemeMessage, article};
 use crate::syntax::foreign;
 use crate::syntax::quantities::{BODY_QUANTITIES, LINE_QUANTITIES};
+use crate::syntax::words::FUNCTIONS;
 use crate::units::{self, described, si_text};
 
 pub fn not_finite(at: Region) -> LexemeMessage {
@@ -64,6 +65,18 @@ pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> Lexeme
             "the components of a vector must be alike: the first is {}, this is {}",
             described(first),
             described(this)
+        ),
+    )
+}
+
+/// `text`: the bare number among the components of a vector that are in another unit.
+pub fn bare_component(at: Region, text: &str, others: Dimension) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "the components of a vector must be alike: beside {} write `{text} {}`",
+            described(others),
+            si_text(others)
         ),
     )
 }
@@ -178,7 +191,8 @@ pub fn angle_wanted(at: Region, found: Dimension) -> LexemeMessage {
     )
 }
 
-pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> LexemeMessage {
+/// `tables`: those of the model, which are called as functions are.
+pub fn unknown_function(at: Region, word: &str, tables: &[&str]) -> LexemeMessage {
     let why = if let Some(ours) = foreign::translated(foreign::FOREIGN_FUNCTIONS, word) {
         match ours {
             "^" => "; write `a^n`".to_owned(),
@@ -190,7 +204,11 @@ pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> LexemeMessage
     } else if is_quantity(word) {
         format!("; a quantity stands behind what has it: `bob.{word}` instead of `{word}(bob)`")
     } else {
-        let near = did_you_mean(word, known.iter().copied());
+        // Of another function of a few letters every letter may be meant.
+        let functions = FUNCTIONS.iter().copied();
+        let slips = slips(word, functions.clone()).into_iter();
+        let near = did_you_mean(word, slips.chain(tables.iter().copied()));
+        let known: Vec<&str> = functions.chain(tables.iter().copied()).collect();
         format!("{} functions here: {}", ended(near), known.join(", "))
     };
     LexemeMessage::new(at, format!("unknown function `{word}`{why}"))

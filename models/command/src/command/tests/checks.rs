@@ -88,8 +88,10 @@ fn every_mistake_of_a_file_is_told_with_its_place() {
         );
         assert!(!told.contains('\x1b'), "{told}");
         assert!(
-            told.contains(&format!("line {}", place("untl")))
-                && told.contains("unknown field `untl`"),
+            told.contains(&format!(
+                "{path}:{}:1: unknown field `untl`; did you mean `until`? There are: until, method",
+                place("untl")
+            )) && told.contains("| untl = "),
             "{told}"
         );
         assert!(told.ends_with("3 errors"), "{told}");
@@ -184,13 +186,16 @@ fn a_setting_that_cannot_be_used_is_told_by_check_and_run_with_its_line() {
         let checked = run(&["check", &file]).unwrap_err();
         assert_eq!(checked.code(), 2);
         let checked = checked.to_string();
-        let place = format!("line {wanted}: {what}");
+        let place = format!("m.mbd:{wanted}:1: {what}");
         assert!(checked.contains(&place), "{place}: {checked}");
         let told = run(&["check", &file, "--json"]).unwrap_err().to_string();
-        assert!(told.contains(&place), "{told}");
+        let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let error = &told["errors"][0];
+        assert_eq!(error["line"], wanted);
+        assert!(error["text"].as_str().unwrap().contains(what), "{told}");
     }
     let flown = run(&["run", &file("until = \"1 sek\"")]).unwrap_err();
-    assert!(flown.to_string().contains("m.mbd:7: `until`"), "{flown}");
+    assert!(flown.to_string().contains("m.mbd:7:1: `until`"), "{flown}");
     // What was typed stands on no line, and what is missing may be typed.
     let typed = run(&["run", &file("until = 1"), "--until", "1 sek"]).unwrap_err();
     assert!(!typed.to_string().contains("m.mbd:7"), "{typed}");

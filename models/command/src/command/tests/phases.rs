@@ -322,7 +322,7 @@ fn what_cannot_go_on_is_refused_at_its_place() {
     folder.file("fall.mbd", FALL);
     folder.file(
         "other.mbd",
-        "model Other { planar: xz; gravity: none; body tug { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 } joint loose: free from world to tug.com; state soc = 0 s { rate: 1 } param k = 1 N/m; }",
+        "model Other { planar: xz; gravity: none; body tug { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 } joint loose: free from world to tug.com; state soc = 0 s { rate: 1 } state charge = 0 { rate: 1/s } param k = 1 N/m; }",
     );
     let scene = |action: &str| {
         format!(
@@ -354,6 +354,11 @@ fn what_cannot_go_on_is_refused_at_its_place() {
             "then: scene \"other.mbd\", map: [k = capsule.position.z]",
             ":6:36:",
             &["`k` is measured in N/m"],
+        ),
+        (
+            "then: scene \"other.mbd\", map: [charge = capsule.position.z]",
+            ":6:41:",
+            &["`charge` is a pure number in `Other`, this is a length (m)"],
         ),
         (
             "then: scene \"other.mbd\"",

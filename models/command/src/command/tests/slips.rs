@@ -267,7 +267,7 @@ fn a_misspelt_table_of_the_run_is_told_with_its_line() {
     let told = run(&["check", &file]).unwrap_err().to_string();
     assert!(
         told.contains(
-            "line 15: there is no table `[rnu]` behind a declaration; did you mean `[run]`?"
+            "pendulum.mbd:15:2: there is no table `[rnu]` behind a declaration; did you mean `[run]`?"
         ) && told.ends_with("1 error"),
         "{told}"
     );
@@ -376,15 +376,21 @@ fn a_number_without_a_unit_in_the_settings_is_told_with_its_line_where_it_is_sel
     for (table, said) in [
         (
             "[run.start]\npin.angle = 30\n",
-            "line 6: `start.pin.angle`: 30 has no unit",
+            "m.mbd:6:1: `start.pin.angle`: 30 has no unit",
         ),
-        ("[run.params]\nk = 3\n", "line 6: `params.k`: 3 has no unit"),
+        (
+            "[run.params]\nk = 3\n",
+            "m.mbd:6:1: `params.k`: 3 has no unit",
+        ),
     ] {
         let file = folder.file("m.mbd", &format!("{model}{table}"));
         for command in ["check", "run"] {
             let error = run(&[command, &file]).unwrap_err();
             assert_eq!(error.code(), 2);
             assert!(error.to_string().contains(said), "{error}");
+            let line = table.lines().nth(1).unwrap();
+            let shown = format!(" 6 | {line}\n   | ^");
+            assert!(error.to_string().contains(&shown), "{error}");
         }
     }
 }

@@ -121,7 +121,13 @@ fn a_column_that_is_not_there_is_told_before_the_unit_of_an_error_in_it() {
         .unwrap_err()
         .to_string();
     assert!(
-        told.contains("the history has no column `nosuch`"),
+        told.contains("the history has no column `nosuch`; there are: "),
+        "{told}"
+    );
+    let told = run(&["trade", "swing", "--output", "hieght"]).unwrap_err();
+    assert!(
+        told.to_string()
+            .contains("no column `hieght`; did you mean `height`? There are: "),
         "{told}"
     );
 }
