@@ -453,7 +453,7 @@ step_errors! {
     }
     "action",
     format!("at {time:.9} s the event `{event}` cannot act: {why}"),
-    "set a value that can be run, or let the event happen elsewhere";
+    "change what it sets or attaches, or let the event happen elsewhere";
 
     /// The fixed step is too long for what it has to follow. The run stands where nothing had grown yet, and may go on from there, as from a
     /// snapshot, with a shorter step.

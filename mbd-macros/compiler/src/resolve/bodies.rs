@@ -163,7 +163,7 @@ impl Resolver<'_> {
             Some(at) => self
                 .triple("at", at, units::LENGTH, scope)
                 .and_then(|parts| {
-                    self.two_derivatives(&parts, at.at)?;
+                    self.two_derivatives(&parts, at.at, true)?;
                     Some(parts)
                 }),
         };
@@ -380,8 +380,13 @@ impl Resolver<'_> {
         }
     }
 
-    /// Formulas of time that must have a velocity and an acceleration.
-    pub fn two_derivatives(&mut self, formulas: &[Formula], at: Region) -> Option<()> {
+    /// Formulas of time that must have a velocity and an acceleration, of a frame or of a motor.
+    pub fn two_derivatives(
+        &mut self,
+        formulas: &[Formula],
+        at: Region,
+        of_frame: bool,
+    ) -> Option<()> {
         let timed = |part: &Formula| *part == Formula::Time;
         let mut table = None;
         for formula in formulas {
@@ -396,7 +401,7 @@ impl Resolver<'_> {
         }
         match table.and_then(|index| self.scene.tables.get(index)) {
             Some(table) => {
-                let report = say::table_of_time(at, &table.name, table.smooth);
+                let report = say::table_of_time(at, &table.name, table.smooth, of_frame);
                 self.fail(report)
             }
             None => Some(()),
@@ -420,7 +425,7 @@ impl Resolver<'_> {
                 return self.fail(say::no_rotation(at));
             }
         }
-        self.two_derivatives(rows.as_flattened(), at)?;
+        self.two_derivatives(rows.as_flattened(), at, true)?;
         let number = |i: usize, j: usize| Formula::Number(if i == j { 1.0 } else { 0.0 });
         let identity: RotationRows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(i, j)));
         Some((rows != identity).then_some(rows))

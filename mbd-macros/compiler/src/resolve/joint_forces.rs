@@ -384,7 +384,7 @@ impl Resolver<'_> {
                 .map(|field| field.measured.unit(owner.coordinate));
             return self.fail(say::motor_without_rates(at, &owner.name, &text, units));
         }
-        self.two_derivatives(std::slice::from_ref(&formula), at)?;
+        self.two_derivatives(std::slice::from_ref(&formula), at, false)?;
         Some((formula, None))
     }
 

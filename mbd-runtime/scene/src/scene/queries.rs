@@ -216,6 +216,22 @@ impl Scene {
         self.joints.iter().position(|joint| holds(&joint.law))
     }
 
+    /// The SI unit of a speed that an event sets.
+    #[must_use]
+    pub fn speed_unit(&self, what: Settable) -> &'static str {
+        match what {
+            Settable::CoordinateRate(joint, number) => {
+                let found = self.coordinate(joint, number);
+                match found.is_some_and(|(_, coordinate)| coordinate.is_angle()) {
+                    true => "rad/s",
+                    false => "m/s",
+                }
+            }
+            Settable::AngularVelocityWorld(..) | Settable::AngularVelocityBody(..) => "rad/s",
+            _ => "m/s",
+        }
+    }
+
     /// The name of what an event sets.
     #[must_use]
     pub fn settable_name(&self, what: Settable) -> String {

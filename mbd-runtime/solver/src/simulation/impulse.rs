@@ -61,8 +61,9 @@ impl<T: Float> Simulation<T> {
                     .for_each(|(speed, x)| *speed += x);
             } else if change.abs() > SAME * largest.max(value.abs()) {
                 let name = model.scene().settable_name(*what);
+                let unit = model.scene().speed_unit(*what);
                 let why = format!(
-                    "it sets `{name}` to {} (SI), and joints, locks, motors or what is set beside it hold it at {}",
+                    "it sets `{name}` to {} {unit}, and joints, locks, motors or what is set beside it hold it at {} {unit}",
                     plain(*value, 6),
                     plain(value - change, 6)
                 );

@@ -277,7 +277,7 @@ fn a_speed_that_something_holds_is_refused_by_name_and_the_run_stays() {
         let text = error.to_string();
         assert!(matches!(error.cause, StepError::Action { .. }), "{text}");
         assert!(
-            text.contains("`held`") && text.contains("`pin.angle_rate` to 1 (SI)"),
+            text.contains("`held`") && text.contains("`pin.angle_rate` to 1 rad/s"),
             "{text}"
         );
         assert!((run.time() - 0.5).abs() < 1e-12);

@@ -124,7 +124,7 @@ pub fn force_table_kind(at: Region, line: &str, table: &str, smooth: bool) -> Le
     )
 }
 
-pub fn table_of_time(at: Region, table: &str, smooth: bool) -> LexemeMessage {
+pub fn table_of_time(at: Region, table: &str, smooth: bool, of_frame: bool) -> LexemeMessage {
     let jumps = match smooth {
         true => "the second rate of the smooth table `",
         false => "the table `",
@@ -133,10 +133,16 @@ pub fn table_of_time(at: Region, table: &str, smooth: bool) -> LexemeMessage {
         true => "jumps",
         false => "has corners",
     };
+    let corners = match of_frame {
+        true => {
+            "; a frame at which lines end alone may have corners, `max(0 m, 0.5 m/s * (time - 1 s))`"
+        }
+        false => "",
+    };
     LexemeMessage::new(
         at,
         format!(
-            "a prescribed motion has a velocity and an acceleration, and {jumps}{table}` {has}: write it with functions such as sin, exp or powers of `time`"
+            "a prescribed motion has a velocity and an acceleration, and {jumps}{table}` {has}: write it with functions such as sin, exp or powers of `time`{corners}"
         ),
     )
 }
