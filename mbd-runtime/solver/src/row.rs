@@ -9,6 +9,9 @@ use crate::linearise::output_names;
 use crate::simulation::beside::Attempt;
 use crate::system::{LINES, OUTPUTS, System, WORKS};
 
+/// Columns of a body in space.
+const NUMBERS_OF_A_BODY: usize = 13;
+
 /// Where a row is made.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum RowPlace {
@@ -24,8 +27,8 @@ pub(crate) struct RowMaker {
     pub content: Content,
     /// The last row, its time first.
     pub row: Vec<f64>,
-    /// The one before it.
-    last: Vec<f64>,
+    /// Where in it the quaternions begin of bodies that joint coordinates place: both signs are one attitude.
+    attitudes: Vec<usize>,
     /// Which of its numbers are measured; `None` of a column that it has not.
     pub picked: Vec<Option<usize>>,
 }
@@ -43,8 +46,20 @@ impl RowMaker {
         RowMaker {
             content,
             row: Vec::with_capacity(columns),
-            last: Vec::with_capacity(columns),
+            attitudes: Vec::with_capacity(columns / NUMBERS_OF_A_BODY),
             picked: Vec::new(),
+        }
+    }
+
+    /// Gives every quaternion of the row the sign with which it goes on from the last row of a history.
+    pub(crate) fn go_on_from(&mut self, columns: &[Vec<f64>]) {
+        for &at in &self.attitudes {
+            let last = columns.iter().skip(at).filter_map(|column| column.last());
+            let own = self.row.get_mut(at..at + 4).unwrap_or_default();
+            let along: f64 = last.zip(&*own).map(|(a, b)| a * b).sum();
+            if along < 0.0 {
+                own.iter_mut().for_each(|x| *x = -*x);
+            }
         }
     }
 
@@ -119,8 +134,8 @@ impl RowMaker {
         let determined = anew
             .as_ref()
             .map(|[_, determined, rates]| [determined.as_slice(), rates.as_slice()]);
-        std::mem::swap(&mut self.last, row);
         row.clear();
+        self.attitudes.clear();
         row.push(time);
         if content.state {
             let model = system.model.clone();
@@ -136,7 +151,7 @@ impl RowMaker {
                     let attitude = row.len() + layout.directions.translations().len();
                     row.extend(numbers.iter().map(|x| x.to_f64()));
                     if layout.directions.plane.is_none() {
-                        go_on_from(&self.last, row, attitude);
+                        self.attitudes.push(attitude);
                     }
                 }
             }
@@ -186,17 +201,6 @@ impl RowMaker {
             }
         }
         Ok(undetermined)
-    }
-}
-
-/// Gives a quaternion of a row, at a place, the sign with which it goes on from the last row: q and −q are one attitude.
-fn go_on_from(last: &[f64], row: &mut [f64], at: usize) {
-    let (Some(last), Some(own)) = (last.get(at..at + 4), row.get_mut(at..at + 4)) else {
-        return;
-    };
-    let along: f64 = last.iter().zip(&*own).map(|(a, b)| a * b).sum();
-    if along < 0.0 {
-        own.iter_mut().for_each(|x| *x = -*x);
     }
 }
 

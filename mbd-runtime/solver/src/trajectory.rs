@@ -453,6 +453,7 @@ impl Trajectory {
         self.fits(1.0)?;
         let undetermined = self.maker.make(system, (time, place), state, scratch)?;
         self.undetermined += u64::from(undetermined);
+        self.maker.go_on_from(&self.columns);
         for (column, value) in self.columns.iter_mut().zip(&self.maker.row) {
             column.push(*value);
         }

@@ -368,3 +368,40 @@ fn a_run_of_one_step_or_two_is_none_of_steps_far_too_long() {
         }
     }
 }
+
+/// What stages show of a rate saturates where it is far above the step: a damper of a million times the step is told from the linear system.
+#[test]
+fn the_step_that_is_suggested_is_one_that_holds() {
+    let scenes = [
+        ("a damped spring", "point p { mass: 1 kg, start at [1.1, 0, 0] m velocity [0.1, 0.2, 0] m/s } spring s from world to p { free_length: 1 m, stiffness: 1 kN/m, damping: DAMPING }"),
+        ("a damped hinge", "body b { mass: 1 kg, inertia: diag(0.5, 0.5, 0.5) kg*m^2, frame f at [0, 0, 1] m } joint h: hinge from world to b.f { axis: y, start: 0.3 rad, stiffness: 100 N*m/rad, damping: DAMPING*m^2 }"),
+        ("a taut line on a rate node", "point p { mass: 1 kg, start at [0, 0, -2.01] m } point k { equilibrium: rate } world { frame a at [1, 0, 0] m, frame b at [-0.5, 0.8, 0] m, frame c at [-0.5, -0.8, 0] m }
+            line u from world.a to k { free_length: 1 m, stiffness: 1 kN/m, damping: 10 N*s/m } line v from world.b to k { free_length: 1 m, stiffness: 1 kN/m, damping: 10 N*s/m }
+            line w from world.c to k { free_length: 1 m, stiffness: 1 kN/m, damping: 10 N*s/m } line d from k to p { free_length: 1 m, stiffness: 1 kN/m, damping: 10 N*s/m }
+            spring s from world to p { free_length: 2 m, stiffness: 1 kN/m, damping: DAMPING }"),
+    ];
+    for (what, text) in scenes {
+        for family in ["absolute", "relative"] {
+            for damping in [1e4, 1e6, 1e8] {
+                let text = text.replace("DAMPING", &format!("{damping:e} N*s/m"));
+                let text = text.replace("N*s/m*m^2", "N*m*s");
+                let scene = read(&format!(
+                    "model Damped {{ coordinates: {family}; gravity: [0, 0, -9.81] m/s^2; {text} }}"
+                ));
+                let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+                let what = format!("{what}, {family}, {damping:e}");
+                let mut run =
+                    Simulation::new(&model, Options::rk4(1e-2)).expect("options that fit");
+                let error = run.run(1.0).expect_err("far too long");
+                let StepError::UnstableStep { suggestion, .. } = error.cause else {
+                    panic!("{what}: {error}")
+                };
+                let mut again =
+                    Simulation::new(&model, Options::rk4(suggestion)).expect("options that fit");
+                again
+                    .run(500.0 * suggestion)
+                    .unwrap_or_else(|error| panic!("{what}: {suggestion} {error}"));
+            }
+        }
+    }
+}

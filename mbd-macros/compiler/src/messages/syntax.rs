@@ -480,10 +480,16 @@ pub fn wrong_separator(at: Region) -> LexemeMessage {
 }
 
 pub fn no_fields(at: Region, item: &ItemWord) -> LexemeMessage {
+    let driven = match item.word {
+        "input" => {
+            "; what it follows is given to the run: held, as a function of time, or at samples, `control_every(0.01, …)`"
+        }
+        _ => "",
+    };
     LexemeMessage::new(
         at,
         format!(
-            "{} `{}` has no fields; the form is `{}`",
+            "{} `{}` has no fields; the form is `{}`{driven}",
             article(item.word),
             item.word,
             item.form

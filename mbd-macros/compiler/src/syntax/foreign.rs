@@ -94,6 +94,10 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ),
     ("actuator", EFFORT),
     ("controller", EFFORT),
+    ("every", SAMPLED),
+    ("sample", SAMPLED),
+    ("sampled", SAMPLED),
+    ("period", SAMPLED),
     (
         "mass",
         "a mass is a field of its body or point: `point bob { mass: 1 kg }`",
@@ -143,6 +147,7 @@ const NO_CONDITION: &str =
 const NO_FUNCTIONS: &str = "no functions can be declared; a quantity is named by `let`, and a function given by numbers is a `table`";
 const INTEGRAL: &str =
     "an integral is a `state` with its rate: `state missed = 0 rad*s { rate: pin.angle }`";
+const SAMPLED: &str = "a controller that acts at samples is given to the run in Rust, `simulation.control_every(0.01, …)`; how often a run writes rows is `every` in `[run]` of a scene file";
 const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ axis: y, force: -2 N*m * hip.angle }`";
 
 /// What is taken of a quantity over a run, in other words.

@@ -17,10 +17,11 @@ pub(super) fn derivative<S: Real>(
     let (directions, components) = (layout.directions, evaluation.scene.angular_velocity);
     for (index, slots) in layout.own_bodies() {
         S::section(&evaluation.scene.bodies[index].name);
-        let (motion, body, (force, torque)) = (
+        let (motion, body, (force, torque), own) = (
             &evaluation.motions[index],
             &numbers.bodies[index],
             &assembly.bodies[index],
+            &assembly.own[index],
         );
         evaluation.write_body_rate(index, slots, out);
         let at = layout.nq + slots.v;
@@ -32,7 +33,7 @@ pub(super) fn derivative<S: Real>(
         let acceleration =
             force.map(|f| f * body.inverse_mass) + gravity::body_gravity(evaluation, index);
         directions.write_linear(out, at, &acceleration);
-        let spin = motion.angular_acceleration(body, torque, components);
+        let spin = motion.angular_acceleration(body, [torque, own], components);
         directions.write_angular(out, at, &spin);
     }
     for (index, slots) in layout.points.iter().enumerate() {

@@ -204,15 +204,15 @@ impl<S: Real> BodyMotion<S> {
         labelled(couple, ["gyro_x", "gyro_y", "gyro_z"])
     }
 
-    /// Writes ω̇ for a torque about the centre of mass in world axes [N m] (components by declaration), from (3) or (4).
+    /// Writes ω̇ for a torque about the centre of mass in world axes, and one in `own` axes [N m] (components by declaration), from (3) or (4).
     pub fn angular_acceleration(
         &self,
         body: &BodyNumbers<S>,
-        torque: &Vector3<S>,
+        [torque, own]: [&Vector3<S>; 2],
         components: AngularVelocity,
     ) -> Vector3<S> {
         let torque = labelled(
-            self.rotation.transpose() * torque,
+            self.rotation.transpose() * torque + own,
             ["torque_x", "torque_y", "torque_z"],
         );
         let acceleration = labelled(

@@ -32,18 +32,18 @@ pub(super) fn tree(
         let from_body = matches!(scene.joints[joint].parent, Place::Body(..));
         from_body && scene.joints[joint].law.freedoms() == FREE
     };
-    // What forbids nothing in a plane, as a joint `planar` about its normal, places only by what is said of its coordinates.
-    let says = |joint: usize| {
-        let lacks_rows = layout.joints[joint].len == 0;
-        lacks_rows && given.iter().any(|start| start.joint == joint)
-    };
+    // What forbids nothing in a plane, as a joint `planar` about its normal, places as in a tree of relative coordinates: by its coordinates, which are
+    // zero where nothing is said of them.
+    let slides =
+        |joint: usize| layout.joints[joint].len == 0 && scene.joints[joint].law.freedoms() < FREE;
     let mut order: Vec<usize> = (0..layout.joints.len())
         .filter(|&joint| {
-            let holds = layout.starts_joined(joint) || says(joint);
+            let holds = layout.starts_joined(joint) || slides(joint);
             (holds && scene.joints[joint].law.couples().is_empty()) || flies(joint)
         })
         .collect();
-    order.sort_by_key(|&joint| (flies(joint), rank(joint), scene.joints[joint].cut));
+    let last = |joint: usize| flies(joint) || slides(joint) && rank(joint) == 2;
+    order.sort_by_key(|&joint| (last(joint), rank(joint), scene.joints[joint].cut));
     // What hangs together; the world and everything fixed are one.
     let mut together: Vec<Vec<Option<Part>>> = vec![vec![None]];
     together[0].extend(fixed.iter().copied().map(Some));

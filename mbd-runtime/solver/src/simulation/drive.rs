@@ -51,8 +51,8 @@ impl<T: Float> Simulation<T> {
         let steps = self.system.counters.steps;
         while self.system.counters.steps == steps {
             self.changes.stop = None;
-            if let Err(cause) = self.advance(f64::INFINITY, &mut None, &mut |_| true) {
-                self.go_back(&cause, &mut None)?;
+            if let Err(mut cause) = self.advance(f64::INFINITY, &mut None, &mut |_| true) {
+                self.go_back(&mut cause, &mut None)?;
                 return Err(self.failed(cause));
             }
         }
@@ -139,7 +139,7 @@ impl<T: Float> Simulation<T> {
         {
             outcome = Err(cause);
         }
-        if let Err(cause) = &outcome {
+        if let Err(cause) = &mut outcome {
             self.go_back(cause, trajectory)?;
             // What broke the run is told; where its last state cannot be measured, metrics of the end have no value.
             let _ = self.measure_instant(trajectory);

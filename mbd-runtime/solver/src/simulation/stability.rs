@@ -16,6 +16,8 @@ use crate::watch::{Instability, NEGLIGIBLE, Watch};
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
 pub(super) const OFTEN: u64 = 10;
 const SELDOM: u64 = 50;
+/// Step times largest rate that is suggested: what decays so fast is followed, and not only kept from growing.
+const STABLE: f64 = 0.5;
 
 /// How the energy of a run is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -465,11 +467,12 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// After a step that is too long: back to the last good state, and what was recorded since is dropped.
+    /// After a step that is too long: back to the last good state, and what was recorded since is dropped. A step that grows at the state where it
+    /// goes on from is not suggested: what stages show of a rate far above the step is less than it is.
     #[cold]
     pub(super) fn go_back(
         &mut self,
-        cause: &StepError,
+        cause: &mut StepError,
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), RunError> {
         if !self.watched || !matches!(cause, StepError::UnstableStep { .. }) {
@@ -483,6 +486,11 @@ impl<T: Float> Simulation<T> {
         self.changes.all.retain(|acted| acted.time <= time);
         if let Some(trajectory) = trajectory {
             trajectory.cut(time);
+        }
+        if let StepError::UnstableStep { suggestion, .. } = cause
+            && let Some(rate) = self.system.fastest_rate(time, &self.state)
+        {
+            *suggestion = suggestion.min(STABLE / rate);
         }
         back
     }

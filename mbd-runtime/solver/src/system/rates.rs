@@ -1,13 +1,16 @@
 //! A model as a system of ordinary differential equations: the rates of a stage, their derivatives, and the way back onto the joints.
 
-use mbd_scene::{Float, Quantity};
+use mbd_scene::{Float, Node, NodeModel, Quantity};
 
 use super::{System, stage};
 use crate::columns::state_names;
 use crate::error::{Source, StepError};
 use crate::integrate::Rates;
-use crate::linearise::LinearisationError;
+use crate::linearise::{Jacobian, LinearisationError, spectral_radius};
 use crate::list::all_finite;
+
+/// Of longer states no matrix is made for a message.
+const MOST_STATES: usize = 500;
 
 impl<T: Float> System<T> {
     /// A derivative of the rates that is not finite: the first of them, by name.
@@ -31,6 +34,27 @@ impl<T: Float> System<T> {
             time,
             source: Source::Jacobian { rate, by },
         }
+    }
+
+    /// The largest rate of the linear system at an accepted state [1/s]; `None` where it has none that counts.
+    #[cold]
+    pub(crate) fn fastest_rate(&mut self, time: f64, state: &[T]) -> Option<f64> {
+        let nodes = &self.model.layout().nodes;
+        let by_steps = |node: &Node| matches!(node.model, NodeModel::Stepwise { .. });
+        if self.nx > MOST_STATES || nodes.iter().any(by_steps) {
+            return None;
+        }
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state).ok()?;
+        let mut jacobian = Jacobian::new(&*self.model, false);
+        let mut by_state = vec![T::zero(); self.nx * self.nx];
+        let mut by_time = vec![T::zero(); self.nx];
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let out = (&mut by_state[..], &mut by_time[..]);
+        let found = jacobian.evaluate(&*self.model, &at, &mut self.work, out);
+        found.ok()?;
+        let rate = spectral_radius(&by_state, self.nx);
+        (rate > 0.0 && rate.is_finite()).then_some(rate)
     }
 
     #[cold]

@@ -3,3 +3,4 @@
 mod generated;
 mod joints;
 mod laws;
+mod without_rows;
