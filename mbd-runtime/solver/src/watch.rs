@@ -116,6 +116,11 @@ pub enum Instability {
 }
 
 impl Instability {
+    /// That of a step times the largest rate of a scene, if it is too long.
+    pub(crate) fn beyond(rho: f64) -> Option<Self> {
+        (rho > LIMIT).then_some(Instability::Stages(rho))
+    }
+
     /// A step that should do in place of this one: hρ = 2, with the rate taken no smaller than the limit implies; or energy kept to a tenth of what is
     /// allowed, with an error of the energy that grows like h⁴; or angles that sweep over what they may in adaptive steps.
     pub(crate) fn suggestion(self, step: f64) -> f64 {

@@ -429,20 +429,28 @@ impl<T: Float> Simulation<T> {
         balance.map_or(0.0, |balance| self.excess(balance))
     }
 
-    /// Why a step cannot be made: where a fixed-step run has begun to grow, its step is too long, though joints come apart or numbers overflow first.
+    /// Why a step cannot be made: where a fixed-step run has begun to grow, or a step is far beyond what the linear system where it starts allows, its
+    /// step is too long, though joints come apart or numbers overflow first.
     #[cold]
-    pub(super) fn blame(&self, step: f64, cause: StepError) -> StepError {
-        let growth = self.watch.sees_growth(self.excess_now());
-        match (cause, growth) {
-            (
-                StepError::JointsApart { .. }
+    pub(super) fn blame(&mut self, step: f64, cause: StepError) -> StepError {
+        let may_be_growth = matches!(
+            cause,
+            StepError::JointsApart { .. }
                 | StepError::NonFinite {
                     source: Source::State(_) | Source::Declared(_),
                     ..
-                },
-                Some(what),
-            ) if self.watched => self.unstable(step, what),
-            (cause, _) => cause,
+                }
+        );
+        if !self.watched || !may_be_growth {
+            return cause;
+        }
+        let growth = self.watch.sees_growth(self.excess_now()).or_else(|| {
+            let rate = self.system.fastest_rate(self.time, &self.state)?;
+            Instability::beyond(rate * step)
+        });
+        match growth {
+            Some(what) => self.unstable(step, what),
+            None => cause,
         }
     }
 
