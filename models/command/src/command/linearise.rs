@@ -23,6 +23,10 @@ use crate::run::{PlanError, RunPlan, warning_of};
 /// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
 const MOMENT: f64 = 1e-3;
 const NOTED: f64 = 1e-2;
+/// Accelerations that change by less while a coordinate goes on, of the terms that they are made of, belong to a steady motion; and the part of the
+/// largest term that is rounding.
+const STEADY: f64 = 1e-6;
+const ROUNDING: f64 = 1e-12;
 /// Rates of growth below this part of the largest eigenvalue are rounding: a root of multiplicity two has half the digits.
 const GROWS: f64 = 1e-6;
 
@@ -148,13 +152,16 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     if args.json {
         return json_of(&rest.space, Some((&rest, &there)));
     }
-    let place = match rates.is_empty() {
-        true => "rest",
-        false => "steady motion",
+    let passing = passing(&rest, &rates);
+    let place = match (rates.is_empty(), &passing) {
+        (true, _) => "rest",
+        (false, None) => "steady motion",
+        (false, Some(_)) => "instant",
     };
     Ok(format!(
-        "{moved}{}\n{}\n{}{}{}",
+        "{moved}{}{}\n{}\n{}{}{}",
         told_rest(&rest, place),
+        passing.unwrap_or_default(),
         told_there(&there),
         told(&rest.space, place),
         [undamped(&rest.space), growing(&rest.space, place)].concat(),
@@ -362,6 +369,7 @@ fn told_there(there: &Trajectory) -> String {
 fn told_rest(rest: &Trimmed, place: &str) -> String {
     let title = match place {
         "rest" => "Rest",
+        "instant" => "Balance at this instant",
         _ => "Steady motion",
     };
     let mut table = ReportTable::new(title)
@@ -395,6 +403,46 @@ fn undamped(space: &StateSpace) -> String {
                 .join(", ")
         ),
     }
+}
+
+/// A note where a motion at constant rates is in balance at this instant alone: as coordinates go on at their rates, accelerations change.
+fn passing(rest: &Trimmed, rates: &[(String, f64)]) -> Option<String> {
+    let space = &rest.space;
+    let first = space.states.len() - space.accelerations.len();
+    let names = || space.states.iter().take(first).enumerate();
+    let values: Vec<f64> = names()
+        .map(|(_, state)| rest.value(&state.name).map_or(0.0, f64::abs))
+        .collect();
+    let going: Vec<(usize, f64)> = names()
+        .filter_map(|(index, state)| {
+            let (_, rate) = rates.iter().find(|(name, _)| *name == state.name)?;
+            Some((index, *rate))
+        })
+        .collect();
+    let fastest = going
+        .iter()
+        .fold(0.0_f64, |most, (_, rate)| most.max(rate.abs()));
+    let (row, _) = (first..space.states.len())
+        .map(|row| {
+            let change: f64 = going
+                .iter()
+                .map(|(at, rate)| space.a[(row, *at)] * rate)
+                .sum();
+            (row, change / fastest)
+        })
+        .find(|&(row, change)| {
+            let terms = values.iter().enumerate();
+            let size: f64 = terms
+                .map(|(at, value)| (space.a[(row, at)] * value).abs())
+                .sum();
+            change.abs() > STEADY * size && change.abs() > ROUNDING * space.a.amax()
+        })?;
+    let goes: Vec<String> = rates.iter().map(|(name, _)| format!("`{name}`")).collect();
+    Some(format!(
+        "\nNote: this balance holds at this instant alone: as {} goes on, `{}` begins to change. It is no steady motion; where it leads is told by a run.\n",
+        goes.join(", "),
+        space.states[row].name
+    ))
 }
 
 /// A note where the motion leaves a rest by itself.

@@ -24,6 +24,7 @@ mod recipes;
 mod robots;
 mod slips;
 mod starts;
+mod steady;
 mod stops;
 mod trade;
 
