@@ -14,6 +14,8 @@ const SMALL_ANGLE: f64 = 1e-3;
 const NOTHING: f64 = 1e-9;
 /// A column that never is more than this part of the largest value of its unit may be what rounding and tolerances leave of zero.
 const SMALL_PART: f64 = 1e-6;
+/// An error of the steps below this part of what they made of the energy does not explain it.
+const UNEXPLAINED: f64 = 1e-3;
 /// An error beyond this part of the size of what it is an error of is told.
 const LARGE: f64 = 0.01;
 
@@ -224,7 +226,16 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
                 100.0 * it.relative
             )
         }),
-        by_energy.map(|part| format!("the run made or lost {:.1} % of the energy that moved: {change}", 100.0 * part)),
+        by_energy.map(|part| {
+            let lost = format!("the run made or lost {:.1} % of the energy that moved", 100.0 * part);
+            match outcome.estimate.as_ref() {
+                // Steps that get so much of the energy wrong get the motion wrong.
+                Some(estimate) if estimate.relative < UNEXPLAINED * part => format!(
+                    "{lost}, and a second, finer run comes to the same motion: no step or tolerance changes that, what the forces of the scene do and what its energy counts disagree; compare it in the other `coordinates`, and report it"
+                ),
+                _ => format!("{lost}: {change}"),
+            }
+        }),
         by_momentum.map(|part| format!("the run made or lost {:.1} % of the momentum that moved: {change}", 100.0 * part)),
         by_rounding.map(|part| {
             format!("rounding of positions makes {:.1} % of the forces: put the origin of the world near what moves", 100.0 * part)

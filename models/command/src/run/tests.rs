@@ -413,3 +413,31 @@ fn params_outside_their_range_are_refused_and_a_failed_run_keeps_its_history() {
 fn summary_status(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> String {
     summary_json(scene, plan, outcome).unwrap()
 }
+
+#[test]
+fn energy_that_no_step_explains_is_not_answered_with_a_shorter_one() {
+    let text = "model Swing { gravity: [0, 0, -9.81] m/s^2;
+        body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+        joint p: hinge from world to a.top { axis: y, start: 0.5 rad }
+        output bend = p.angle; }";
+    let scene = mbd_compiler::read_text(text).scene.expect("a pendulum");
+    let settings = Settings::read("[run]\nuntil = 1\ntolerance = 1e-9\n").expect("settings");
+    let plan = RunPlan::new(&scene, &settings).expect("a plan");
+    let mut outcome = fly(&scene, &plan, &mut ProgressLine::silent()).expect("a run");
+    assert_eq!(doubt(&scene, &plan, &outcome), None);
+    let lost = mbd_runtime::Imbalance {
+        energy: 0.5,
+        moved: 1.0,
+        rounding: 0.0,
+    };
+    outcome.imbalance = Some(lost);
+    let told = doubt(&scene, &plan, &outcome).expect("a doubt");
+    assert!(
+        told.contains("50.0 %") && told.contains("disagree") && !told.contains("tighter"),
+        "{told}"
+    );
+    // Without a second run nothing tells the steps from the forces.
+    outcome.estimate = None;
+    let told = doubt(&scene, &plan, &outcome).expect("a doubt");
+    assert!(told.contains("tighter tolerance"), "{told}");
+}
