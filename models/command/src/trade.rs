@@ -9,8 +9,8 @@ use mbd_report::files::{make_folder, write_text};
 use mbd_report::{Cell, Figure, Report, ReportTable, Run, Series, Views};
 use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene, plain};
 use mbd_runtime::{
-    Content, FailedSetting, Generic, ParamError, Question, Race, Sampling, TradeError, Trajectory,
-    Variant, trade,
+    Content, Entry, FailedSetting, Generic, ParamError, Question, Race, Sampling, TradeError,
+    Trajectory, Variant, trade,
 };
 
 use crate::run::{PlanError, RunPlan, Settings};
@@ -44,6 +44,12 @@ impl std::fmt::Display for RaceFailure {
 }
 
 impl std::error::Error for RaceFailure {}
+
+/// The names of variants in the other family of coordinates.
+const FAMILIES: [&str; 2] = ["relative coordinates", "absolute coordinates"];
+/// So many times what the scene as declared is off, and this part of the column, are no error of the steps of a family.
+const OTHER_MOTION: f64 = 1e3;
+const SAME_MOTION: f64 = 1e-5;
 
 /// Races a scene as declared, with every other model of its equilibrium points, in the other family of coordinates, and in single precision, all
 /// interpreted. The window is the whole
@@ -108,9 +114,10 @@ fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<SceneContender>,
             all.extend(of(name, other).ok());
         }
     }
+    let [relative, absolute] = FAMILIES;
     let (name, other) = match scene.coordinates {
-        Coordinates::Absolute => ("relative coordinates", Coordinates::Relative),
-        Coordinates::Relative => ("absolute coordinates", Coordinates::Absolute),
+        Coordinates::Absolute => (relative, Coordinates::Relative),
+        Coordinates::Relative => (absolute, Coordinates::Absolute),
     };
     if !scene.joints.is_empty() {
         all.extend(of(name, scene.in_coordinates(other)).ok());
@@ -162,6 +169,12 @@ pub fn table(race: &Race, unit: &str) -> ReportTable {
         "The references, {first} and {second} as declared, are {} apart (rms): errors below that mean nothing. Times are of interpreted equations.",
         plain(race.apart.rms, 2)
     ));
+    if let Some((name, best)) = other_motion(race) {
+        table = table.note(format!(
+            "The {name} come to another motion than the scene as declared: {} apart (rms) at their best. Both families describe one motion, so that one of them is wrong, or the start leaves the motion open: trust neither before that is found, and report it.",
+            plain(best, 2)
+        ));
+    }
     // What stopped a method is told once, of its finest setting that stopped.
     for (index, failed) in race.failed.iter().enumerate() {
         let of = |failed: &FailedSetting| (failed.name.clone(), failed.method.name());
@@ -172,6 +185,24 @@ pub fn table(race: &Race, unit: &str) -> ReportTable {
         }
     }
     table
+}
+
+/// The other family of coordinates, where its best setting is further off than anything explains that the settings of the scene as declared show.
+fn other_motion(race: &Race) -> Option<(&str, f64)> {
+    let best = |of: &dyn Fn(&Entry) -> bool| {
+        let own = race.entries.iter().filter(|entry| of(entry));
+        own.map(|entry| entry.error.rms)
+            .fold(f64::INFINITY, f64::min)
+    };
+    let is_family = |entry: &Entry| FAMILIES.contains(&entry.name.as_str());
+    let name = race.entries.iter().find(|entry| is_family(entry))?;
+    let (other, own) = (best(&is_family), best(&|entry| entry.variant == 0));
+    let size = race
+        .reference
+        .iter()
+        .fold(0.0_f64, |most, x| most.max(x.abs()));
+    let explained = (OTHER_MOTION * own.max(race.apart.rms)).max(SAME_MOTION * size);
+    (other > explained).then_some((name.name.as_str(), other))
 }
 
 /// Error against time: one curve a method as declared, and the best of every other variant.
@@ -267,4 +298,28 @@ pub fn publish(
         .table(&table);
     let report = Views::new(shown).with_motion(report);
     write_text(&folder.join("trade.html"), &report.html())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_family_that_comes_to_another_motion_is_told() {
+        let text = "model Swing { gravity: [0, 0, -9.81] m/s^2;
+            body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+            joint p: hinge from world to a.top { axis: y, start: 0.5 rad }
+            output bend = p.angle; }";
+        let scene = mbd_compiler::read_text(text).scene.expect("a pendulum");
+        let settings = Settings::read("[run]\nuntil = 1\n").expect("settings");
+        let mut race = race(&scene, &settings, "bend", None).expect("a race");
+        let told = |race: &Race| table(race, "rad").text();
+        assert!(!told(&race).contains("another motion"));
+        for entry in &mut race.entries {
+            if entry.name == "relative coordinates" {
+                entry.error.rms = 0.01;
+            }
+        }
+        assert!(told(&race).contains("The relative coordinates come to another motion"));
+    }
 }
