@@ -499,19 +499,22 @@ fn what_cannot_be_locked_at_the_start_is_told_at_its_place() {
             "hinge from world to b.com { axis: y }",
             "`at_start: locked`",
         ),
+        (
+            "hinge from world to b.com { at_start: locked, start_rate: 1 rad/s }",
+            "what is locked has no rate",
+        ),
     ] {
         let reading = read_text(&joint(fields));
         let told: Vec<String> = reading.errors.iter().map(|it| it.text.clone()).collect();
         assert!(told.join("\n").contains(said), "{fields}: {told:?}");
     }
-    // A rate of what is locked contradicts the lock.
-    let scene = read(&joint(
-        "hinge from world to b.com { at_start: locked, start_rate: 1 rad/s }",
-    ));
+    // A rate that a run is given of what is locked contradicts the lock.
+    let scene = read(&joint("hinge from world to b.com { at_start: locked }"));
     let model = Generic::<f64>::with_defaults(scene).expect("defaults");
-    let error = Simulation::new(&model, Options::rk4(1e-3))
-        .err()
-        .expect("a contradiction");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+    let error = run
+        .set_joints(&[("pin.angle_rate", 1.0)])
+        .expect_err("a contradiction");
     assert!(
         error.to_string().contains("`pin.angle.lock` comes apart"),
         "{error}"
