@@ -31,7 +31,7 @@ pub(crate) use rodas5p::RODAS5P;
 pub(crate) use rosenbrock::Rosenbrock;
 pub(crate) use shifted::Attached;
 pub(crate) use stepper::{Family, Stepper};
-pub(crate) use stiffness_test::StiffnessTest;
+pub(crate) use stiffness_test::{StiffnessTest, fastest};
 pub(crate) use tsit5::TSIT5;
 pub(crate) use vern7::VERN7;
 

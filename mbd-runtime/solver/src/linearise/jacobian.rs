@@ -164,29 +164,6 @@ impl<T: Float> Jacobian<T> {
     }
 }
 
-/// The largest |λ| of a square matrix, row by row, by how powers of it grow: A^k v, whatever eigenvalue leads, with pairs that turn.
-pub(crate) fn spectral_radius<T: Float>(matrix: &[T], size: usize) -> f64 {
-    const BEFORE: u32 = 40;
-    const LOOKS: u32 = 40;
-    let mut vector: Vec<f64> = (0..size).map(|k| 1.0 + (1.7 * k as f64).sin()).collect();
-    let mut growth = 0.0;
-    for round in 0..BEFORE + LOOKS {
-        let rows = matrix.chunks_exact(size.max(1));
-        let next: Vec<f64> = rows
-            .map(|row| row.iter().zip(&vector).map(|(a, x)| a.to_f64() * x).sum())
-            .collect();
-        let norm = next.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
-        if !(norm > 0.0 && norm.is_finite()) {
-            return 0.0;
-        }
-        vector = next.iter().map(|x| x / norm).collect();
-        if round >= BEFORE {
-            growth += norm.ln() / f64::from(LOOKS);
-        }
-    }
-    growth.exp()
-}
-
 /// Writes [∂ẋ; ∂powers], of which energies come first, into rows that are as long as the state with its integrals.
 fn write<T: Float>(total: &PartialDerivatives<T>, out: &mut [T]) {
     let columns = total.derivative.columns().max(1);

@@ -26,7 +26,7 @@ use std::fmt;
 use mbd_scene::similar::near_and_all;
 use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
-pub(crate) use jacobian::{Jacobian, spectral_radius};
+pub(crate) use jacobian::Jacobian;
 pub use matrix::Matrix;
 use networks::NetworkElimination;
 use rows::{Evaluator, ThroughRows};

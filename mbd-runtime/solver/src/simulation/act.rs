@@ -102,8 +102,9 @@ impl<T: Float> Simulation<T> {
                 }
             }
             self.stale = true;
+            self.changes.handed = handed;
+            return changed.map(|()| true);
         }
-        changed?;
         self.changes.handed = handed.map(|handed| handed.at(&self.state));
         Ok(true)
     }

@@ -5,8 +5,8 @@ use mbd_scene::{Float, Node, NodeModel, Quantity};
 use super::{System, stage};
 use crate::columns::state_names;
 use crate::error::{Source, StepError};
-use crate::integrate::Rates;
-use crate::linearise::{Jacobian, LinearisationError, spectral_radius};
+use crate::integrate::{Rates, fastest};
+use crate::linearise::{Jacobian, LinearisationError};
 use crate::list::all_finite;
 
 /// Of longer states no matrix is made for a message.
@@ -53,7 +53,8 @@ impl<T: Float> System<T> {
         let out = (&mut by_state[..], &mut by_time[..]);
         let found = jacobian.evaluate(&*self.model, &at, &mut self.work, out);
         found.ok()?;
-        let rate = spectral_radius(&by_state, self.nx);
+        let (weights, mut x) = (vec![T::one(); self.nx], vec![T::zero(); self.nx]);
+        let rate = fastest(&by_state, &weights, &mut x, &mut by_time);
         (rate > 0.0 && rate.is_finite()).then_some(rate)
     }
 
