@@ -251,9 +251,12 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
                 true => Expr::slot(Slot::Factored(index)),
                 false => expr,
             };
-            let right = out.len()..out.len() + layout.len(Quantity::Solve);
             factored = out.iter().copied().enumerate().map(known).collect();
-            factored.extend(right.map(|index| Expr::slot(Slot::Factored(index))));
+            let right = (0..layout.len(Quantity::Solve)).map(|number| Slot::Right {
+                number,
+                at: out.len() + number,
+            });
+            factored.extend(right.map(Expr::slot));
         }
         let keep = |&(_, expr): &(usize, Expr)| !is_matrix(what) || !expr.is_structural_zero();
         let outputs = out.into_iter().enumerate().filter(keep).collect();

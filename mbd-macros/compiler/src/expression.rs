@@ -47,8 +47,15 @@ pub enum Slot {
     Row(usize),
     /// An acceleration or a multiplier at which a residual is asked for.
     Motion(usize),
-    /// A number of the factor of the system, then of a right-hand side to be solved by it.
+    /// A number of the factor of the system.
     Factored(usize),
+    /// A number of a right-hand side to be solved by the factor.
+    Right {
+        /// Which of them.
+        number: usize,
+        /// Where it stands behind the factor.
+        at: usize,
+    },
     /// A live parameter.
     Param(usize),
     /// A term of the parameters alone, computed once per set of parameters.
@@ -302,6 +309,7 @@ fn code(node: TermKind) -> [u64; 2] {
                 Slot::Factored(index) => (11, index),
                 Slot::Origin { number, .. } => (12, number),
                 Slot::Turn { number, .. } => (13, number),
+                Slot::Right { number, .. } => (14, number),
             };
             [kinds(2, kind), index as u64]
         }

@@ -3,7 +3,9 @@
 use mbd_scene::laws::{LineNumbers, Numbers};
 use std::sync::Arc;
 
-use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Real, Scene, Work, check_params};
+use mbd_scene::{
+    At, Float, Layout, Model, ParamError, Quantity, Real, Scene, Work, check_params, each_column,
+};
 
 use crate::equations::SceneEquations;
 use crate::expression::Slot;
@@ -14,6 +16,7 @@ use crate::program::{Code, Program};
 pub struct Registers<T: Real> {
     numbers: Vec<T>,
     masks: Vec<T::Mask>,
+    columns: Vec<T>,
 }
 
 impl<T: Real> Registers<T> {
@@ -24,6 +27,7 @@ impl<T: Real> Registers<T> {
         Registers {
             numbers: vec![T::zero(); count],
             masks: vec![nothing; count],
+            columns: Vec::new(),
         }
     }
 }
@@ -40,7 +44,7 @@ impl Program {
         registers: &mut Registers<T>,
         out: &mut [T],
     ) {
-        let Registers { numbers, masks } = registers;
+        let Registers { numbers, masks, .. } = registers;
         if out.len() < self.len || numbers.len() < self.registers() {
             return;
         }
@@ -57,7 +61,9 @@ impl Program {
                 Slot::Hold(i) => at.hold.get(i),
                 Slot::Ends(i) => at.ends.get(i),
                 Slot::Input(i) => at.inputs.get(i),
-                Slot::Row(i) | Slot::Motion(i) | Slot::Factored(i) => at.rows.get(i),
+                Slot::Row(i) | Slot::Motion(i) | Slot::Factored(i) | Slot::Right { at: i, .. } => {
+                    at.rows.get(i)
+                }
                 Slot::Turn { at: i, .. } | Slot::Origin { at: i, .. } => {
                     Some(at.hold.get(i).unwrap_or(&zero))
                 }
@@ -148,6 +154,14 @@ impl<T: Real> Interpreted<T> {
         match self.equations.program(what) {
             Some(program) if out.len() == program.len => {
                 program.run(at, &self.params, &self.derived, registers, out);
+            }
+            Some(program) if what == Quantity::Solve => {
+                let mut columns = std::mem::take(&mut registers.columns);
+                each_column(program.len, (at.rows, out), &mut columns, |rows, out| {
+                    let at = At { rows, ..*at };
+                    program.run(&at, &self.params, &self.derived, registers, out);
+                });
+                registers.columns = columns;
             }
             Some(_) => {}
             None if !self.equations.layout.spells_out(what) => {

@@ -292,7 +292,7 @@ impl Sharing<'_> {
             Slot::Origin { number, .. } => number / 3,
             Slot::Input(i) => layout.inputs.iter().filter(|slots| slots.at <= i).count(),
             Slot::Row(i) => layout.joints.iter().filter(|slots| slots.row <= i).count(),
-            Slot::Motion(i) => match i < layout.nv {
+            Slot::Motion(i) | Slot::Right { number: i, .. } => match i < layout.nv {
                 true => self.owners.get(layout.nq + i).copied().unwrap_or_default(),
                 false => self.item(Slot::Row(i - layout.nv)),
             },

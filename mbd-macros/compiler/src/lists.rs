@@ -39,8 +39,10 @@ pub enum NumberList {
     Rows,
     /// Accelerations and multipliers.
     Motion,
-    /// A factor and right-hand sides.
+    /// A factor.
     Factored,
+    /// What is solved for by the factor.
+    Right,
     /// Live parameters.
     Params,
     /// Terms of the parameters.
@@ -49,7 +51,7 @@ pub enum NumberList {
 
 impl NumberList {
     /// Every list, in the order of arguments.
-    pub const ALL: [NumberList; 17] = [
+    pub const ALL: [NumberList; 18] = [
         NumberList::Time,
         NumberList::Q,
         NumberList::V,
@@ -65,6 +67,7 @@ impl NumberList {
         NumberList::Rows,
         NumberList::Motion,
         NumberList::Factored,
+        NumberList::Right,
         NumberList::Params,
         NumberList::Derived,
     ];
@@ -88,6 +91,7 @@ impl NumberList {
             NumberList::Rows => "rows",
             NumberList::Motion => "motion",
             NumberList::Factored => "factored",
+            NumberList::Right => "right",
             NumberList::Params => "params",
             NumberList::Derived => "derived",
         }
@@ -97,7 +101,9 @@ impl NumberList {
     #[must_use]
     pub fn argument(self) -> &'static str {
         match self {
-            NumberList::Motion | NumberList::Factored => NumberList::Rows.name(),
+            NumberList::Motion | NumberList::Factored | NumberList::Right => {
+                NumberList::Rows.name()
+            }
             _ => self.name(),
         }
     }
@@ -121,6 +127,7 @@ impl NumberList {
             Slot::Row(i) => (NumberList::Rows, i),
             Slot::Motion(i) => (NumberList::Motion, i),
             Slot::Factored(i) => (NumberList::Factored, i),
+            Slot::Right { number, .. } => (NumberList::Right, number),
             Slot::Param(i) => (NumberList::Params, i),
             Slot::Derived(i) => (NumberList::Derived, i),
         }
@@ -145,9 +152,8 @@ impl NumberList {
             NumberList::Origin => of_origin(&equations.scene),
             NumberList::Rows => layout.nc,
             NumberList::Motion => layout.nv + layout.nc,
-            NumberList::Factored => {
-                layout.len(mbd_scene::Quantity::Factor) + layout.len(mbd_scene::Quantity::Solve)
-            }
+            NumberList::Factored => layout.len(mbd_scene::Quantity::Factor),
+            NumberList::Right => layout.len(mbd_scene::Quantity::Solve),
             NumberList::Params => layout.np,
             NumberList::Derived => equations.derived.len,
         }

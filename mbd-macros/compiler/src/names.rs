@@ -126,6 +126,10 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             None => format!("{}_rate", state(scene, layout, layout.nq + index)),
         },
         Slot::Factored(index) => format!("factored_{index}"),
+        Slot::Right { number, .. } => match number.checked_sub(layout.nv) {
+            Some(index) => format!("{}_right", row(scene, layout, index)),
+            None => format!("{}_right", state(scene, layout, layout.nq + number)),
+        },
         Slot::Param(index) => scene
             .params
             .get(index)

@@ -8,6 +8,7 @@
 //!
 //! This crate knows no tokens and does no input or output.
 
+mod columns;
 mod direction;
 pub mod double;
 mod elimination;
@@ -37,6 +38,7 @@ mod starts;
 mod tree;
 mod vocabulary;
 
+pub use columns::each_column;
 pub use direction::turns_direction;
 pub use evaluate::{
     Handed, Scratch, ToldMotion, commands, counted_angles, evaluate, evaluate_with_multipliers,

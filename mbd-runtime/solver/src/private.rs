@@ -5,7 +5,9 @@ use mbd_scene::{
     Float, LINE_NUMBERS, Layout, Packed, ParamError, Plan, Real, Scene, checked_numbers,
 };
 
-use crate::{CoordInfo, LineState, Reaction};
+use num_traits::Zero;
+
+use crate::{CoordInfo, Lanes, Lanes4, LineState, Reaction};
 
 pub use crate::parts::{member, read, write};
 pub use crate::verify::verify;
@@ -114,6 +116,85 @@ pub fn fixed<T, const N: usize>(slice: &[T]) -> Option<&[T; N]> {
 #[inline]
 pub fn fixed_mut<T, const N: usize>(slice: &mut [T]) -> Option<&mut [T; N]> {
     slice.try_into().ok()
+}
+
+/// Right-hand sides behind a factor, row by row, and room for as many solutions: how many columns, and the factor with the right-hand sides.
+#[inline]
+#[allow(clippy::type_complexity, reason = "a count, an array and a list")]
+fn behind<'a, T, const F: usize, const N: usize>(
+    rows: &'a [T],
+    out: &[T],
+) -> Option<(usize, &'a [T; F], &'a [T])> {
+    let (factor, right) = rows.split_first_chunk()?;
+    let fits = right.len() == out.len() && right.len().is_multiple_of(N.max(1));
+    fits.then_some((out.len() / N.max(1), factor, right))
+}
+
+/// [`Quantity::Solve`](mbd_scene::Quantity::Solve) column by column: `alone` takes the factor and one of them.
+pub fn solve_columns<T: Real, const F: usize, const N: usize>(
+    rows: &[T],
+    out: &mut [T],
+    mut alone: impl FnMut(&[T; F], &[T; N], &mut [T; N]),
+) {
+    if let Some((columns, factor, right)) = behind::<T, F, N>(rows, out) {
+        for column in 0..columns {
+            solve_column((factor, right), (column, columns), out, &mut alone);
+        }
+    }
+}
+
+#[inline]
+fn solve_column<T: Real, const F: usize, const N: usize>(
+    (factor, right): (&[T; F], &[T]),
+    (column, columns): (usize, usize),
+    out: &mut [T],
+    alone: &mut impl FnMut(&[T; F], &[T; N], &mut [T; N]),
+) {
+    let (mut given, mut found) = ([T::zero(); N], [T::zero(); N]);
+    let right = right.iter().skip(column).step_by(columns);
+    given.iter_mut().zip(right).for_each(|(to, x)| *to = *x);
+    alone(factor, &given, &mut found);
+    let out = out.iter_mut().skip(column).step_by(columns);
+    out.zip(found).for_each(|(to, x)| *to = x);
+}
+
+/// The same, four columns beside each other: every one has the numbers that it has alone.
+pub fn solve_beside<const F: usize, const N: usize>(
+    rows: &[f64],
+    out: &mut [f64],
+    mut alone: impl FnMut(&[f64; F], &[f64; N], &mut [f64; N]),
+    mut beside: impl FnMut(&[Lanes4; F], &[Lanes4; N], &mut [Lanes4; N]),
+) {
+    let Some((columns, factor, right)) = behind::<f64, F, N>(rows, out) else {
+        return;
+    };
+    const WIDTH: usize = Lanes4::WIDTH;
+    if columns == 1 {
+        return solve_column((factor, right), (0, columns), out, &mut alone);
+    }
+    let factor = factor.map(|x| Lanes4::from([x; WIDTH]));
+    let (mut given, mut found) = ([Lanes4::zero(); N], [Lanes4::zero(); N]);
+    for first in (0..columns).step_by(WIDTH) {
+        let own = WIDTH.min(columns - first);
+        for (row, to) in given.iter_mut().enumerate() {
+            let at = row * columns + first;
+            let right = right.get(at..at + own).unwrap_or_default();
+            *to = Lanes4::from(match right.first_chunk::<WIDTH>() {
+                Some(beside) => *beside,
+                None => leading(right),
+            });
+        }
+        beside(&factor, &given, &mut found);
+        for (row, x) in found.iter().enumerate() {
+            let at = row * columns + first;
+            let out = out.get_mut(at..at + own).unwrap_or_default();
+            let x = <[f64; WIDTH]>::from(*x);
+            match out.first_chunk_mut::<WIDTH>() {
+                Some(out) => *out = x,
+                None => out.iter_mut().zip(x).for_each(|(to, x)| *to = x),
+            }
+        }
+    }
 }
 
 /// The first numbers of a list; zero where it ends early.

@@ -120,6 +120,11 @@ impl EmitContext<'_> {
         quote!(let _ = #function(#(#lists,)* #work, #out);)
     }
 
+    /// Whether a quantity is one function, without scratch.
+    pub fn is_whole(&self, index: usize) -> bool {
+        !matches!(self.kernels.drivers.get(index), Some(Some(_)))
+    }
+
     /// `<T = f64>` of a type, or nothing.
     pub fn declared(&self) -> TokenStream {
         if self.settings.generic {

@@ -27,6 +27,9 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
         let function = format_ident!("{}", quantity::name(&equations.scene, &equations.layout, *what));
         let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
         let call = context.call(index, &function, &passed, Some(quote!(work)), &quote!(out));
+        if *what == Quantity::Solve {
+            return columns(context, (index, reads), &call);
+        }
         let state = [NumberList::Q, NumberList::V, NumberList::Z, NumberList::States].iter().any(|&g| reads.reads(g));
         let own = equations.layout.ns > 0;
         let mut names = Vec::new();
@@ -49,7 +52,6 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             NumberList::Inputs,
             NumberList::Rows,
             NumberList::Motion,
-            NumberList::Factored,
         ] {
             if reads.reads(group) {
                 let list = format_ident!("{}", group.name());
@@ -188,6 +190,42 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             }
         }
     }
+}
+
+/// The solution by the factor, for as many right-hand sides as there are: four beside each other where one function does it.
+fn columns(
+    context: &EmitContext,
+    (index, reads): (usize, ProgramArguments),
+    call: &TokenStream,
+) -> TokenStream {
+    let layout = &context.equations.layout;
+    let (factor, unknowns) = (
+        whole(layout.len(Quantity::Factor)),
+        whole(layout.len(Quantity::Solve)),
+    );
+    let t = context.scalar();
+    let names = [NumberList::Factored, NumberList::Right].map(|list| {
+        let name = format_ident!("{}", list.name());
+        match reads.reads(list) {
+            true => name,
+            false => format_ident!("_{name}"),
+        }
+    });
+    let each = |t: &TokenStream| {
+        let [factored, right] = &names;
+        quote!(|#factored: &[#t; #factor], #right: &[#t; #unknowns], out: &mut [#t; #unknowns]| { #call })
+    };
+    let alone = each(&quote!(#t));
+    let lists = [NumberList::Factored, NumberList::Right];
+    let whole_function = context.is_whole(index) && reads.0.iter().all(|list| lists.contains(list));
+    let solve = match whole_function && !context.settings.generic {
+        true => {
+            let beside = each(&quote!(::mbd_runtime::Lanes4));
+            quote!(solve_beside(at.rows, out, #alone, #beside))
+        }
+        false => quote!(solve_columns(at.rows, out, #alone)),
+    };
+    quote!(::mbd_runtime::Quantity::Solve => ::mbd_runtime::__private::#solve,)
 }
 
 /// `impl Equations` and `impl InLanes` of a model over any scalar.

@@ -36,11 +36,13 @@ pub fn summary(context: &EmitContext) -> String {
         },
     );
     out.push_str("| function | numbers | operations |\n|---|---|---|\n");
+    let derivatives = layout.derivatives();
     for (what, program) in &context.equations.programs {
         let name = quantity::name(scene, layout, *what);
-        let linked = match what {
-            Quantity::Partial(..) => format!("`{name}`"),
-            _ => format!("[`{name}`](Self::{name})"),
+        // What derivatives are made of has no method of its own.
+        let linked = match matches!(what, Quantity::Partial(..)) || derivatives.contains(what) {
+            true => format!("`{name}`"),
+            false => format!("[`{name}`](Self::{name})"),
         };
         let _ = writeln!(
             out,

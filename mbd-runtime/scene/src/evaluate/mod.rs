@@ -11,6 +11,7 @@ pub use with_multipliers::evaluate_with_multipliers;
 
 use nalgebra::Vector3;
 
+use crate::columns::each_column;
 use crate::joints::Fold;
 use crate::laws::{
     branch_of, energy,
@@ -38,6 +39,7 @@ pub struct Scratch<S: Real> {
     nodes: Vec<S>,
     still: Vec<S>,
     residual: Vec<S>,
+    columns: Vec<S>,
     moments: Vec<SpatialInertia<S>>,
     assembly: AppliedForces<S>,
     solver: MotionSolver<S>,
@@ -56,6 +58,7 @@ impl<S: Real> Scratch<S> {
             nodes: Vec::new(),
             still: Vec::new(),
             residual: Vec::new(),
+            columns: Vec::new(),
             moments: Vec::new(),
             assembly: AppliedForces::new(layout),
             solver: MotionSolver::new(layout),
@@ -76,6 +79,16 @@ pub fn evaluate<S: Real>(
     scratch: &mut Scratch<S>,
     out: &mut [S],
 ) {
+    if what == Quantity::Solve && out.len() > layout.len(what) {
+        let mut columns = std::mem::take(&mut scratch.columns);
+        let matrices = (at.rows, out);
+        each_column(layout.len(what), matrices, &mut columns, |rows, out| {
+            let at = At { rows, ..*at };
+            evaluate(what, scene, layout, numbers, &at, scratch, out);
+        });
+        scratch.columns = columns;
+        return;
+    }
     if out.len() != layout.len(what) {
         return;
     }
@@ -120,6 +133,7 @@ pub fn evaluate<S: Real>(
         nodes,
         still: _,
         residual,
+        columns: _,
         moments,
         assembly,
         solver,

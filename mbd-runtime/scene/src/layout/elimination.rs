@@ -83,6 +83,8 @@ pub struct Elimination {
     pub parent_joints: Vec<Option<usize>>,
     /// The order it was laid out in.
     pub order: Order,
+    /// Whether the factor that derivatives are solved by is that of articulated bodies: of a long tree without rows.
+    pub articulated_factor: bool,
     /// In relative coordinates the speeds that are no unknowns; each is none that one before it names.
     pub dependents: Vec<Dependent>,
 }

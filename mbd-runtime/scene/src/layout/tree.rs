@@ -63,6 +63,8 @@ pub struct Link {
     pub turns: usize,
     /// Its axes, where they are not those that the declaration gives the frame of its joint.
     pub axes: Option<LinkAxes>,
+    /// Whether it turns about one axis of the world alone, known before any angle: its motion stays in planes across that.
+    pub parallel: bool,
     /// What of its inertia goes to the link that carries it.
     pub grouped: Grouped,
 }
@@ -238,6 +240,7 @@ impl Tree {
             speeds: 0,
             turns: 0,
             axes: None,
+            parallel: false,
             grouped: Grouped::default(),
         });
         self.of_body[body] = link;

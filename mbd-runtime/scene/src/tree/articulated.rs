@@ -147,6 +147,12 @@ impl<S: Real> Articulated<S> {
         self.push.add(&motion.hand_on(&other.force(brought)));
     }
 
+    /// U and 1/D of a column that it has released.
+    pub fn eliminated(&self, k: usize) -> (Twist<S>, S) {
+        let EliminatedColumn { push, inverse, .. } = self.columns[k];
+        (push, inverse)
+    }
+
     /// What its joint pushes with, by (1), at its acceleration without the free columns.
     pub fn force(&self, own: &Twist<S>) -> Twist<S> {
         let mut push = self.times(own);
@@ -183,7 +189,7 @@ fn symmetric<S: Real>(matrix: &Matrix3<S>) -> Matrix3<S> {
 }
 
 /// The axis that a column is, of three along and three about.
-fn unit<S: Real>(column: &Twist<S>) -> Option<usize> {
+pub(super) fn unit<S: Real>(column: &Twist<S>) -> Option<usize> {
     let all = || column.linear.iter().chain(column.angular.iter());
     let mut own = all().enumerate().filter(|(_, x)| !x.is_zero());
     let (axis, _) = own.next().filter(|(_, x)| x.is_one())?;

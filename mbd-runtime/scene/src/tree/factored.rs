@@ -2,6 +2,7 @@
 
 use nalgebra::Matrix3;
 
+use super::articulated_factor::articulated_len;
 use super::dependent::DependentSpeeds;
 use super::system::{
     TreeSystem, each_floating, into_link, into_state, links, rotate, write_coordinate_rates,
@@ -76,6 +77,9 @@ impl<S: Real> TreeSystem<S> {
 
     /// Eliminates and writes what solutions need: the factor, T of the bodies that float, what dependent speeds need; last the margin.
     pub fn write_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        if evaluation.layout.elimination.articulated_factor {
+            return self.write_articulated_factor(evaluation, out);
+        }
         self.prepare(evaluation, &|_, _| S::zero());
         let plan = &evaluation.layout.elimination;
         let mut place = 0;
@@ -100,6 +104,9 @@ impl<S: Real> TreeSystem<S> {
             return out.fill(S::from_f64(f64::NAN));
         }
         let (list, asked) = given.split_at(count);
+        if plan.articulated_factor {
+            return self.solve_articulated(evaluation, list, out);
+        }
         self.system.clear();
         let mut place = 0;
         factored(plan, &mut |bank, at| {
@@ -173,6 +180,9 @@ impl<S: Real> TreeSystem<S> {
 
 /// Length of the list of a factor.
 pub(crate) fn factored_len(layout: &Layout) -> usize {
+    if layout.elimination.articulated_factor {
+        return articulated_len(layout);
+    }
     let mut count = 1;
     factored(&layout.elimination, &mut |_, _| count += 1);
     count

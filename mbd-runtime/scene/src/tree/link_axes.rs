@@ -36,7 +36,15 @@ struct Mounting {
 
 /// Lays the axes of the links of a tree, and finds what of their inertias nothing tells apart there.
 pub(crate) fn lay_axes(scene: &Scene, tree: &mut Tree) {
-    let axes = choose(scene, &tree.links);
+    // In a planar scene all axes are one.
+    let axes = match scene.planar {
+        Some(_) => vec![None; tree.links.len()],
+        None => {
+            let mountings = mount(scene, &tree.links);
+            find_parallel(&mut tree.links, &mountings);
+            choose(&tree.links, mountings)
+        }
+    };
     for (link, axes) in tree.links.iter_mut().zip(axes) {
         link.axes = axes;
         if let Some(joint) = link.joint {
@@ -45,12 +53,8 @@ pub(crate) fn lay_axes(scene: &Scene, tree: &mut Tree) {
     }
 }
 
-/// The axes of all links; `None` for those that the frames of the declaration serve as well.
-fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
-    if scene.planar.is_some() {
-        // There all axes are one.
-        return vec![None; links.len()];
-    }
+/// How each link is mounted.
+fn mount(scene: &Scene, links: &[Link]) -> Vec<Option<Mounting>> {
     let mut mountings: Vec<Option<Mounting>> = Vec::with_capacity(links.len());
     let mut bodies: Vec<Option<Matrix3<f64>>> = Vec::with_capacity(links.len());
     for link in links {
@@ -58,6 +62,23 @@ fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
         bodies.push(in_body(scene, link, own.as_ref()));
         mountings.push(own);
     }
+    mountings
+}
+
+/// Finds the links that turn about one axis of the world, whatever the angles of their joints are.
+fn find_parallel(links: &mut [Link], mountings: &[Option<Mounting>]) {
+    for (index, own) in mountings.iter().enumerate() {
+        let Some(own) = own else { continue };
+        let only = |axis: usize| (0..3).all(|k| k == axis || own.mounted[(k, 2)].abs() <= NOTHING);
+        links[index].parallel = match links[index].inboard {
+            Some(inboard) => links[inboard].parallel && only(2),
+            None => (0..3).any(only),
+        };
+    }
+}
+
+/// The axes of all links; `None` for those that the frames of the declaration serve as well.
+fn choose(links: &[Link], mut mountings: Vec<Option<Mounting>>) -> Vec<Option<LinkAxes>> {
     if mountings.iter().flatten().all(|own| own.is_simple()) {
         return vec![None; links.len()];
     }

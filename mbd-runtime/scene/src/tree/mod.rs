@@ -4,6 +4,7 @@
 //! has its own axes and its centre of mass. What a joint does is what its file says of it: `motion`, `subspace`, `bias`.
 
 mod articulated;
+mod articulated_factor;
 mod assemble;
 mod dependent;
 mod factored;

@@ -100,7 +100,9 @@ pub enum Quantity {
     /// What the elimination of the system of bodies and joints leaves for [`Quantity::Solve`]; structural zeros are not written. The last number is
     /// the smallest part that other rows leave to the pivot of a row, as in [`Quantity::ProjectionStep`] [1].
     Factor,
-    /// The x and y of M x = b + Φ_vᵀ y, Φ_v x = c (n_v, then n_c in the order of [`Quantity::Residual`]), by the factor, b and c in [`At::rows`].
+    /// The x and y of M x = b + Φ_vᵀ y, Φ_v x = c (n_v, then n_c in the order of [`Quantity::Residual`]), by the factor, b and c in [`At::rows`];
+    /// or of k such right-hand sides, the columns of a matrix there and in the result, both row by row: the one list that may be longer than
+    /// [`Layout::len`](crate::Layout::len) says.
     Solve,
     /// Per measured coordinate of every joint, in the order of [`Scene::joint_coordinates`](crate::Scene::joint_coordinates): value [m or rad], rate
     /// and acceleration, the latter for the v̇ that [`At::rows`] begins with, or for none.
@@ -237,7 +239,7 @@ pub struct At<'a, S> {
     pub inputs: &'a [S],
     /// What some quantities are asked with, empty elsewhere: right-hand sides of the rows (n_c) for [`Quantity::ProjectionStep`]; v̇ and λ (n_v, then
     /// n_c, of each joint the rows in the system first) for [`Quantity::Residual`] and [`Quantity::InverseDynamics`], v̇ alone for [`Quantity::JointCoordinates`]; the value of [`Quantity::Factor`], then b (n_v) and c (n_c),
-    /// for [`Quantity::Solve`].
+    /// for [`Quantity::Solve`], each of as many columns as are solved for.
     pub rows: &'a [S],
 }
 

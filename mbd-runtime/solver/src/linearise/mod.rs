@@ -80,6 +80,15 @@ pub struct Linearisation<T: Float> {
     rows: ThroughRows<T>,
     /// F_y, G_y, O_y.
     by_node: Partials<T>,
+    /// What it has room for.
+    sizes: [usize; 8],
+}
+
+/// The sizes that the lists of a linearisation follow from.
+fn sizes(layout: &Layout) -> [usize; 8] {
+    let [nodes, outputs] = [Quantity::Balance, Quantity::Outputs].map(|what| layout.len(what));
+    let Layout { nv, nc, ni, np, .. } = *layout;
+    [layout.nx(), nv, nc, nodes, ni, np, outputs, layout.factor]
 }
 
 /// Derivatives by one variable, through the nodes.
@@ -121,11 +130,11 @@ impl<T: Float> Partials<T> {
     fn evaluate(&mut self, model: &dyn Model<T>, by: Variable, at: &At<'_, T>, work: &mut Work<T>) {
         let layout = model.layout();
         for (of, matrix) in self.each() {
-            matrix.values.fill(T::zero());
             let through_rows = layout.solves() && of == Differentiated::Derivative;
             if matrix.values.is_empty() || through_rows {
                 continue;
             }
+            matrix.values.fill(T::zero());
             if layout.asks_efforts(of.quantity()) {
                 let mut slopes = Slopes::new(model.scene(), layout, model.params());
                 let what = (of.quantity(), by);
@@ -148,6 +157,9 @@ impl<T: Float> TotalDerivative<T> {
 
     /// Adds what comes through the nodes.
     fn complete(&mut self, by_node: &Partials<T>) {
+        if self.node.rows() == 0 {
+            return;
+        }
         let (partials, node) = (&mut self.partials, &self.node);
         partials.derivative.add_product(&by_node.derivative, node);
         partials.outputs.add_product(&by_node.outputs, node);
@@ -290,6 +302,7 @@ impl<T: Float> Linearisation<T> {
             inputs: TotalDerivative::new(layout, Variable::Input),
             rows: ThroughRows::new(layout),
             by_node: Partials::new(layout, Variable::Node),
+            sizes: sizes(layout),
         }
     }
 
@@ -301,7 +314,7 @@ impl<T: Float> Linearisation<T> {
         work: &mut Work<T>,
     ) -> Result<(), LinearisationError> {
         let layout = model.layout();
-        if !self.fits(layout) {
+        if self.sizes != sizes(layout) {
             return Err(LinearisationError::OtherModel);
         }
         self.states
@@ -348,27 +361,6 @@ impl<T: Float> Linearisation<T> {
         self.parameters.complete(&self.by_node);
         self.inputs.complete(&self.by_node);
         self.check_finite()
-    }
-
-    /// Whether there is the room that a layout needs.
-    fn fits(&self, layout: &Layout) -> bool {
-        let totals = [
-            (Variable::State, &self.states.partials),
-            (Variable::Parameter, &self.parameters.partials),
-            (Variable::Input, &self.inputs.partials),
-            (Variable::Node, &self.by_node),
-        ];
-        let has_room = |by: Variable, of: Differentiated, matrix: &Matrix<T>| {
-            let size = (layout.len(of.quantity()), layout.variables(by));
-            (matrix.rows(), matrix.columns()) == size
-        };
-        let mut all = totals.into_iter();
-        let matrices = all.all(|(by, partials)| {
-            has_room(by, Differentiated::Derivative, &partials.derivative)
-                && has_room(by, Differentiated::Balance, &partials.balance)
-                && has_room(by, Differentiated::Outputs, &partials.outputs)
-        });
-        matrices && self.rows.fits(layout)
     }
 
     /// ∂ẋ at fixed nodes, where joints have rows.

@@ -1,11 +1,13 @@
 //! Derivatives through the rows of joints: those of the equations of motion at fixed accelerations and multipliers, solved with the factor at hand.
 //!
 //! ```text
-//! K [v̇; λ] = −r(0, 0)                                        the solution, refined once                             (1)
+//! K [v̇; λ] = −r(0, 0)                                        the solution, refined once where there are rows         (1)
 //! K [∂v̇; ∂λ] = −∂r,   K = [M −Φ_vᵀ; Φ_v 0]                   at fixed v̇, λ, whatever r is differentiated by         (2)
 //! ```
 //!
 //! r, ∂r, the factor of K and the solution by it are the model's own where it was generated with `emit: [partial]`; else the laws run on duals.
+
+use std::ops::Range;
 
 use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
@@ -21,7 +23,7 @@ const DEPENDENT: f64 = 1e-9;
 /// The room of one layout.
 #[derive(Clone, Debug)]
 pub(crate) struct ThroughRows<T> {
-    /// The factor, then a right-hand side.
+    /// The factor, then right-hand sides.
     factor: Vec<T>,
     /// Numbers of the factor.
     count: usize,
@@ -30,6 +32,8 @@ pub(crate) struct ThroughRows<T> {
     residual: Vec<T>,
     found: Vec<T>,
     partial: Matrix<T>,
+    /// Columns of it in which something changes.
+    changed: Vec<usize>,
 }
 
 /// The laws of a scene on numbers and on duals, with their room.
@@ -131,7 +135,7 @@ impl<'a, T: Float> Evaluator<'a, T> {
         self.evaluate(Quantity::Residual, at, out);
     }
 
-    /// ∂r.
+    /// ∂r, where `out` is zero.
     fn differentiate(&mut self, by: DerivativeBy, at: &At<'_, T>, out: &mut [T]) {
         let model = self.model;
         // A model's own derivatives hold K_e and L_e, and none is by time.
@@ -143,7 +147,6 @@ impl<'a, T: Float> Evaluator<'a, T> {
             DerivativeBy::Variable(variable) => Some(variable),
         };
         if let (Some(work), Some(by)) = (&mut self.work, own) {
-            out.fill(T::zero());
             let what = Quantity::Partial(Differentiated::Residual, by);
             model.evaluate(what, at, work, out);
             return;
@@ -156,21 +159,20 @@ impl<'a, T: Float> Evaluator<'a, T> {
 impl<T: Float> ThroughRows<T> {
     pub(crate) fn new(layout: &Layout) -> Self {
         let (unknowns, count) = (layout.nv + layout.nc, layout.len(Quantity::Factor));
+        let beside = unknowns * layout.variables(Variable::State);
+        let mut factor = vec![T::zero(); count];
+        factor.reserve_exact(beside);
+        let mut found = vec![T::zero(); unknowns];
+        found.reserve_exact(beside);
         ThroughRows {
-            factor: vec![T::zero(); count + unknowns],
+            factor,
             count,
             solution: vec![T::zero(); unknowns],
             residual: vec![T::zero(); layout.len(Quantity::Residual)],
-            found: vec![T::zero(); unknowns],
+            found,
             partial: Matrix::new(0, 0),
+            changed: Vec::new(),
         }
-    }
-
-    /// Whether there is the room that a layout needs.
-    pub(crate) fn fits(&self, layout: &Layout) -> bool {
-        self.solution.len() == layout.nv + layout.nc
-            && self.residual.len() == layout.len(Quantity::Residual)
-            && self.count == layout.factor
     }
 
     /// v̇ and λ, by (1); the factor stays.
@@ -189,7 +191,8 @@ impl<T: Float> ThroughRows<T> {
             ..*at
         };
         evaluator.begin(&given, &mut self.residual);
-        let factor = &mut self.factor[..self.count];
+        self.factor.truncate(self.count);
+        let factor = &mut self.factor[..];
         evaluator.evaluate(Quantity::Factor, at, factor);
         let margin = factor.last().map_or(0.0, |margin| margin.to_f64());
         if margin.abs() < DEPENDENT.max(16.0 * T::EPSILON.to_f64()) {
@@ -199,12 +202,15 @@ impl<T: Float> ThroughRows<T> {
             return Err(LinearisationError::not_finite(Quantity::Factor));
         }
         self.correct(layout, evaluator, at);
-        let given = At {
-            rows: &self.solution,
-            ..*at
-        };
-        evaluator.evaluate(Quantity::Residual, &given, &mut self.residual);
-        self.correct(layout, evaluator, at);
+        // Without rows M is positive definite, and its factor leaves rounding alone.
+        if layout.nc > 0 {
+            let given = At {
+                rows: &self.solution,
+                ..*at
+            };
+            evaluator.evaluate(Quantity::Residual, &given, &mut self.residual);
+            self.correct(layout, evaluator, at);
+        }
         match all_finite(&self.solution) {
             true => Ok(()),
             false => Err(LinearisationError::not_finite(Quantity::Derivative)),
@@ -213,29 +219,18 @@ impl<T: Float> ThroughRows<T> {
 
     /// Takes what the residual asks for from the solution.
     fn correct(&mut self, layout: &Layout, evaluator: &mut Evaluator<'_, T>, at: &At<'_, T>) {
-        let residual = std::mem::take(&mut self.residual);
-        self.ask(layout, |row| residual[row]);
-        self.residual = residual;
+        self.factor.truncate(self.count);
+        for rows in solved(layout) {
+            self.factor.extend(self.residual[rows].iter().map(|x| -*x));
+        }
+        self.found.resize(layout.nv + layout.nc, T::zero());
         self.solve(evaluator, at);
         for (x, found) in self.solution.iter_mut().zip(&self.found) {
             *x += *found;
         }
     }
 
-    /// Puts −r behind the factor, for [`ThroughRows::solve`]; whether anything in it is not zero.
-    fn ask(&mut self, layout: &Layout, residual: impl Fn(usize) -> T) -> bool {
-        let nx = layout.nx();
-        let rows = (layout.nq..layout.nq + layout.nv).chain(nx..nx + layout.nc);
-        let mut any = false;
-        for (slot, row) in self.factor[self.count..].iter_mut().zip(rows) {
-            let left = residual(row);
-            any |= left != T::zero();
-            *slot = -left;
-        }
-        any
-    }
-
-    /// Finds x and y for the right-hand side behind the factor.
+    /// Finds x and y for the right-hand sides behind the factor.
     fn solve(&mut self, evaluator: &mut Evaluator<'_, T>, at: &At<'_, T>) {
         let given = At {
             rows: &self.factor,
@@ -254,25 +249,68 @@ impl<T: Float> ThroughRows<T> {
     ) {
         let columns = by.count(layout);
         let mut partial = std::mem::take(&mut self.partial);
-        partial.reshape(layout.len(Quantity::Residual), columns);
         let given = At {
             rows: &self.solution,
             ..*at
         };
-        evaluator.differentiate(by, &given, &mut partial.values);
-        out.values
-            .copy_from_slice(&partial.values[..layout.nx() * columns]);
-        for column in 0..columns {
-            // Positions often change nothing: only what pulls depends on them.
-            match self.ask(layout, |row| partial.values[row * columns + column]) {
-                true => self.solve(evaluator, at),
-                false => self.found.fill(T::zero()),
-            }
-            let rates = out.values.chunks_exact_mut(columns).skip(layout.nq);
-            for (rates, x) in rates.zip(&self.found[..layout.nv]) {
-                rates[column] = *x;
-            }
+        // Without rows there are as many equations as rates.
+        if layout.nc == 0 {
+            out.values.fill(T::zero());
+            evaluator.differentiate(by, &given, &mut out.values);
+            self.take_right(layout, columns, &out.values);
+        } else {
+            partial.reshape(layout.len(Quantity::Residual), columns);
+            evaluator.differentiate(by, &given, &mut partial.values);
+            let rates = layout.nx() * columns;
+            out.values.copy_from_slice(&partial.values[..rates]);
+            self.take_right(layout, columns, &partial.values);
         }
         self.partial = partial;
+        let beside = self.changed.len();
+        if beside == 0 {
+            return;
+        }
+        self.found
+            .resize((layout.nv + layout.nc) * beside, T::zero());
+        self.solve(evaluator, at);
+        let rates = layout.nq * columns..(layout.nq + layout.nv) * columns;
+        let rates = &mut out.values[rates];
+        if beside == columns {
+            return rates.copy_from_slice(&self.found[..rates.len()]);
+        }
+        let rows = rates.chunks_exact_mut(columns);
+        for (row, found) in rows.zip(self.found.chunks_exact(beside)) {
+            for (&column, x) in self.changed.iter().zip(found) {
+                row[column] = *x;
+            }
+        }
     }
+
+    /// Puts −∂r behind the factor; where joints have rows only the columns in which something changes: there most positions change nothing.
+    fn take_right(&mut self, layout: &Layout, columns: usize, partial: &[T]) {
+        let changes = |column: &usize| {
+            let mut rows = solved(layout).into_iter().flatten();
+            layout.nc == 0 || rows.any(|row| partial[row * columns + column] != T::zero())
+        };
+        self.changed.clear();
+        self.changed.extend((0..columns).filter(changes));
+        self.factor.truncate(self.count);
+        for rows in solved(layout) {
+            let rows = &partial[rows.start * columns..rows.end * columns];
+            if self.changed.len() == columns {
+                self.factor.extend(rows.iter().map(|x| -*x));
+                continue;
+            }
+            for row in rows.chunks_exact(columns) {
+                let right = self.changed.iter().map(|&column| -row[column]);
+                self.factor.extend(right);
+            }
+        }
+    }
+}
+
+/// The rows of a residual that are solved for: the balances of the speeds, then those of the joints.
+fn solved(layout: &Layout) -> [Range<usize>; 2] {
+    let nx = layout.nx();
+    [layout.nq..layout.nq + layout.nv, nx..nx + layout.nc]
 }

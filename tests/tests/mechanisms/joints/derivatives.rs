@@ -170,6 +170,19 @@ fn chain(count: usize) -> Scene {
     ))
 }
 
+/// A chain whose joints are no two parallel.
+fn crossed(count: usize) -> Scene {
+    tests::declared::read(&format!(
+        "model Crossed {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            body link[i in 0..{count}] {{ mass: 1.0 kg, inertia: diag(0.08, 0.05, 0.03) kg*m^2,
+                frame top at [0.1, 0.03, 0.5] m, frame tip at [0.0, 0.2, -0.5] m }}
+            joint first: hinge from world to link[0].top {{ axis: y }}
+            joint next[i in 1..{count}]: hinge from link[i - 1].tip to link[i].top {{ axis: [0.3, 0.8, 0.4] }}
+        }}"
+    ))
+}
+
 #[test]
 fn a_jacobian_costs_at_most_half_as_many_derivatives_as_it_has_columns() {
     let ready = |name: &'static str| {
@@ -182,22 +195,131 @@ fn a_jacobian_costs_at_most_half_as_many_derivatives_as_it_has_columns() {
         ready("parachute"),
         ready("four_bar"),
         ("chain of 16", chain(16)),
-        (
-            "chain of 8, relative",
-            chain(8).in_coordinates(Coordinates::Relative),
-        ),
     ];
     for (name, scene) in scenes {
         let (ratio, emitted) = cost(&scene);
         println!("{name}: {ratio:.3} of a derivative a column, {emitted} operations emitted");
         assert!(ratio <= 0.5, "{name}: {ratio}");
     }
-    // There every rate depends on every coordinate: a full matrix, and a factor that is one. Long chains cost more; told, not asserted.
-    for count in [16, 32] {
-        let (ratio, emitted) = cost(&chain(count).in_coordinates(Coordinates::Relative));
-        println!(
-            "chain of {count}, relative: {ratio:.3} of a derivative a column, {emitted} operations emitted"
-        );
+    // In relative coordinates: axes that stay parallel, so that the scene is found to be planar, and axes that do not.
+    for count in [4, 8, 12, 16, 32, 64] {
+        for (scene, axes) in [(chain(count), "parallel"), (crossed(count), "crossed")] {
+            let (ratio, emitted) = cost(&scene.in_coordinates(Coordinates::Relative));
+            println!(
+                "chain of {count}, {axes} axes, relative: {ratio:.3} of a derivative a column, {emitted} operations emitted"
+            );
+            assert!(ratio <= 0.5, "{count}, {axes}: {ratio}");
+        }
+    }
+}
+
+/// A boat that carries a long arm of all joints, a short one, and a mass beside it.
+fn boat(count: usize, components: &str) -> Scene {
+    let joints = [
+        "hinge from $A to $B { axis: [0.3, 0.8, 0.4] }",
+        "spherical from $A to $B",
+        "prismatic from $A to $B { axis: [1.0, 0.2, 0.0] }",
+        "universal from $A to $B { axes: [x, y] }",
+        "cylindrical from $A to $B { axis: y }",
+        "hinge from $B to $A { axis: z }",
+        "screw from $A to $B { axis: x, pitch: 0.1 m }",
+        "planar from $B to $A { axis: z }",
+    ];
+    let arm = (0..count).map(|index| {
+        let from = match index {
+            0 => "boat.bow".to_owned(),
+            _ => format!("link[{}].tip", index - 1),
+        };
+        let joint = joints[index % joints.len()].replace("$A", &from);
+        let joint = joint.replace("$B", &format!("link[{index}].top"));
+        let end = if joint.ends_with('}') { "" } else { ";" };
+        format!("joint j{index}: {joint}{end}\n")
+    });
+    let arm: String = arm.collect();
+    tests::declared::read(&format!(
+        "model Boat {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            coordinates: relative;
+            angular_velocity: {components};
+            body boat {{ mass: 5.0 kg, inertia: diag(0.8, 0.5, 0.7) kg*m^2, frame bow at [0.3, 0.1, 0.2] m }}
+            body link[i in 0..{count}] {{ mass: 1.0 kg, inertia: diag(0.08, 0.05, 0.06) kg*m^2,
+                frame top at [0.1, 0.03, 0.5] m, frame tip at [0.0, 0.2, -0.5] m }}
+            body fin {{ mass: 0.5 kg, inertia: diag(0.01, 0.02, 0.03) kg*m^2, frame root at [0.1, 0.0, 0.0] m }}
+            point buoy {{ mass: 0.25 kg, start at [3.0, 0.0, 0.0] m }}
+            joint afloat: free from world to boat.com;
+            joint rudder: hinge from boat.bow to fin.root {{ axis: z }}
+            {arm}
+        }}"
+    ))
+}
+
+#[test]
+fn the_factor_of_a_long_tree_is_that_of_its_mass_matrix() {
+    for (count, components, long) in [(40, "body", true), (40, "world", true), (5, "body", false)] {
+        let scene = boat(count, components);
+        let generic = Generic::<f64>::with_defaults(scene.clone()).expect("a boat");
+        let interpreted = {
+            let equations = SceneEquations::trace_with_derivatives(&scene);
+            Interpreted::from_equations(equations, &[]).expect("a boat")
+        };
+        let layout = generic.layout();
+        assert_eq!(layout.elimination.articulated_factor, long);
+        let mut random = Random::new(count as u64);
+        let mut state: Vec<f64> = (0..layout.nx())
+            .map(|_| random.uniform(-1.5, 1.5))
+            .collect();
+        for at in layout.quaternions() {
+            let part = &mut state[at..at + 4];
+            let length = part.iter().map(|x| x * x).sum::<f64>().sqrt();
+            part.iter_mut().for_each(|x| *x /= length);
+        }
+        let (n, columns) = (layout.nv, 6);
+        let right: Vec<f64> = (0..n * columns)
+            .map(|_| random.uniform(-2.0, 2.0))
+            .collect();
+        let mut at = Arguments {
+            state,
+            ..Arguments::default()
+        };
+        let mass = value(&generic, Quantity::MassMatrix, &at);
+        for model in [&generic as &dyn Model<f64>, &interpreted] {
+            at.rows.clear();
+            let factor = value(model, Quantity::Factor, &at);
+            at.rows.clone_from(&factor);
+            at.rows.extend(&right);
+            let mut found = vec![0.0; n * columns];
+            model.evaluate(Quantity::Solve, &at.at(), &mut model.work(), &mut found);
+            let back: Vec<f64> = (0..n * columns)
+                .map(|place| {
+                    let (row, column) = (place / columns, place % columns);
+                    (0..n)
+                        .map(|k| mass[row * n + k] * found[k * columns + column])
+                        .sum()
+                })
+                .collect();
+            let error = apart(&back, &right);
+            assert!(error < 1e-10, "{count}, {components}: {error:.1e}");
+            // One by one they are the same to the bit.
+            for column in 0..columns {
+                at.rows.clone_from(&factor);
+                at.rows.extend(right.iter().skip(column).step_by(columns));
+                let alone = value(model, Quantity::Solve, &at);
+                let beside = found.iter().skip(column).step_by(columns);
+                assert!(beside.zip(&alone).all(|(a, b)| a.to_bits() == b.to_bits()));
+            }
+        }
+        // Through it, accelerations have the derivatives that dual numbers have through articulated bodies.
+        at.rows.clear();
+        let mut linear = Linearisation::new(layout);
+        let found = linear.evaluate(&generic, &at.at(), &mut generic.work());
+        found.expect("derivatives");
+        let mut got = linear.state().values().to_vec();
+        let by = Variable::State;
+        let mut want = partial_by_oracle(&scene, &[], Differentiated::Derivative, by, &at);
+        along_unit_quaternions(layout, &at.state, &mut got);
+        along_unit_quaternions(layout, &at.state, &mut want);
+        let error = apart(&got, &want);
+        assert!(error < 1e-10, "{count}, {components}: {error:.1e}");
     }
 }
 
