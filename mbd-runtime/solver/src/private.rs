@@ -172,8 +172,11 @@ pub fn solve_beside<const F: usize, const N: usize>(
     if columns == 1 {
         return solve_column((factor, right), (0, columns), out, &mut alone);
     }
-    let factor = factor.map(|x| Lanes4::from([x; WIDTH]));
     let (mut given, mut found) = ([Lanes4::zero(); N], [Lanes4::zero(); N]);
+    let mut wide = [Lanes4::zero(); F];
+    for (to, x) in wide.iter_mut().zip(factor) {
+        *to = Lanes4::from([*x; WIDTH]);
+    }
     for first in (0..columns).step_by(WIDTH) {
         let own = WIDTH.min(columns - first);
         for (row, to) in given.iter_mut().enumerate() {
@@ -184,7 +187,7 @@ pub fn solve_beside<const F: usize, const N: usize>(
                 None => leading(right),
             });
         }
-        beside(&factor, &given, &mut found);
+        beside(&wide, &given, &mut found);
         for (row, x) in found.iter().enumerate() {
             let at = row * columns + first;
             let out = out.get_mut(at..at + own).unwrap_or_default();
