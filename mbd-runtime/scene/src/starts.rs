@@ -2,16 +2,16 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::evaluate::{Scratch, driven_coordinates};
+use crate::evaluate::{Scratch, driven_coordinates, evaluate};
 use crate::laws::body::attitude_of;
 use crate::laws::line::DETACHED;
 use crate::laws::turns::next_to;
 use crate::laws::{Numbers, constant};
-use crate::placement::{FREE, place_near};
+use crate::placement::{FREE, followers, place_near};
 use crate::tree::Absolute;
 use crate::{
     Arguments, At, Formula, Joint, JointStart, Layout, Part, Place, PlacementError,
-    PlacementReport, Scene, Triple,
+    PlacementReport, Quantity, Scene, Triple,
 };
 
 /// A start that is said to these digits says the same as a motor [m or rad, and per second].
@@ -297,7 +297,9 @@ fn place_along_tree(
     let here = Arguments::before_a_run(scene, layout, from.1, state);
     let numbers = Numbers::new(scene, from.0);
     let scratch = &mut Scratch::new(layout);
-    for start in said_coordinates(scene, layout, &numbers, &here.at(), scratch) {
+    let all = said_coordinates((scene, layout), &numbers, &here.at(), given, scratch);
+    // The first that is said of a coordinate is next to it in the end.
+    for start in all.iter().rev() {
         let coordinate = (start.joint, start.coordinate);
         if let Some(value) = start.value {
             begin_next_to((scene, layout), coordinate, value, state);
@@ -338,16 +340,55 @@ fn declared_coordinates(scene: &Scene, params: &[f64]) -> impl Iterator<Item = J
     })
 }
 
-/// Where a scene says that joint coordinates begin: by their declared starts, or by the courses of their motors.
+/// Where joint coordinates are said to begin: as they are `given`, by their declared starts, by the courses of their motors, or where couplings with
+/// others that are said, or at zero, have them. Of several that are of one coordinate the first counts.
 pub fn said_coordinates(
-    scene: &Scene,
-    layout: &Layout,
+    (scene, layout): (&Scene, &Layout),
     numbers: &Numbers<f64>,
     at: &At<'_, f64>,
+    given: &[JointStart],
     scratch: &mut Scratch<f64>,
 ) -> Vec<JointStart> {
-    let mut said: Vec<JointStart> = declared_coordinates(scene, &numbers.params).collect();
+    let mut said = given.to_vec();
+    said.extend(declared_coordinates(scene, &numbers.params));
     said.extend(driven_coordinates(scene, layout, numbers, at, scratch));
+    let values = said.iter().filter(|start| start.value.is_some());
+    let named = values.map(|start| (start.joint, start.coordinate));
+    let followers = followers((scene, layout), named.collect(), &|_| true);
+    if followers.is_empty() {
+        return said;
+    }
+    let what = Quantity::JointCoordinates;
+    let mut measured = vec![0.0; layout.len(what)];
+    evaluate(what, scene, layout, numbers, at, scratch, &mut measured);
+    let counts = scene
+        .joints
+        .iter()
+        .map(|joint| joint.law.measured().count());
+    let counts: Vec<usize> = counts.collect();
+    for follower in followers {
+        let value = |(joint, coordinate): (usize, usize)| {
+            let mut own = said.iter().filter(|start| {
+                (start.joint, start.coordinate) == (joint, coordinate) && start.value.is_some()
+            });
+            let before: usize = counts.iter().take(joint).sum();
+            let own = own.next().and_then(|start| start.value);
+            let measured = measured.get(3 * (before + coordinate)).copied();
+            own.or(measured).unwrap_or_default()
+        };
+        let off = follower.off(&numbers.couplings, [&value, &|_| 0.0]);
+        let (Some([off, _]), Some((joint, coordinate))) = (off, follower.coordinate()) else {
+            continue;
+        };
+        let value = value((joint, coordinate)) - off;
+        said.push(JointStart {
+            joint,
+            coordinate,
+            value: value.is_finite().then_some(value),
+            rate: None,
+            about: true,
+        });
+    }
     said
 }
 

@@ -64,9 +64,9 @@ impl<T: Float> System<T> {
         let own = state.get(..self.nx).unwrap_or_default();
         let at = self.nodes.at(T::from_f64(time), own, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*model));
-        let mut starts = given.to_vec();
+        let mut starts = Vec::new();
         laws.run(&*model, &at, |scene, layout, numbers, at, scratch| {
-            starts.extend(said_coordinates(scene, layout, numbers, at, scratch));
+            starts = said_coordinates((scene, layout), numbers, at, given, scratch);
         });
         let start = |&(joint, number): &(usize, usize)| {
             let own = starts
@@ -141,16 +141,17 @@ impl<T: Float> System<T> {
         self.turning.seen = time;
     }
 
-    /// Goes on with the turns of joints that are the same in the model of the last run: the same name and the same law.
-    pub(crate) fn count_on(&mut self, last: &Self, before: &[T], state: &mut [T]) {
+    /// Goes on with the turns of the joints that are the `same` in the model of the last run.
+    pub(crate) fn count_on(
+        &mut self,
+        last: &Self,
+        same: &dyn Fn(usize) -> Option<usize>,
+        before: &[T],
+        state: &mut [T],
+    ) {
         let (from, to) = (last.model.clone(), self.model.clone());
-        let (olds, old_layout) = (&from.scene().joints, from.layout());
         let counted = |joint: usize, number: usize| {
-            let new = to.scene().joints.get(joint)?;
-            let old = olds
-                .iter()
-                .position(|old| (&old.name, &old.law) == (&new.name, &new.law));
-            last.counted_angle(old_layout, old?, number, before)
+            last.counted_angle(from.layout(), same(joint)?, number, before)
         };
         let mut angles: Vec<f64> = self.memory.turns.iter().map(|x| x.to_f64()).collect();
         for (angle, &(joint, number)) in angles.iter_mut().zip(&to.layout().turns) {

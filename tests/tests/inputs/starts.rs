@@ -500,3 +500,95 @@ fn what_nothing_decides_in_a_loop_is_told_by_name() {
     run.set_joints(&given).expect("as far as they reach");
     assert_eq!(run.started_about(), [("right.angle".to_owned(), 1.2, 1.2)]);
 }
+
+/// What the outputs of a scene are where it begins, its `joints` in a family of coordinates.
+fn outputs_at_start(family: &str, plane: &str, joints: &str, set: &[(&str, f64)]) -> Vec<f64> {
+    let scene = tests::declared::read(&format!(
+        "model Begins {{
+            coordinates: {family};
+            {plane}
+            gravity: none;
+            body a {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+            body b {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+            body c {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+            {joints}
+        }}"
+    ));
+    let count = scene.outputs.len();
+    let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+    run.set_joints(set).expect("they are there");
+    run.start().expect("a start");
+    let mut out = vec![0.0; count];
+    run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+    out
+}
+
+#[test]
+fn what_follows_a_gear_begins_where_the_gear_says_turns_among_them() {
+    let train = |s: &str, h: &str, k: &str, [g, f]: [&str; 2]| {
+        format!(
+            "joint s: hinge from world to a.com {{ axis: z{s} }}
+            joint h: hinge from world to b.com {{ axis: x{h} }}
+            joint k: hinge from world to c.com {{ axis: y{k} }}
+            joint g: gear from s.angle to h.angle {{ {g} }}
+            joint f: gear from h.angle to k.angle {{ {f} }}
+            output h_angle = h.angle;
+            output k_angle = k.angle;"
+        )
+    };
+    let two = ["ratio: 2, offset: 0", "ratio: -3, offset: 20 deg"];
+    let far = ["ratio: 1, offset: 1000 deg", "ratio: 1, offset: 0"];
+    for family in ["absolute", "relative"] {
+        for (joints, set, want) in [
+            (
+                train(", start: 100 deg", "", "", two),
+                &[][..],
+                [200.0, -580.0],
+            ),
+            (
+                train("", "", "", two),
+                &[("s.angle", 500_f64.to_radians())],
+                [1000.0, -2980.0],
+            ),
+            (train("", "", "", far), &[], [1000.0, 1000.0]),
+            (
+                train(", motor: 500 deg", "", "", far),
+                &[],
+                [1500.0, 1500.0],
+            ),
+            // What is driven stands at the other end.
+            (
+                train("", "", ", start: -580 deg", two),
+                &[],
+                [200.0, -580.0],
+            ),
+        ] {
+            let got = outputs_at_start(family, "", &joints, set);
+            let want = want.map(f64::to_radians);
+            assert_close(&got, &want, 1e-9, 1e-11, &format!("{family}: {joints}"));
+        }
+        let rack = "joint s: prismatic from world to a.com { axis: z, start: 1 m }
+            joint h: hinge from world to b.com { axis: x }
+            joint held: rigid from world to c.com;
+            joint g: gear from s.slide to h.angle { ratio: 20 rad/m }
+            output h_angle = h.angle;";
+        let got = outputs_at_start(family, "", rack, &[]);
+        assert_close(&got, &[20.0], 1e-9, 0.0, family);
+    }
+}
+
+#[test]
+fn the_angle_of_a_body_in_a_plane_counts_the_turns_of_its_joints_in_both_families() {
+    let joints = "joint ha: hinge from world to a.com { axis: y, start: 400 deg }
+        joint hb: hinge from a.com to b.com { axis: y, start: 100 deg }
+        joint hc: hinge from c.com to b.com { axis: y, start: 300 deg }
+        output a_angle = a.angle;
+        output b_angle = b.angle;
+        output c_angle = c.angle;";
+    let want = [400.0, 500.0, 200.0].map(f64::to_radians);
+    for family in ["absolute", "relative"] {
+        let got = outputs_at_start(family, "planar: xz;", joints, &[]);
+        assert_close(&got, &want, 1e-9, 0.0, family);
+    }
+}

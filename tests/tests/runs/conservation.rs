@@ -317,3 +317,34 @@ fn momentum_is_not_told_of_what_the_ground_holds_and_the_holder_has_a_name() {
         ["s", "bob"]
     );
 }
+
+/// An orbit whose centre of gravity is `off` metres from the origin: energy at the start [J], its relative imbalance after coarse steps.
+fn orbit(off: f64) -> (f64, f64) {
+    let scene = read(&format!(
+        "model Orbit {{ gravity: point_mass {{ mu: 398600 km^3/s^2, center: [{off}, 0, 0] m }};
+            point p {{ mass: 20 kg, start at [7000, 0, 0] km velocity [0, 7, 1.5] km/s }} }}"
+    ));
+    let model = Interpreted::<f64>::new(scene, &[]).expect("no params");
+    let mut run = Simulation::new(&model, Options::rk4(300.0)).expect("options");
+    run.start().expect("a start");
+    let before = energy(&mut run);
+    run.run(40_000.0).expect("an orbit");
+    let lost = run.imbalance().expect("energies");
+    (before, lost.relative())
+}
+
+#[test]
+fn the_energy_of_an_orbit_does_not_depend_on_where_its_centre_nearly_is() {
+    let (mu, distance) = (398_600e9, 7e6);
+    let exact = 20.0 * (0.5 * (7000_f64.powi(2) + 1500_f64.powi(2)) - mu / distance);
+    let (_, at_centre) = orbit(0.0);
+    assert!(at_centre > 0.01, "{at_centre}");
+    for off in [0.0, 1e-9, 1.0, 1000.0] {
+        let (energy, lost) = orbit(off);
+        assert!(
+            (energy / exact - 1.0).abs() < 1e-3,
+            "{off} m: {energy} J, {exact} J"
+        );
+        assert!((lost / at_centre - 1.0).abs() < 0.1, "{off} m: {lost}");
+    }
+}

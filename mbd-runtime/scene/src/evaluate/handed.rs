@@ -3,9 +3,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Scratch;
-use crate::laws::body::attitude_of;
+use crate::laws::body::{Attitude, attitude_of};
+use crate::laws::evaluation::Evaluation;
 use crate::laws::formula::{self, Context};
 use crate::laws::numbers::Numbers;
+use crate::laws::turns::next_to;
 use crate::{AngularVelocity, At, Directions, Layout, MapSource, Place, Scene};
 
 /// How something of the next scene begins.
@@ -21,6 +23,8 @@ pub enum Handed {
         velocity: Vector3<f64>,
         /// Angular velocity of the body it is on, world axes [rad/s]; zero of a point.
         omega: Vector3<f64>,
+        /// In a plane the angle of its axes, turns counted [rad]; `None` where nothing counts them.
+        angle: Option<f64>,
     },
     /// With a number [SI].
     Number(f64),
@@ -52,6 +56,7 @@ pub fn handed(
                 _ => Some(Vector3::zeros()),
             };
             Handed::Motion {
+                angle: counted(&evaluation, *place),
                 position: evaluation.position_of(*place).unwrap_or_else(unknown),
                 velocity: evaluation.velocity_of(*place).unwrap_or_else(unknown),
                 omega: omega.unwrap_or_else(unknown),
@@ -64,6 +69,22 @@ pub fn handed(
     }));
 }
 
+/// The angle of a frame of a body in a plane, with the turns of the body.
+fn counted(evaluation: &Evaluation<'_, f64>, place: Place) -> Option<f64> {
+    let (Place::Body(body, frame), Some(plane)) = (place, evaluation.layout.directions.plane)
+    else {
+        return None;
+    };
+    let Attitude::Angle(angle) = evaluation.motions.get(body)?.attitude else {
+        return None;
+    };
+    let frame = evaluation.numbers.bodies.get(body)?.frames.get(frame)?;
+    let own = frame
+        .rotation
+        .map_or(0.0, |rotation| plane.angle(&rotation));
+    Some(angle + own)
+}
+
 impl Handed {
     /// The numbers of a body that moves so, as in the state of absolute coordinates: position, attitude, velocity, angular velocity. `None` where it
     /// has no axes.
@@ -74,6 +95,7 @@ impl Handed {
             axes: Some(axes),
             velocity,
             omega,
+            angle,
         } = self
         else {
             return None;
@@ -86,9 +108,10 @@ impl Handed {
         directions.write_linear(&mut list, 0, position);
         let attitude = list.iter_mut().skip(directions.translations().len());
         let numbers = attitude_of(axes, directions);
+        let turned = |number: f64| angle.map_or(number, |angle| next_to(number, angle));
         attitude
             .zip(numbers)
-            .for_each(|(slot, number)| *slot = number);
+            .for_each(|(slot, number)| *slot = turned(number));
         directions.write_linear(&mut list, directions.coordinates(), velocity);
         directions.write_angular(&mut list, directions.coordinates(), &omega);
         Some(list)

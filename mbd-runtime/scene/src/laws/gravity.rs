@@ -7,7 +7,8 @@
 //!              U = (2) + μ m J2 R²/(2 |d|³) (3 σ² − 1)
 //! ```
 //!
-//! U of (2) is measured from the world origin, −μ m (1/|d| − 1/|c|) without its cancellation: 1 ulp of μ m/|c| is 1e-6 J for a capsule on Mars.
+//! U of (2) is measured from the world origin, −μ m (1/|d| − 1/|c|) without its cancellation: 1 ulp of μ m/|c| is 1e-6 J for a capsule on Mars. Where
+//! the centre is at the origin, or near it beside what moves about it, as of an orbit, U = −μ m/|d|, which is zero far away.
 //! The centre is an offset in local coordinates because planet-centred positions cost digits in every line (`2.8e-5 N` in a 60 kN/m riser).
 //! At the centre itself (2) is singular and the result is not finite.
 
@@ -52,7 +53,7 @@ pub fn acceleration<S: Real>(
     }
 }
 
-/// Potential energy of a mass at `r`, zero at the world origin where that is finite [J]; zero for a field supplied by the caller.
+/// Potential energy of a mass at `r` [J]: zero at the world origin, about a centre that is near it zero far away; zero for a field supplied by the caller.
 pub fn energy<S: Real>(gravity: &GravityNumbers<S>, mass: S, r: &Vector3<S>) -> S {
     match gravity {
         GravityNumbers::None | GravityNumbers::Field => S::zero(),
@@ -60,12 +61,12 @@ pub fn energy<S: Real>(gravity: &GravityNumbers<S>, mass: S, r: &Vector3<S>) -> 
         GravityNumbers::Central {
             mu,
             center,
-            at_origin,
+            from_far,
             oblate,
         } => {
             let d = r - center;
             let distance = norm(&d);
-            let sphere = if *at_origin {
+            let sphere = if *from_far {
                 -(*mu * mass / distance)
             } else {
                 let offset = norm(center);

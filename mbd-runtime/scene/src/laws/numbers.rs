@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::laws::coupling::Coupling;
 use crate::laws::formula::{Context, Value, of_let, scalar, triple};
 use crate::scalar::algebra::{inverse, symmetric};
-use crate::{Formula, Frame, Gravity, JointForces, Plane, PointKind, Real, Scene};
+use crate::{Formula, Frame, Gravity, JointForces, Plane, PointKind, Real, Scene, Triple};
 
 /// The constants of a body.
 #[derive(Clone, Debug)]
@@ -66,8 +66,8 @@ pub enum GravityNumbers<S> {
         mu: S,
         /// Centre in world coordinates [m].
         center: Vector3<S>,
-        /// Whether the centre is the world origin by declaration.
-        at_origin: bool,
+        /// Whether the potential is zero far away, and not at the world origin: see [`super::gravity`].
+        from_far: bool,
         /// The J2 term, if declared.
         oblate: Option<OblateNumbers<S>>,
     },
@@ -223,6 +223,21 @@ pub fn start_of<S: Real>(scene: &Scene, params: &[S], formula: &Formula) -> S {
     scalar(formula, &AtStart(&Constants::new(scene, params)))
 }
 
+/// Whether the world origin is no place to measure the potential of a centre of gravity from: it is the centre, or nearer to it than half of what a
+/// body or a point that the scene puts somewhere is, by the defaults of the params. There 1/|c| would be far more than anything that moves.
+fn is_near_origin(scene: &Scene, center: &Triple) -> bool {
+    if center.iter().all(|c| scene.is_zero(c)) {
+        return true;
+    }
+    let params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let constants = Constants::new(scene, &params);
+    let vector = |of: &Triple| Vector3::from(of.each_ref().map(|x| scalar(x, &constants)));
+    let center: Vector3<f64> = vector(center);
+    let parts = scene.starts.parts.iter();
+    let mut places = parts.filter_map(|start| start.position.as_ref().map(&vector));
+    places.any(|place| (place - center).norm() > 2.0 * center.norm())
+}
+
 /// Where the declared states start [SI], for `params` in declaration order.
 pub fn starts<S: Real>(scene: &Scene, params: &[S]) -> Vec<S> {
     let states = scene.states.iter();
@@ -321,7 +336,7 @@ impl<S: Real> Numbers<S> {
             Gravity::PointMass { mu, center } => GravityNumbers::Central {
                 mu: of(mu),
                 center: triple(center, &constants),
-                at_origin: center.iter().all(|c| scene.is_zero(c)),
+                from_far: is_near_origin(scene, center),
                 oblate: None,
             },
             Gravity::Oblate {
@@ -333,7 +348,7 @@ impl<S: Real> Numbers<S> {
             } => GravityNumbers::Central {
                 mu: of(mu),
                 center: triple(center, &constants),
-                at_origin: center.iter().all(|c| scene.is_zero(c)),
+                from_far: is_near_origin(scene, center),
                 oblate: Some(OblateNumbers {
                     radius: of(radius),
                     j2: of(j2),

@@ -9,82 +9,113 @@
 //! whatever order they are declared. A row that angles are part of holds modulo their turns (`laws/coupling.rs`); here the relation holds as
 //! it is written, so that a rack stands where its offset says and not at the tooth next to zero.
 
-use std::f64::consts::TAU;
-
 use super::{JointStart, Placement};
+use crate::laws::Coupling;
+use crate::{Layout, Scene};
+
+/// A coordinate of a joint, by its number.
+type Coordinate = (usize, usize);
+
+/// A coordinate that follows.
+pub(crate) struct Follower<'a> {
+    /// The coupling.
+    joint: usize,
+    all: &'a [Coordinate],
+    /// Which of its coordinates.
+    number: usize,
+}
+
+/// The coordinates that follow those that are `named`, in the order in which they do; of couplings that only take coordinates that are `placed`.
+pub(crate) fn followers<'a>(
+    (scene, layout): (&'a Scene, &Layout),
+    mut named: Vec<Coordinate>,
+    placed: &dyn Fn(usize) -> bool,
+) -> Vec<Follower<'a>> {
+    let joints = scene.joints.iter().enumerate();
+    let couplings = joints.filter(|(joint, declared)| {
+        let couples = declared.law.couples();
+        let placed = |&(of, _): &Coordinate| placed(of);
+        !couples.is_empty() && couples.iter().all(placed) && layout.starts_joined(*joint)
+    });
+    let couplings = couplings.map(|(joint, declared)| (joint, declared.law.couples()));
+    let mut couplings: Vec<(usize, &[Coordinate])> = couplings.collect();
+    let mut found = Vec::new();
+    while !couplings.is_empty() {
+        let follows = |(_, all): &(usize, &[Coordinate])| {
+            all.iter().any(|coordinate| named.contains(coordinate))
+        };
+        let leads = |(own, all): &(usize, &[Coordinate])| {
+            let mut others = couplings.iter().filter(|(other, _)| other != own);
+            others.all(|(_, of)| !all.iter().skip(1).any(|from| of.first() == Some(from)))
+        };
+        let next = couplings.iter().position(follows);
+        let next = next.or_else(|| couplings.iter().position(leads));
+        let (joint, all) = couplings.remove(next.unwrap_or_default());
+        let follower = all
+            .iter()
+            .position(|coordinate| !named.contains(coordinate));
+        named.extend_from_slice(all);
+        found.extend(follower.map(|number| Follower { joint, all, number }));
+    }
+    found
+}
+
+impl Follower<'_> {
+    /// The coordinate.
+    pub(crate) fn coordinate(&self) -> Option<Coordinate> {
+        self.all.get(self.number).copied()
+    }
+
+    /// What is taken off its value, and off its rate, by (1).
+    pub(crate) fn off(
+        &self,
+        couplings: &[Option<Coupling<f64>>],
+        [value, rate]: [&dyn Fn(Coordinate) -> f64; 2],
+    ) -> Option<[f64; 2]> {
+        let coupling = couplings.get(self.joint)?.as_ref()?;
+        let sum = |of: &dyn Fn(Coordinate) -> f64| -> f64 {
+            let terms = self.all.iter().enumerate();
+            terms
+                .map(|(at, coordinate)| coupling.factor(at) * of(*coordinate))
+                .sum()
+        };
+        let factor = coupling.factor(self.number);
+        Some([coupling.off(sum(value)) / factor, sum(rate) / factor])
+    }
+}
 
 impl Placement<'_> {
     /// Sets the coordinates that follow those of which the value is said, by (1), and their rates where nothing is said of these.
     pub(super) fn follow_couplings(&mut self, said: &[JointStart]) {
         let of = |start: &JointStart| (start.joint, start.coordinate);
         let values = said.iter().filter(|start| start.value.is_some());
-        let mut named: Vec<(usize, usize)> = values.map(of).collect();
         let rates = said.iter().filter(|start| start.rate.is_some());
-        let rates: Vec<(usize, usize)> = rates.map(of).collect();
-        let scene = self.scene;
-        let joints = scene.joints.iter().enumerate();
-        let couplings = joints.filter(|(joint, declared)| {
-            let couples = declared.law.couples();
-            let placed = |&(of, _): &(usize, usize)| self.links.iter().any(|own| own.joint == of);
-            !couples.is_empty() && couples.iter().all(placed) && self.layout.starts_joined(*joint)
-        });
-        let couplings = couplings.map(|(joint, declared)| (joint, declared.law.couples()));
-        let mut couplings: Vec<(usize, &[(usize, usize)])> = couplings.collect();
-        while !couplings.is_empty() {
-            let follows = |(_, all): &(usize, &[(usize, usize)])| {
-                all.iter().any(|coordinate| named.contains(coordinate))
+        let rates: Vec<Coordinate> = rates.map(of).collect();
+        let scene = (self.scene, self.layout);
+        let placed = |of: usize| self.links.iter().any(|own| own.joint == of);
+        for follower in followers(scene, values.map(of).collect(), &placed) {
+            let number = |lists: &[Vec<f64>], (of, index): Coordinate| {
+                let number = lists.get(of).and_then(|list| list.get(index));
+                number.copied().unwrap_or_default()
             };
-            let leads = |(own, all): &(usize, &[(usize, usize)])| {
-                let mut others = couplings.iter().filter(|(other, _)| other != own);
-                others.all(|(_, of)| !all.iter().skip(1).any(|from| of.first() == Some(from)))
+            let value = |coordinate: Coordinate| number(&self.q, coordinate);
+            let rate = |coordinate: Coordinate| number(&self.u, coordinate);
+            let off = follower.off(&self.numbers.couplings, [&value, &rate]);
+            let (Some([by_value, by_rate]), Some((of, index))) = (off, follower.coordinate())
+            else {
+                continue;
             };
-            let next = couplings.iter().position(follows);
-            let next = next.or_else(|| couplings.iter().position(leads));
-            let (joint, all) = couplings.remove(next.unwrap_or_default());
-            let follower = all
-                .iter()
-                .position(|coordinate| !named.contains(coordinate));
-            named.extend_from_slice(all);
-            if let Some(follower) = follower {
-                let keeps_rate = all.get(follower).is_some_and(|it| rates.contains(it));
-                self.follow(joint, all, follower, keeps_rate);
+            if let Some(value) = self.q.get_mut(of).and_then(|list| list.get_mut(index))
+                && by_value.is_finite()
+            {
+                *value -= by_value;
             }
-        }
-    }
-
-    /// (1) for one coupling.
-    fn follow(&mut self, joint: usize, all: &[(usize, usize)], follower: usize, keeps_rate: bool) {
-        let Some(Some(coupling)) = self.numbers.couplings.get(joint) else {
-            return;
-        };
-        let sum = |lists: &[Vec<f64>]| -> f64 {
-            let number = |&(of, index): &(usize, usize)| lists.get(of)?.get(index).copied();
-            let terms = all.iter().enumerate();
-            terms
-                .map(|(at, coordinate)| {
-                    coupling.factor(at) * number(coordinate).unwrap_or_default()
-                })
-                .sum()
-        };
-        let factor = coupling.factor(follower);
-        let Some(&(of, index)) = all.get(follower) else {
-            return;
-        };
-        let periodic = (self.scene.coordinate(of, index)).is_some_and(|(_, it)| it.is_periodic());
-        let [by_value, by_rate] = [coupling.off(sum(&self.q)) / factor, sum(&self.u) / factor];
-        if let Some(value) = self.q.get_mut(of).and_then(|list| list.get_mut(index))
-            && by_value.is_finite()
-        {
-            *value -= by_value;
-            if periodic {
-                *value -= TAU * (*value / TAU).round();
+            if let Some(rate) = self.u.get_mut(of).and_then(|list| list.get_mut(index))
+                && by_rate.is_finite()
+                && !rates.contains(&(of, index))
+            {
+                *rate -= by_rate;
             }
-        }
-        if let Some(rate) = self.u.get_mut(of).and_then(|list| list.get_mut(index))
-            && by_rate.is_finite()
-            && !keeps_rate
-        {
-            *rate -= by_rate;
         }
     }
 }

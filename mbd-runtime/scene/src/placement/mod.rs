@@ -27,6 +27,7 @@ mod report;
 mod tree;
 mod walk;
 
+pub(crate) use couplings::followers;
 pub use given::{JointStart, StartNumber};
 pub use report::{AboutStart, PlacementError, PlacementReport};
 

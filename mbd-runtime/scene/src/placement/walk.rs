@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Placement;
 use super::tree::PlacingJoint;
-use crate::laws::body::{BodyMotion, attitude_of};
+use crate::laws::body::{Attitude, BodyMotion, attitude_of};
+use crate::laws::turns::next_to;
 use crate::{AngularVelocity, Part, Place, PointSlots, Relative, Twist};
 
 /// Position, axes, velocity and angular velocity of a part or a frame, world axes.
@@ -14,6 +15,8 @@ struct MovingFrame {
     axes: Matrix3<f64>,
     velocity: Vector3<f64>,
     omega: Vector3<f64>,
+    /// In a planar scene the angle of what it is of, turns counted.
+    angle: f64,
 }
 
 impl Placement<'_> {
@@ -33,7 +36,10 @@ impl Placement<'_> {
                 let attitude = attitude_of(&moving.axes, directions);
                 let at = slots.q + directions.translations().len();
                 for (slot, value) in state.iter_mut().skip(at).zip(attitude) {
-                    *slot = value;
+                    *slot = match directions.plane {
+                        Some(_) => next_to(value, moving.angle),
+                        None => value,
+                    };
                 }
                 let omega = match self.scene.angular_velocity {
                     AngularVelocity::Body => moving.axes.transpose() * moving.omega,
@@ -65,6 +71,8 @@ impl Placement<'_> {
             false => (joint.parent, joint.child),
         };
         let from = self.frame(near, state)?;
+        let (point, own) = self.place_of(far)?;
+        let angle = self.angle(link, (&from, near), (&at, &own), &columns);
         let frame = if link.to_parent {
             let axes = from.axes * pose.rotation.transpose();
             let omega = from.omega - axes * angular;
@@ -74,6 +82,7 @@ impl Placement<'_> {
                 axes,
                 velocity: from.velocity - omega.cross(&arm) - axes * linear,
                 omega,
+                angle,
             }
         } else {
             let arm = from.axes * pose.position;
@@ -82,9 +91,9 @@ impl Placement<'_> {
                 axes: from.axes * pose.rotation,
                 velocity: from.velocity + from.omega.cross(&arm) + from.axes * linear,
                 omega: from.omega + from.axes * angular,
+                angle,
             }
         };
-        let (point, own) = self.place_of(far)?;
         let axes = match link.to {
             Part::Body(_) => frame.axes * own.transpose(),
             _ => Matrix3::identity(),
@@ -95,7 +104,53 @@ impl Placement<'_> {
             axes,
             velocity: frame.velocity - frame.omega.cross(&arm),
             omega: frame.omega,
+            angle,
         })
+    }
+
+    /// In a planar scene the angle of the part that a link places: that of what it hangs on, how it hangs there with all coordinates at zero, and the
+    /// angles that its joint says, turns among them, as the links of a tree count it.
+    fn angle(
+        &self,
+        link: &PlacingJoint,
+        (from, near): (&MovingFrame, Place),
+        (at, own): (&Relative<'_, f64>, &Matrix3<f64>),
+        columns: &[Twist<f64>],
+    ) -> f64 {
+        let joint = self.scene.joints.get(link.joint);
+        let (Some(plane), Some(joint)) = (self.layout.directions.plane, joint) else {
+            return 0.0;
+        };
+        let zero = [0.0; 6];
+        let hangs = match joint.law.attitude() {
+            Some(_) => joint.law.motion(at).rotation,
+            None => {
+                let q = &zero[..at.q.len().min(zero.len())];
+                joint.law.motion(&Relative { q, ..*at }).rotation
+            }
+        };
+        let hangs = if link.to_parent {
+            hangs.transpose()
+        } else {
+            hangs
+        };
+        let near = match near {
+            Place::Body(..) => self.place_of(near).map_or(from.axes, |(_, axes)| axes),
+            _ => from.axes,
+        };
+        let turns = columns.iter().zip(at.q).map(|(column, q)| {
+            let about = (from.axes * column.angular)[plane.normal()];
+            if link.to_parent {
+                -about * q
+            } else {
+                about * q
+            }
+        });
+        let turns: f64 = match joint.law.attitude() {
+            Some(_) => 0.0,
+            None => turns.sum(),
+        };
+        from.angle + plane.angle(&(near * hangs * own.transpose())) + turns
     }
 
     /// A place of a joint on what it sits on: position and axes.
@@ -121,6 +176,7 @@ impl Placement<'_> {
                     axes: motion.rotation.unwrap_or_else(Matrix3::identity),
                     velocity: motion.velocity,
                     omega: motion.omega,
+                    angle: 0.0,
                 },
                 None => {
                     let (position, axes) = self.place_of(place)?;
@@ -130,6 +186,7 @@ impl Placement<'_> {
                         axes,
                         velocity: still,
                         omega: still,
+                        angle: 0.0,
                     }
                 }
             }),
@@ -143,6 +200,10 @@ impl Placement<'_> {
                     axes: motion.rotation * axes,
                     velocity: motion.velocity_of(&point),
                     omega: motion.omega_world,
+                    angle: match motion.attitude {
+                        Attitude::Angle(angle) => angle,
+                        Attitude::Quaternion(_) | Attitude::Axes => 0.0,
+                    },
                 })
             }
             Place::Point(point) => match layout.points.get(point)? {
@@ -151,6 +212,7 @@ impl Placement<'_> {
                     axes: Matrix3::identity(),
                     velocity: directions.linear(state, layout.nq + slots.v),
                     omega: Vector3::zeros(),
+                    angle: 0.0,
                 }),
                 PointSlots::Node(_) => None,
             },

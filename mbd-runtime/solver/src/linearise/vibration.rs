@@ -63,17 +63,14 @@ impl StateSpace {
         }
         let scale = self.a.norm().max(f64::MIN_POSITIVE);
         let rounding = f64::EPSILON * scale;
-        let values = eigenvalues(&self.a);
-        let upper = values
-            .iter()
-            .filter(|value| value.im >= 0.0 || value.im.is_nan());
+        // Below rounding it is zero: of a pair that is, both are.
+        let values = eigenvalues(&self.a).into_iter().map(|value| {
+            let is_zero = value.norm() <= rounding;
+            if is_zero { Complex::default() } else { value }
+        });
+        let upper = values.filter(|value| value.im >= 0.0 || value.im.is_nan());
         let mut found: Vec<Vibration> = upper
             .map(|value| {
-                // Below rounding it is zero.
-                let value = match value.norm() > rounding {
-                    true => *value,
-                    false => Complex::default(),
-                };
                 let shape = vector(&self.a, value, scale);
                 let left = vector(&self.a.transpose(), value, scale);
                 let shares = shape.iter().zip(&left).map(|(r, l)| r.norm() * l.norm());

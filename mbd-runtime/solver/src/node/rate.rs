@@ -483,10 +483,15 @@ impl<T: Float> RateNode<T> {
         projection(&eigen(&scatter)[rank..], &center)
     }
 
-    /// Whether a load acts that the lines cannot balance: directions are missing and W does not vanish.
+    /// Whether a load acts that the lines cannot balance: W has a part in the missing directions.
     #[must_use]
     pub fn unbalanced(&self) -> bool {
-        self.spread != RateOutcome::Full && self.load != Vector3::zeros()
+        if self.spread == RateOutcome::Full || self.load == Vector3::zeros() {
+            return false;
+        }
+        let directions = eigen(&self.damping());
+        let missing = projection(&directions[self.rank.min(3)..], &self.load);
+        missing.dot(&missing) > T::EPSILON * self.load.dot(&self.load)
     }
 }
 

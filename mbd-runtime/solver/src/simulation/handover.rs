@@ -74,8 +74,10 @@ impl<T: Float> Simulation<T> {
         self.put(last.time, origin, &state)?;
         self.hold_the_same(last);
         self.detach_the_same(last);
+        let (from, to) = (last.system.model.clone(), self.system.model.clone());
+        let same = |joint: usize| same_joint(from.scene(), (to.scene(), joint), &map);
         self.system
-            .count_on(&last.system, &last.state, &mut self.state);
+            .count_on(&last.system, &same, &last.state, &mut self.state);
         self.begin_after(true)?;
         let after = (self.momentum(), self.energies());
         handover.momentum = [before.0, after.0];
@@ -357,16 +359,33 @@ fn same_link<'a>(
     (to, joint): (&Scene, usize),
 ) -> Option<&'a Link> {
     let new = to.joints.get(joint)?;
-    let ends = |scene: &Scene, joint: &Joint| {
-        [joint.parent, joint.child].map(|place| match place {
-            Place::Body(body, _) => body_name(scene, body).to_owned(),
-            _ => String::new(),
-        })
-    };
     let old = from.joints.iter().position(|old| {
         old.name == new.name && old.law == new.law && ends(from, old) == ends(to, new)
     })?;
     layout.carried(old)
+}
+
+/// The bodies that a joint joins, by name; no name of the world.
+fn ends<'a>(scene: &'a Scene, joint: &Joint) -> [&'a str; 2] {
+    [joint.parent, joint.child].map(|place| match place {
+        Place::Body(body, _) => body_name(scene, body),
+        _ => "",
+    })
+}
+
+/// The joint of the last model whose turns one of the next goes on with: of its name and law, else the only one of its law between the bodies that go
+/// on as those it joins.
+fn same_joint(from: &Scene, (to, joint): (&Scene, usize), map: &HandoverMap) -> Option<usize> {
+    let new = to.joints.get(joint)?;
+    let named = |old: &Joint| (&old.name, &old.law) == (&new.name, &new.law);
+    if let Some(old) = from.joints.iter().position(named) {
+        return Some(old);
+    }
+    let joined = ends(to, new).map(|name| map.taken(name).unwrap_or(name));
+    let olds = from.joints.iter().enumerate();
+    let mut alike = olds.filter(|(_, old)| old.law == new.law && ends(from, old) == joined);
+    let (old, _) = alike.next()?;
+    alike.next().is_none().then_some(old)
 }
 
 /// Whether a coordinate of a joint is an angle, which counts turns.

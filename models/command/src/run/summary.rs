@@ -359,8 +359,14 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
     if let Some(imbalance) = outcome.imbalance {
         let missed = imbalance.energy;
         rows.push(("energy balance missed by at most [J]", missed.into()));
-        let share = imbalance.relative();
-        rows.push(("the same over the energy that moved", share.into()));
+        // Of energies that are far larger than what moves nobody sees what was made or lost.
+        rows.push((
+            "the same over the energy that moved",
+            match imbalance.rounding > imbalance.moved && imbalance.moved > 0.0 {
+                true => "not told: below the rounding of the energies".into(),
+                false => imbalance.relative().into(),
+            },
+        ));
     }
     if let Some(momentum) = outcome.momentum {
         let missed = format!(

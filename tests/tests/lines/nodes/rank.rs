@@ -276,3 +276,48 @@ fn a_node_that_two_idle_lines_swing_into_one_line_stays_between_their_anchors() 
     let apart = largest_difference(&places[0], &places[1]);
     assert!(apart < 1e-5, "{apart} m: {places:?}");
 }
+
+/// A node on three damped lines of a plane under a load in that plane comes to rest where the elastic lines and the load balance, as the static node does at
+/// once; a load across the plane has nothing to balance it.
+#[test]
+fn a_load_in_the_plane_of_the_lines_is_balanced_and_one_across_it_is_refused() {
+    let scene = |plane: &str, knot: &str, load: &str| {
+        read(&format!(
+            "model Net {{ {plane} gravity: none;
+                world {{ frame l at [-1, 0, 2] m, frame r at [1.5, 0, 2.2] m, frame q at [0.3, 0, 0] m }}
+                point k {{ equilibrium: {knot} }}
+                line a from world.l to k {{ free_length: 1 m, stiffness: 500 N/m, damping: 40 N*s/m }}
+                line b from world.r to k {{ free_length: 1 m, stiffness: 300 N/m, damping: 40 N*s/m }}
+                line c from world.q to k {{ free_length: 0.5 m, stiffness: 200 N/m, damping: 40 N*s/m }}
+                load w on k = {load};
+                output place = k.position;
+            }}"
+        ))
+    };
+    let rest = |plane: &str, knot: &str, load: &str| -> Result<Vec<f64>, String> {
+        let model = Interpreted::<f64>::new(scene(plane, knot, load), &[]).expect("no params");
+        let told = |error: &dyn std::fmt::Display| error.to_string();
+        let mut run = Simulation::new(&model, Options::tsit5(1e-10)).map_err(|e| told(&e))?;
+        run.set_nodes(&[0.2, 0.0, 1.2]).map_err(|e| told(&e))?;
+        run.run(20.0).map_err(|e| told(&e))?;
+        let mut place = vec![0.0; 3];
+        run.evaluate(Quantity::Outputs, &mut place)
+            .map_err(|e| told(&e))?;
+        Ok(place)
+    };
+    for plane in ["planar: xz;", ""] {
+        for load in [
+            "[0 N, 0 N, -0.5 N]",
+            "[-20, 0, 30] N",
+            "[4 N * sin(0 rad/s * time), 0, 0]",
+        ] {
+            let [damped, at_once] = ["rate", "static"].map(|knot| {
+                rest(plane, knot, load).unwrap_or_else(|error| panic!("{plane} {load}: {error}"))
+            });
+            let apart = largest_difference(&damped, &at_once);
+            assert!(apart < 1e-7, "{plane} {load}: {apart} m");
+        }
+    }
+    let across = rest("", "rate", "[0, 1, 0] N").expect_err("nothing pulls across the plane");
+    assert!(across.contains("no taut line spans"), "{across}");
+}

@@ -330,6 +330,41 @@ fn eigenvalues_that_lie_symmetrically_about_zero_are_found() {
 }
 
 #[test]
+fn every_eigenvalue_is_listed_where_several_are_zero() {
+    // Three rods that swing, and a point whose drag depends on its velocity alone: its places are three zeros.
+    let rods: String = (0..3)
+        .map(|k| {
+            let from = match k {
+                0 => "world".to_owned(),
+                _ => format!("b{}.t", k - 1),
+            };
+            format!(
+                "body b{k} {{ mass: 1.9 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame r at [0, 0, 0.3] m, frame t at [0, 0, -0.3] m }}
+                 joint j{k}: hinge from {from} to b{k}.r {{ axis: y, damping: 0.{}8 N*m*s }}\n",
+                k + 1
+            )
+        })
+        .collect();
+    for speed in [0.64, 1.9, 3.3, 5.1] {
+        let model = generic(read(&format!(
+            "model Zeros {{ gravity: [0, 0, -9.81] m/s^2; {rods}
+             point p {{ mass: 1.06 kg, start at [0, 5, 0] m velocity [6.04, 0, {speed}] m/s }}
+             load drag on p = -0.2 kg/m * norm(p.velocity) * p.velocity; }}"
+        )));
+        let run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+        let space = linearise(&model, 0.0, run.state(), &[]).expect("a linear system");
+        let found = space.vibrations();
+        let counted: usize = found
+            .iter()
+            .map(|one| 1 + usize::from(one.imaginary > 0.0))
+            .sum();
+        assert_eq!(counted, space.a.nrows(), "{found:?}");
+        let zeros = found.iter().filter(|one| one.frequency() < 1e-6).count();
+        assert_eq!(zeros, 3, "{found:?}");
+    }
+}
+
+#[test]
 fn states_that_nothing_else_feels_take_part_in_their_own_eigenvalues_alone() {
     let model = generic(read(
         "model Lag { gravity: none;

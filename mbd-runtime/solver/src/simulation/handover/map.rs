@@ -48,6 +48,13 @@ impl HandoverMap {
         self.names().any(|mapped| mapped == name)
     }
 
+    /// The body or point of the last model that something of the next goes on from.
+    pub fn taken(&self, name: &str) -> Option<&str> {
+        let mut entries = self.entries.iter();
+        let (_, taken, _) = entries.find(|(own, ..)| own == name)?;
+        taken.as_deref()
+    }
+
     /// Whether a body or a point of the last model goes on under another name.
     pub fn takes(&self, name: &str) -> bool {
         let mut entries = self.entries.iter();

@@ -534,3 +534,42 @@ until = \"3 s\"
         "{told}"
     );
 }
+
+#[test]
+fn turns_go_on_in_a_scene_in_which_things_have_other_names() {
+    let folder = Folder::new("phases_turns");
+    for family in ["absolute", "relative"] {
+        let body = |plane: &str, name: &str, more: &str, end: &str| {
+            let joint = if plane.is_empty() {
+                format!(
+                    "joint {name}h: hinge from world to {name}.com {{ axis: x{more} }} output an = {name}h.angle in deg;"
+                )
+            } else {
+                format!(
+                    "joint {name}f: free from world to {name}.com; output an = {name}.angle in deg;"
+                )
+            };
+            let start = match (plane, end) {
+                ("", _) | (_, "") => "",
+                _ => ", start at [0, 0, 0] m angular_velocity [10, 0, 0] rad/s",
+            };
+            format!(
+                "model {name} {{ gravity: none; coordinates: {family}; {plane}
+                body {name} {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.05) kg*m^2{start} }}
+                {joint} {end} }}\n[run]\nuntil = \"2 s\"\nevery = \"1 s\"\n"
+            )
+        };
+        for plane in ["", "planar: yz;"] {
+            let go = "event go = time rises 1.2 s { then: scene \"v.mbd\", map: [v = w] }";
+            let first = folder.file("w.mbd", &body(plane, "w", ", start_rate: 10 rad/s", go));
+            folder.file("v.mbd", &body(plane, "v", "", ""));
+            let summary = flown(&folder, &first, &[]);
+            let [at_end, after] = [0, 1].map(|phase| last(&summary, phase, "an"));
+            assert!((at_end - 12f64.to_degrees()).abs() < 1e-6, "{at_end}");
+            assert!(
+                (after - 20f64.to_degrees()).abs() < 1e-6,
+                "{family} {plane}: {after}"
+            );
+        }
+    }
+}
