@@ -32,13 +32,13 @@ pub struct RunArgs {
     #[arg(long, value_name = "METHOD")]
     method: Option<String>,
     /// Fixed step of RK4 or Rattle, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
-    #[arg(long, value_name = "STEP", conflicts_with = "tol")]
+    #[arg(long, alias = "step", value_name = "STEP", conflicts_with = "tol")]
     dt: Option<String>,
     /// Relative tolerance of adaptive steps [default: 1e-8 if no equilibrium point is stepwise].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, alias = "tolerance", value_name = "NUMBER")]
     tol: Option<String>,
     /// End of the run, with unit or in seconds.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, alias = "end", value_name = "TIME")]
     until: Option<String>,
     /// Distance of the rows of the history, with unit or in seconds [default: every step].
     #[arg(long, value_name = "TIME")]

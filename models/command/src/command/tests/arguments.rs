@@ -17,6 +17,27 @@ fn help_is_no_error_and_a_typing_mistake_is_one() {
 }
 
 #[test]
+fn the_words_of_a_file_are_flags_too() {
+    let folder = Folder::new("words");
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&[
+        "run",
+        "swing",
+        "--tolerance",
+        "1e-6",
+        "--end",
+        "0.1 s",
+        "--out",
+        &out,
+    ]);
+    assert!(told.expect("a run").contains("Tsit5"));
+    let told = run(&[
+        "run", "swing", "--step", "2 ms", "--end", "0.1 s", "--out", &out,
+    ]);
+    assert!(told.expect("a run").contains("RK4"));
+}
+
+#[test]
 fn an_unknown_scene_is_a_usage_error_with_a_suggestion() {
     let error = run(&["run", "swnig"]).unwrap_err();
     assert_eq!(error.code(), 1);
