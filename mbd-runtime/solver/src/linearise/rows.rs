@@ -171,7 +171,7 @@ impl<T: Float> ThroughRows<T> {
             residual: vec![T::zero(); layout.len(Quantity::Residual)],
             found,
             partial: Matrix::new(0, 0),
-            changed: Vec::new(),
+            changed: Vec::with_capacity(layout.variables(Variable::State)),
         }
     }
 
