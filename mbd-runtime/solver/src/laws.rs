@@ -35,6 +35,11 @@ impl Laws {
         }
     }
 
+    /// Room for so many numbers in [`At::rows`].
+    pub(crate) fn reserve_rows(&mut self, count: usize) {
+        self.arguments.rows.reserve_exact(count);
+    }
+
     /// The numbers of the scene.
     pub(crate) fn numbers(&self) -> &Arc<Numbers<f64>> {
         &self.numbers

@@ -57,10 +57,14 @@ impl Witness {
                 Quantity::AnchorStates,
             ],
         );
+        let layout = model.layout();
+        let beside = (layout.nv + layout.nc) * layout.variables(Variable::State);
+        let mut laws = Laws::new(model);
+        laws.reserve_rows(layout.factor + beside);
         Witness {
-            laws: Laws::new(model),
+            laws,
             slopes,
-            wide: Vec::new(),
+            wide: Vec::with_capacity(beside),
         }
     }
 
