@@ -439,7 +439,7 @@ fn what_a_gear_puts_at_the_start_is_what_it_says_and_not_the_nearest_tooth() {
         ),
         (wheel, "", "", [0.0, turn / 4.0]),
         (wheel, "start: 90 deg", "", [0.0, turn / 4.0]),
-        (back, "", "start: 100 mm", [0.1, 4.0 - turn]),
+        (back, "", "start: 100 mm", [0.1, 4.0]),
         (both, "", "", [0.008 * turn / 4.0 - 0.06, turn / 4.0]),
     ] {
         for family in FAMILIES {
