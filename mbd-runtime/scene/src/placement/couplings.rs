@@ -14,13 +14,13 @@ use crate::laws::Coupling;
 use crate::{Layout, Scene};
 
 /// A coordinate of a joint, by its number.
-type Coordinate = (usize, usize);
+type CoupledCoordinate = (usize, usize);
 
 /// A coordinate that follows.
 pub(crate) struct Follower<'a> {
     /// The coupling.
     joint: usize,
-    all: &'a [Coordinate],
+    all: &'a [CoupledCoordinate],
     /// Which of its coordinates.
     number: usize,
 }
@@ -28,23 +28,23 @@ pub(crate) struct Follower<'a> {
 /// The coordinates that follow those that are `named`, in the order in which they do; of couplings that only take coordinates that are `placed`.
 pub(crate) fn followers<'a>(
     (scene, layout): (&'a Scene, &Layout),
-    mut named: Vec<Coordinate>,
+    mut named: Vec<CoupledCoordinate>,
     placed: &dyn Fn(usize) -> bool,
 ) -> Vec<Follower<'a>> {
     let joints = scene.joints.iter().enumerate();
     let couplings = joints.filter(|(joint, declared)| {
         let couples = declared.law.couples();
-        let placed = |&(of, _): &Coordinate| placed(of);
+        let placed = |&(of, _): &CoupledCoordinate| placed(of);
         !couples.is_empty() && couples.iter().all(placed) && layout.starts_joined(*joint)
     });
     let couplings = couplings.map(|(joint, declared)| (joint, declared.law.couples()));
-    let mut couplings: Vec<(usize, &[Coordinate])> = couplings.collect();
+    let mut couplings: Vec<(usize, &[CoupledCoordinate])> = couplings.collect();
     let mut found = Vec::new();
     while !couplings.is_empty() {
-        let follows = |(_, all): &(usize, &[Coordinate])| {
+        let follows = |(_, all): &(usize, &[CoupledCoordinate])| {
             all.iter().any(|coordinate| named.contains(coordinate))
         };
-        let leads = |(own, all): &(usize, &[Coordinate])| {
+        let leads = |(own, all): &(usize, &[CoupledCoordinate])| {
             let mut others = couplings.iter().filter(|(other, _)| other != own);
             others.all(|(_, of)| !all.iter().skip(1).any(|from| of.first() == Some(from)))
         };
@@ -62,7 +62,7 @@ pub(crate) fn followers<'a>(
 
 impl Follower<'_> {
     /// The coordinate.
-    pub(crate) fn coordinate(&self) -> Option<Coordinate> {
+    pub(crate) fn coordinate(&self) -> Option<CoupledCoordinate> {
         self.all.get(self.number).copied()
     }
 
@@ -70,10 +70,10 @@ impl Follower<'_> {
     pub(crate) fn off(
         &self,
         couplings: &[Option<Coupling<f64>>],
-        [value, rate]: [&dyn Fn(Coordinate) -> f64; 2],
+        [value, rate]: [&dyn Fn(CoupledCoordinate) -> f64; 2],
     ) -> Option<[f64; 2]> {
         let coupling = couplings.get(self.joint)?.as_ref()?;
-        let sum = |of: &dyn Fn(Coordinate) -> f64| -> f64 {
+        let sum = |of: &dyn Fn(CoupledCoordinate) -> f64| -> f64 {
             let terms = self.all.iter().enumerate();
             terms
                 .map(|(at, coordinate)| coupling.factor(at) * of(*coordinate))
@@ -90,16 +90,16 @@ impl Placement<'_> {
         let of = |start: &JointStart| (start.joint, start.coordinate);
         let values = said.iter().filter(|start| start.value.is_some());
         let rates = said.iter().filter(|start| start.rate.is_some());
-        let rates: Vec<Coordinate> = rates.map(of).collect();
+        let rates: Vec<CoupledCoordinate> = rates.map(of).collect();
         let scene = (self.scene, self.layout);
         let placed = |of: usize| self.links.iter().any(|own| own.joint == of);
         for follower in followers(scene, values.map(of).collect(), &placed) {
-            let number = |lists: &[Vec<f64>], (of, index): Coordinate| {
+            let number = |lists: &[Vec<f64>], (of, index): CoupledCoordinate| {
                 let number = lists.get(of).and_then(|list| list.get(index));
                 number.copied().unwrap_or_default()
             };
-            let value = |coordinate: Coordinate| number(&self.q, coordinate);
-            let rate = |coordinate: Coordinate| number(&self.u, coordinate);
+            let value = |coordinate: CoupledCoordinate| number(&self.q, coordinate);
+            let rate = |coordinate: CoupledCoordinate| number(&self.u, coordinate);
             let off = follower.off(&self.numbers.couplings, [&value, &rate]);
             let (Some([by_value, by_rate]), Some((of, index))) = (off, follower.coordinate())
             else {
