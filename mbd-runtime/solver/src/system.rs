@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use mbd_scene::laws::breaks::breaks;
 use mbd_scene::{Float, Model, Quantity, Work};
 
 use crate::columns::{line_name, node_name};
@@ -9,7 +10,7 @@ use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError, UnevenLines};
 use crate::fallback::Fallback;
 use crate::integrate::FreeMotion;
-use crate::laws::Laws;
+use crate::laws::{Laws, params_of};
 use crate::linearise::Jacobian;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::origin::Following;
@@ -107,6 +108,8 @@ pub(crate) struct System<T: Float> {
     pub following: Option<Following>,
     /// Room for a state in the world.
     world: Vec<T>,
+    /// Times known beforehand at which what acts has a kink [s].
+    breaks: Vec<f64>,
 }
 
 fn stage<'a, T: Float>(
@@ -170,12 +173,20 @@ impl<T: Float> System<T> {
             known: KnownAtEnd::new(layout),
             following: Following::new(model.scene(), layout),
             world: Vec::new(),
+            breaks: breaks(model.scene(), &params_of(model.params())),
             model,
         }
     }
 
+    /// The next of the times known beforehand at which what acts has a kink; infinite after the last [s].
+    pub(crate) fn next_break(&self, time: f64) -> f64 {
+        let behind = self.breaks.partition_point(|at| *at <= time);
+        self.breaks.get(behind).copied().unwrap_or(f64::INFINITY)
+    }
+
     /// Runs the same scene with other parameters from here on.
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
+        self.breaks = breaks(model.scene(), &params_of(model.params()));
         self.model = model;
         self.laws = None;
         if self.jacobian.is_some() {

@@ -3,8 +3,11 @@
 use mbd_compiler::Interpreted;
 
 use mbd_runtime::{
-    Batch, Case, Content, InLanes, Model, Options, Sampling, Scalar, Simulation, Trajectory, model,
+    Batch, Case, Content, InLanes, Model, Options, Quantity, Sampling, Scalar, Simulation,
+    Trajectory, model,
 };
+use tests::assert_close;
+use tests::declared::read;
 
 model! {
     /// A push forward and back; two masses, one of them on a spring.
@@ -319,6 +322,61 @@ fn a_place_that_is_met_to_the_last_digit_has_the_force_behind_it() {
             assert!((at - met).abs() < 1e-12, "{options:?} {at}");
             let off = (run.state()[0] - after).abs();
             assert!(off < 1e-10, "{options:?} {off:e}");
+        }
+    }
+}
+
+/// A vane that hangs at rest until a gust of half a second: its angle and rate at 11 s.
+fn gust(pulse: &str, options: Options) -> Vec<f64> {
+    let scene = read(&format!(
+        "model Vane {{
+            gravity: [0, 0, -9.81] m/s^2;
+            {pulse}
+            body vane {{ mass: 2 kg, inertia: diag(0.1, 0.1, 0.02) kg*m^2, frame root at [0, 0, 0.5] m, frame blade at [0, 0, -0.4] m }}
+            joint pin: hinge from world to vane.root {{ axis: y, damping: 0.2 N*m*s }}
+            load wind on vane at blade = gust * vane.blade.x;
+            output angle = pin.angle;
+            output rate = pin.angle_rate;
+        }}"
+    ));
+    let model = Interpreted::<f64>::new(scene, &[]).expect("no params");
+    let mut run = Simulation::new(&model, options).expect("options");
+    run.run(11.0)
+        .unwrap_or_else(|error| panic!("{pulse}: {error}"));
+    let mut out = vec![0.0; 2];
+    run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+    out
+}
+
+#[test]
+fn no_adaptive_step_leaps_over_a_pulse_whose_times_are_known() {
+    let entries = "{ 0 s: 0 N, 10 s: 0 N, 10.1 s: 8 N, 10.4 s: 8 N, 10.5 s: 0 N }";
+    for pulse in [
+        format!("table blow = {entries}; let gust = blow(time);"),
+        format!("smooth table blow = {entries}; let gust = blow(time);"),
+        "table blow = { 0: 0 N, 0.25: 8 N, 0.5: 0 N }; let gust = blow((time - 10 s) / (1 s));"
+            .to_owned(),
+        "let gust = if(time > 10 s && time < 10.5 s, 8 N, 0 N);".to_owned(),
+        "let gust = 8 N * smoothstep(10 s, 10.2 s, time) * smoothstep(-10.5 s, -10.3 s, -time);"
+            .to_owned(),
+        "let gust = max(0 N, 8 N - 40 N/s * abs(time - 10.25 s));".to_owned(),
+    ] {
+        let exact = gust(&pulse, Options::rk4(1e-4));
+        assert!(exact[0].abs() > 0.1, "{pulse}: {exact:?}");
+        for options in [
+            Options::tsit5(1e-8),
+            Options::vern7(1e-12),
+            Options::rodas5p(1e-8),
+            Options::auto(1e-8),
+        ] {
+            let found = gust(&pulse, options);
+            assert_close(
+                &found,
+                &exact,
+                1e-3,
+                1e-3,
+                &format!("{pulse} {:?}", options.method),
+            );
         }
     }
 }

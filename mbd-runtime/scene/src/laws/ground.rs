@@ -26,7 +26,11 @@ pub fn at_time<'a>(
     numbers: &'a Numbers<f64>,
     time: f64,
 ) -> impl Context<f64> + 'a {
-    let params = &numbers.params;
+    with_params(scene, &numbers.params, time)
+}
+
+/// The same for params.
+pub fn with_params<'a>(scene: &'a Scene, params: &'a [f64], time: f64) -> impl Context<f64> + 'a {
     AtTime(GroundMotion {
         scene,
         params,

@@ -1,6 +1,7 @@
 //! The laws of mechanics, each written once over [`Real`](crate::Real): numbers run them, dual numbers differentiate them, symbols record them.
 
 pub(crate) mod body;
+pub mod breaks;
 pub mod corners;
 mod coupling;
 pub(crate) mod energy;

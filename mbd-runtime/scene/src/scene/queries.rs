@@ -375,6 +375,43 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// The formulas that change during a run: what acts, what is measured, what drives.
+    pub(crate) fn read_by_runs(&self) -> impl Iterator<Item = &Formula> {
+        let lets = self.lets.iter().map(|named| &named.value);
+        let rates = self.states.iter().map(|state| &state.rate);
+        let outputs = self.outputs.iter().map(|output| &output.value);
+        let guards = self.events.iter().map(|event| &event.guard);
+        let settings = self.events.iter().flat_map(|event| &event.actions.set);
+        let set = settings.map(|setting| &setting.value);
+        let loads = self.loads.iter().filter_map(|load| match &load.kind {
+            LoadKind::Force(formula) | LoadKind::Torque(formula) => Some(formula),
+            _ => None,
+        });
+        let lengths = self.lines.iter().map(|line| &line.free_length);
+        let forces = self.joints.iter().flat_map(|joint| &joint.forces);
+        let driven = forces.flat_map(|forces| {
+            let command = forces.filter.as_ref().map(|filter| &filter.command);
+            [
+                forces.force.as_ref(),
+                forces.motor.as_ref(),
+                command,
+                forces.stiffness.as_ref(),
+                forces.damping.as_ref(),
+                forces.rest.as_ref(),
+                forces.friction.as_ref(),
+            ]
+        });
+        lets.chain(rates)
+            .chain(outputs)
+            .chain(guards)
+            .chain(set)
+            .chain(loads)
+            .chain(lengths)
+            .chain(driven.flatten())
+    }
+}
+
 /// The `let` that a formula is.
 fn let_of(formula: &Formula) -> Option<usize> {
     match formula {

@@ -65,7 +65,7 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
         let now = resolution(self.time);
         let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
-        let sample = self.next_sample();
+        let sample = self.next_landing();
         if !begins || sample <= self.time + now || course.until - self.time <= now {
             return None;
         }

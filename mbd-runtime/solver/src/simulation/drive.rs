@@ -251,7 +251,7 @@ impl<T: Float> Simulation<T> {
         if self.changes.stop.is_some() {
             return Ok(());
         }
-        let until = until.min(self.next_sample());
+        let until = until.min(self.next_landing());
         let (step, lands) = self.propose(until);
         // Nothing but a row inside the step can make it be taken back.
         let inside = trajectory
@@ -309,6 +309,15 @@ impl<T: Float> Simulation<T> {
     /// Whether the error of a step decides the size of the next.
     pub(crate) fn is_adaptive(&self) -> bool {
         matches!(self.pace, Pace::Adaptive(..))
+    }
+
+    /// The next time that a step does not pass: a sample of a controller, of adaptive steps a kink that is known beforehand [s].
+    pub(super) fn next_landing(&self) -> f64 {
+        let sample = self.next_sample();
+        match self.is_adaptive() {
+            true => sample.min(self.system.next_break(self.time + resolution(self.time))),
+            false => sample,
+        }
     }
 
     /// The size of the next step, and whether it ends at `until`.
