@@ -365,7 +365,7 @@ fn no_adaptive_step_leaps_over_a_pulse_whose_times_are_known() {
         assert!(exact[0].abs() > 0.1, "{pulse}: {exact:?}");
         for options in [
             Options::tsit5(1e-8),
-            Options::vern7(1e-12),
+            Options::vern7(1e-8),
             Options::rodas5p(1e-8),
             Options::auto(1e-8),
         ] {
