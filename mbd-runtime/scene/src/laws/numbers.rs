@@ -66,7 +66,7 @@ pub enum GravityNumbers<S> {
         mu: S,
         /// Centre in world coordinates [m].
         center: Vector3<S>,
-        /// Whether the potential is zero far away, and not at the world origin: see [`super::gravity`].
+        /// Whether the potential is zero far away, and not at the world origin: where the centre is near that, beside what moves about it.
         from_far: bool,
         /// The J2 term, if declared.
         oblate: Option<OblateNumbers<S>>,
