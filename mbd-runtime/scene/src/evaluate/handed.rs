@@ -108,10 +108,9 @@ impl Handed {
         directions.write_linear(&mut list, 0, position);
         let attitude = list.iter_mut().skip(directions.translations().len());
         let numbers = attitude_of(axes, directions);
-        let turned = |number: f64| angle.map_or(number, |angle| next_to(number, angle));
-        attitude
-            .zip(numbers)
-            .for_each(|(slot, number)| *slot = turned(number));
+        for (slot, number) in attitude.zip(numbers) {
+            *slot = angle.map_or(number, |angle| next_to(number, angle));
+        }
         directions.write_linear(&mut list, directions.coordinates(), velocity);
         directions.write_angular(&mut list, directions.coordinates(), &omega);
         Some(list)

@@ -19,19 +19,6 @@ const LINEAR: f64 = 1e-9;
 #[must_use]
 pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<f64> {
     let mut times = Vec::new();
-    let linear = |of: &dyn Fn(f64) -> f64| {
-        let [a, b, c] = LOOKS.map(of);
-        let rate = b - a;
-        let straight = (c - a - LOOKS[2] * rate).abs() <= LINEAR * (a.abs() + b.abs() + c.abs());
-        (straight && rate != 0.0).then_some([a, rate])
-    };
-    let value = |formula: &Formula, time: f64| scalar(formula, &with_params(scene, params, time));
-    let of_time = |parts: &[Formula]| {
-        parts.iter().all(|part| scene.is_of_time(part))
-            && parts
-                .iter()
-                .any(|part| scene.contains(part, |part| matches!(part, Formula::Time)))
-    };
     for formula in scene.read_by_runs() {
         scene.walk(formula, &mut |part| match part {
             Formula::Lookup(table, arguments) => {
@@ -41,30 +28,15 @@ pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<f64> {
                 let second = table.second.iter().map(|second| &second.z);
                 let entries = std::iter::once(&table.x).chain(second);
                 for (argument, entries) in arguments.iter().zip(entries) {
-                    let alone = std::slice::from_ref(argument);
-                    if let Some([a, b]) = of_time(alone)
-                        .then(|| linear(&|time| value(argument, time)))
-                        .flatten()
-                    {
+                    if let Some([a, b]) = linear(scene, params, [argument, &ZERO]) {
                         times.extend(entries.iter().map(|x| (x - a) / b));
                     }
                 }
             }
             Formula::Apply(function, parts) => {
-                let compared = match (function, parts.as_slice()) {
-                    (Function::Abs, [a, ..]) => std::slice::from_ref(a),
-                    (
-                        Function::Min | Function::Max | Function::IfLess | Function::IfAtMost,
-                        [_, _, ..],
-                    ) => &parts[..2],
-                    _ => return,
-                };
-                let apart = |time: f64| {
-                    let mut values = compared.iter().map(|part| value(part, time));
-                    let first = values.next().unwrap_or_default();
-                    first - values.next().unwrap_or_default()
-                };
-                if let Some([a, b]) = of_time(compared).then(|| linear(&apart)).flatten() {
+                if let Some([a, b]) = compared(*function, parts)
+                    .and_then(|difference| linear(scene, params, difference))
+                {
                     times.push(-a / b);
                 }
             }
@@ -75,4 +47,33 @@ pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<f64> {
     times.sort_by(f64::total_cmp);
     times.dedup();
     times
+}
+
+const ZERO: Formula = Formula::Number(0.0);
+
+/// What a function compares.
+fn compared(function: Function, parts: &[Formula]) -> Option<[&Formula; 2]> {
+    match (function, parts) {
+        (Function::Abs, [a, ..]) => Some([a, &ZERO]),
+        (Function::Min | Function::Max | Function::IfLess | Function::IfAtMost, [a, b, ..]) => {
+            Some([a, b])
+        }
+        _ => None,
+    }
+}
+
+/// a and b of a difference that is a + b t; `None` of another one.
+fn linear(scene: &Scene, params: &[f64], difference: [&Formula; 2]) -> Option<[f64; 2]> {
+    if !difference.iter().all(|part| scene.is_of_time(part)) {
+        return None;
+    }
+    let [a, at_one, later] = LOOKS.map(|time| {
+        let context = with_params(scene, params, time);
+        let [first, second] = difference.map(|part| scalar(part, &context));
+        first - second
+    });
+    let rate = at_one - a;
+    let off = (later - a - LOOKS[2] * rate).abs();
+    let straight = off <= LINEAR * (a.abs() + at_one.abs() + later.abs());
+    (straight && rate != 0.0).then_some([a, rate])
 }

@@ -9,10 +9,10 @@
 //!
 //! In world axes a force goes from link to link without rotation, and what a plane leaves out is zero in all of them.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::articulated::{Articulated, unit};
-use super::system::{TreeSystem, each_floating, links, rotate};
+use super::system::{TreeSystem, each_floating, floating_len, links, rotate_by_list};
 use crate::laws::evaluation::Evaluation;
 use crate::{Layout, PointSlots, Real, Twist};
 
@@ -22,11 +22,9 @@ const COLUMN: usize = 13;
 
 /// Length of the list.
 pub(super) fn articulated_len(layout: &Layout) -> usize {
-    let each = |link: &crate::Link| {
-        let axes = if link.joint.is_none() { 9 } else { 0 };
-        OFFSET + COLUMN * link.speeds + axes
-    };
-    1 + links(layout).iter().map(each).sum::<usize>()
+    let all = links(layout).iter();
+    let columns: usize = all.map(|link| OFFSET + COLUMN * link.speeds).sum();
+    columns + floating_len(layout) + 1
 }
 
 fn twist<S: Real>(numbers: &[S]) -> Twist<S> {
@@ -111,20 +109,10 @@ impl<S: Real> TreeSystem<S> {
                 out[own].iter_mut().for_each(|slot| *slot *= inverse);
             }
         }
-        let floating = list.len() - 1 - 9 * all.iter().filter(|link| link.joint.is_none()).count();
-        let turn = |back: bool, numbers: &mut [S]| {
-            let mut axes = list[floating..].chunks_exact(9);
-            each_floating(evaluation, &mut |link, _| {
-                if let Some(axes) = axes.next() {
-                    let axes = Matrix3::from_column_slice(axes);
-                    let axes = if back { axes.transpose() } else { axes };
-                    rotate(evaluation, link, &axes, numbers);
-                }
-            });
-        };
-        turn(true, out);
+        let mut place = list.len() - 1 - floating_len(layout);
+        let floating = &list[place..];
+        rotate_by_list(evaluation, floating, true, out);
         self.pushes.fill(Twist::zero());
-        let mut place = floating;
         for (index, link) in all.iter().enumerate().rev() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let mut push = self.pushes[index];
@@ -167,6 +155,6 @@ impl<S: Real> TreeSystem<S> {
             }
             self.accelerations[index] = own;
         }
-        turn(false, out);
+        rotate_by_list(evaluation, floating, false, out);
     }
 }

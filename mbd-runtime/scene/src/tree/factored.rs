@@ -1,11 +1,10 @@
 //! The equations of motion before they are solved, the factor of their system as a list of numbers, and solutions by it: what derivatives are made of.
 
-use nalgebra::Matrix3;
-
 use super::articulated_factor::articulated_len;
 use super::dependent::DependentSpeeds;
 use super::system::{
-    TreeSystem, each_floating, into_link, into_state, links, rotate, write_coordinate_rates,
+    TreeSystem, each_floating, floating_len, into_link, into_state, rotate_by_list,
+    write_coordinate_rates,
 };
 use crate::elimination::{enter, factored, sparse_dot};
 use crate::laws::evaluation::Evaluation;
@@ -113,17 +112,9 @@ impl<S: Real> TreeSystem<S> {
             self.system.set_factored(bank, at, list[place]);
             place += 1;
         });
-        let turn = |list_at: usize, back: bool, numbers: &mut [S]| {
-            let mut at = list_at;
-            each_floating(evaluation, &mut |link, _| {
-                let axes = Matrix3::from_column_slice(&list[at..at + 9]);
-                at += 9;
-                let axes = if back { axes.transpose() } else { axes };
-                rotate(evaluation, link, &axes, numbers);
-            });
-        };
+        let floating = &list[place..place + floating_len(layout)];
         self.along.copy_from_slice(&asked[..layout.nv]);
-        turn(place, true, &mut self.along);
+        rotate_by_list(evaluation, floating, true, &mut self.along);
         let behind = count - 1 - DependentSpeeds::<S>::factored_len(layout);
         let mut behind = list[behind..count - 1].iter();
         self.dependent.each_factored(&mut |number| {
@@ -174,7 +165,7 @@ impl<S: Real> TreeSystem<S> {
                 }
             }
         }
-        turn(place, false, &mut out[..layout.nv]);
+        rotate_by_list(evaluation, floating, false, &mut out[..layout.nv]);
     }
 }
 
@@ -185,10 +176,5 @@ pub(crate) fn factored_len(layout: &Layout) -> usize {
     }
     let mut count = 1;
     factored(&layout.elimination, &mut |_, _| count += 1);
-    count
-        + DependentSpeeds::<f64>::factored_len(layout)
-        + 9 * links(layout)
-            .iter()
-            .filter(|link| link.joint.is_none())
-            .count()
+    count + DependentSpeeds::<f64>::factored_len(layout) + floating_len(layout)
 }

@@ -74,6 +74,31 @@ pub(super) fn each_floating<S: Real>(
     }
 }
 
+/// Numbers of T of all bodies that float, in the list of a factor.
+pub(super) fn floating_len(layout: &Layout) -> usize {
+    9 * links(layout)
+        .iter()
+        .filter(|link| link.joint.is_none())
+        .count()
+}
+
+/// V = T v by the T that a factor lists, or the way back: see [`into_link`], [`into_state`].
+pub(super) fn rotate_by_list<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    list: &[S],
+    back: bool,
+    numbers: &mut [S],
+) {
+    let mut axes = list.chunks_exact(9);
+    each_floating(evaluation, &mut |link, _| {
+        if let Some(axes) = axes.next() {
+            let axes = Matrix3::from_column_slice(axes);
+            let axes = if back { axes.transpose() } else { axes };
+            rotate(evaluation, link, &axes, numbers);
+        }
+    });
+}
+
 pub(super) fn rotate<S: Real>(
     evaluation: &Evaluation<'_, S>,
     link: &Link,

@@ -65,15 +65,15 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
         let now = resolution(self.time);
         let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
-        let sample = self.next_landing();
-        if !begins || sample <= self.time + now || course.until - self.time <= now {
+        let landing = self.next_landing();
+        if !begins || landing <= self.time + now || course.until - self.time <= now {
             return None;
         }
         let holds = self.holds_on() || {
             let is_plain = self.method.explicit().is_some() && self.system.is_plain();
             is_plain && self.system.hold_plain()
         };
-        let (step, _) = self.propose(course.until.min(sample));
+        let (step, _) = self.propose(course.until.min(landing));
         (step >= now && holds).then_some([self.time, step])
     }
 
