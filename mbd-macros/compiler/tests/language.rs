@@ -373,6 +373,38 @@ fn a_second_in_brackets_is_the_unit_beside_a_spring_of_that_name() {
 }
 
 #[test]
+fn an_exponent_behind_a_unit_in_brackets_is_of_the_unit_alone() {
+    let of = |value: &str| {
+        let read = pendulum(&format!(
+            "joint pin: hinge from world to rod.top {{ axis: y }} param p = {value};"
+        ));
+        let scene = read.scene.as_ref();
+        let scene = scene.unwrap_or_else(|| panic!("{value}: {}", told(&read)));
+        scene.params.last().map_or(f64::NAN, |param| param.default)
+    };
+    for (value, si) in [
+        ("100 (1/s)^2", 100.0),
+        ("3 (m)^2", 3.0),
+        ("3 (km)^2", 3e6),
+        ("3 (m)^-1", 3.0),
+        ("4 (kN/m)^2", 4e6),
+        ("3 (km/h)^2", 3.0 / 12.96),
+    ] {
+        assert!(
+            (of(value) / si - 1.0).abs() < 1e-14,
+            "{value}: {}",
+            of(value)
+        );
+    }
+    let read = pendulum("joint pin: hinge from world to rod.top { axis: y } param p = 2 m^2^2;");
+    assert!(
+        told(&read).contains("the power of a power"),
+        "{}",
+        told(&read)
+    );
+}
+
+#[test]
 fn an_output_of_an_axis_is_noted_and_one_of_a_place_is_not() {
     let noted = |output: &str| {
         let pin = "joint pin: hinge from world to rod.top { axis: y }";

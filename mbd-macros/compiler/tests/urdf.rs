@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use mbd_compiler::{Interpreted, Reading, read_text_in, read_urdf};
 use mbd_scene::solids::Solid;
-use mbd_scene::{Arguments, Formula, Layout, Model, Quantity, Scene, place_declared};
+use mbd_scene::{Arguments, Formula, Layout, Model, Quantity, Scene, StartFrom, place_declared};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 
@@ -643,7 +643,15 @@ fn at_start(scene: Scene) -> Vec<f64> {
     layout
         .quaternions()
         .for_each(|upright| state[upright] = 1.0);
-    place_declared(&scene, &layout, (&[], 0.0), &[], &[], &mut state).unwrap();
+    place_declared(
+        &scene,
+        &layout,
+        StartFrom::new(&[], 0.0),
+        &[],
+        &[],
+        &mut state,
+    )
+    .unwrap();
     let zeros = |count: usize| vec![0.0; count];
     let instant = Arguments {
         time: 0.0,
@@ -728,4 +736,51 @@ fn the_order_of_links_and_joints_in_a_file_changes_nothing() {
         "{robot}"
     );
     accelerates_as_pinocchio_says("reversed", &robot, "");
+}
+
+#[test]
+fn a_slide_mimics_an_angle_and_an_angle_a_slide() {
+    let robot = |from: &str, to: &str| {
+        let joint = |name: &str, kind: &str, child: &str, mimic: &str| {
+            format!(
+                "<joint name='{name}' type='{kind}'><parent link='base'/><child link='{child}'/><axis xyz='0 1 0'/>\
+                 <limit effort='1' velocity='1' lower='-9' upper='9'/>{mimic}</joint>"
+            )
+        };
+        let link = |name: &str| {
+            format!(
+                "<link name='{name}'><inertial><mass value='1'/>\
+                 <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+            )
+        };
+        let mimic = "<mimic joint='leads' multiplier='0.35' offset='-0.1'/>";
+        format!(
+            "<robot name='r'>{}{}{}{}{}</robot>",
+            link("base"),
+            link("a"),
+            link("b"),
+            joint("leads", from, "a", ""),
+            joint("follows", to, "b", mimic)
+        )
+    };
+    for [from, to] in [
+        ["revolute", "prismatic"],
+        ["prismatic", "revolute"],
+        ["revolute", "revolute"],
+        ["prismatic", "prismatic"],
+    ] {
+        let folder = Folder::with("mimics", &robot(from, to));
+        let [lead, follow] = [from, to].map(|kind| match kind {
+            "revolute" => ("angle", "rad"),
+            _ => ("slide", "m"),
+        });
+        let scene = folder.read(&format!(
+            "model Arm {{ urdf: \"arm.urdf\" {{ base: fixed }} gravity: none;
+                extend leads {{ start: 2 {} }}
+                output follows_at = follows.{}; }}",
+            lead.1, follow.0
+        ));
+        let found = at_start(scene);
+        assert!((found[0] - 0.6).abs() < 1e-9, "{from} {to}: {found:?}");
+    }
 }

@@ -151,6 +151,17 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
         ),
         false => (own, None),
     };
+    let all = layout.quantities().into_iter().chain(layout.derivatives());
+    let missing = all.filter(|&what| equations.program(what).is_none() && layout.spells_out(what));
+    let missing: Vec<TokenStream> = missing.map(quantity_path).collect();
+    // A model that emits everything says nothing of it.
+    let emits = (!missing.is_empty()).then(|| {
+        quote! {
+            fn emits(&self, what: ::mbd_runtime::Quantity) -> bool {
+                !::core::matches!(what, #(#missing)|*)
+            }
+        }
+    });
     quote! {
         #over
         impl #float ::mbd_runtime::Model<#t> for #name #used {
@@ -179,6 +190,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<#t>] {
                 &self.lines
             }
+            #emits
             fn evaluate(
                 &self,
                 what: ::mbd_runtime::Quantity,

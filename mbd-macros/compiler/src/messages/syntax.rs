@@ -666,6 +666,13 @@ pub fn unit_behind_unit(at: Region, units: &[String]) -> LexemeMessage {
     LexemeMessage::new(at, text)
 }
 
+pub fn power_of_a_power(at: Region, unit: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("the power of a power: write the unit with one exponent, `{unit}^4`"),
+    )
+}
+
 pub fn unit_exponent(at: Region) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -240,6 +240,11 @@ impl Resolver<'_> {
     ) -> Option<Formula> {
         let typed = self.typed(argument, scope)?;
         self.in_radians(&typed, &format!("`{word}`"))?;
+        let known = fold::at_defaults(&typed.formula, &self.scene);
+        if let Some(angle) = known.filter(|angle| angle.abs() > std::f64::consts::TAU) {
+            self.warnings
+                .push(say::attitude_has_no_turns(typed.at, angle));
+        }
         self.fits(typed, word, false, units::NONE)
     }
 

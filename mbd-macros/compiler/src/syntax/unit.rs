@@ -3,7 +3,7 @@
 use mbd_scene::{Dimension, Unit};
 
 use super::Cursor;
-use crate::lexeme::{Bracket, LexemeKind};
+use crate::lexeme::{Bracket, LexemeKind, Region};
 use crate::messages::{LexemeMessage, syntax as say};
 use crate::units;
 
@@ -41,27 +41,32 @@ fn trailing(cursor: &mut Cursor<'_>, strict: bool) -> Result<Option<Unit>, Lexem
     let first = match reciprocal(cursor) {
         Some(one) => one,
         None if cursor.peek_word().is_some() => factor(cursor, true)?,
-        None => return Ok(in_brackets(cursor)),
+        None => return in_brackets(cursor),
     };
     let unit = product(cursor, first, strict)?;
     no_unit_behind(cursor, &unit)?;
     Ok(Some(unit))
 }
 
-/// Takes a unit in brackets alone, `(kg*m)`, `(1/s)`: how it is told from a name that is a unit, too. What is no unit stays.
-fn in_brackets(cursor: &mut Cursor<'_>) -> Option<Unit> {
-    let mut ahead = *cursor;
-    let group = ahead.group(Bracket::Round)?;
+/// Takes a unit in brackets alone, `(kg*m)`, `(1/s)^2`: how it is told from a name that is a unit, too. What is no unit stays.
+fn in_brackets(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
+    let (here, mut ahead) = (cursor.here(), *cursor);
+    let Some(group) = ahead.group(Bracket::Round) else {
+        return Ok(None);
+    };
     let mut first = Cursor::new(group);
     if first.peek_word().is_none() && reciprocal(&mut first).is_none() {
-        return None;
+        return Ok(None);
     }
-    let inner = whole(Cursor::new(group)).ok()?;
+    let Ok(inner) = whole(Cursor::new(group)) else {
+        return Ok(None);
+    };
     *cursor = ahead;
-    Some(Unit {
+    let base = Unit {
         text: format!("({})", inner.text),
         ..inner
-    })
+    };
+    raised(base, here, cursor).map(Some)
 }
 
 /// Refuses `kg m^2`: a unit behind a unit without a sign between them.
@@ -179,6 +184,11 @@ fn factor(cursor: &mut Cursor<'_>, sure: bool) -> Result<Unit, LexemeMessage> {
             dimension,
         }
     };
+    raised(base, here, cursor)
+}
+
+/// A unit with the exponent that stands behind it, if one does.
+fn raised(base: Unit, here: Region, cursor: &mut Cursor<'_>) -> Result<Unit, LexemeMessage> {
     if cursor.sign('^').is_none() {
         return Ok(base);
     }
@@ -186,6 +196,9 @@ fn factor(cursor: &mut Cursor<'_>, sure: bool) -> Result<Unit, LexemeMessage> {
     let raised =
         units::power(base.dimension, n).and_then(|d| if halves { units::root(d) } else { Some(d) });
     let factor = base.factor.powi(n);
+    if matches!(cursor.peek().map(|l| &l.kind), Some(LexemeKind::Sign('^'))) {
+        return Err(say::power_of_a_power(cursor.here(), &base.text));
+    }
     Ok(Unit {
         text: if halves {
             format!("{}^({n}/2)", base.text)

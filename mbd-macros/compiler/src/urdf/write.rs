@@ -206,8 +206,13 @@ impl UrdfWriter<'_> {
             return Err(say::mimics_none(mimic.at, &joint.name, &other.name));
         };
         let names = &self.names;
+        // What a slide goes by for a radian is a length.
+        let ratio_unit = match (unit, other_unit) {
+            ("m", "rad") => "m".to_owned(),
+            (unit, other) => format!("{unit}/{other}"),
+        };
         let text = format!(
-            "joint {}: gear from {}.{from} to {}.{to} {{ ratio: {:?} {unit}/{other_unit}, offset: {:?} {unit} }}",
+            "joint {}: gear from {}.{from} to {}.{to} {{ ratio: {:?} {ratio_unit}, offset: {:?} {unit} }}",
             names.mimics[index],
             names.joints[mimic.joint],
             names.joints[index],

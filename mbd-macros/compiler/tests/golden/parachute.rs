@@ -1026,6 +1026,36 @@ const _: () = {
         fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<T>] {
             &self.lines
         }
+        fn emits(&self, what: ::mbd_runtime::Quantity) -> bool {
+            !::core::matches!(
+                what, ::mbd_runtime::Quantity::Momentum | ::mbd_runtime::Quantity::Lines
+                |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
+                ::mbd_runtime::scene::Variable::State,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
+                ::mbd_runtime::scene::Variable::Node,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
+                ::mbd_runtime::scene::Variable::Parameter,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
+                ::mbd_runtime::scene::Variable::Input,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
+                ::mbd_runtime::scene::Variable::State,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
+                ::mbd_runtime::scene::Variable::Node,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
+                ::mbd_runtime::scene::Variable::Parameter,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
+                ::mbd_runtime::scene::Variable::Input,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
+                ::mbd_runtime::scene::Variable::State,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
+                ::mbd_runtime::scene::Variable::Node,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
+                ::mbd_runtime::scene::Variable::Parameter,) |
+                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
+                ::mbd_runtime::scene::Variable::Input,)
+            )
+        }
         fn evaluate(
             &self,
             what: ::mbd_runtime::Quantity,

@@ -246,7 +246,7 @@ fn as_many_things_are_resolved_as_are_declared_or_the_repetition_is_an_error() {
             assert!(
                 told.iter().all(|told| told.contains("[i in 0..3]")
                     || told.contains("index")
-                    || told.contains("parameter")
+                    || told.contains("is named")
                     || told.contains("expected")),
                 "{kind} [{repetition}]: {told:?}"
             );

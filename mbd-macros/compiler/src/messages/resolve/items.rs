@@ -53,7 +53,13 @@ pub fn too_many(at: Region, most: usize, found: usize) -> LexemeMessage {
 }
 
 pub fn circular(at: Region, kind: &str, name: &str) -> LexemeMessage {
-    LexemeMessage::new(at, format!("{kind} `{name}` depends on itself"))
+    let unit = match units::find(name) {
+        Some(_) => format!(
+            "; where the unit is meant, write it in brackets, `3 (rad/{name})`, or give the {kind} another name, such as `{name}_1`"
+        ),
+        None => String::new(),
+    };
+    LexemeMessage::new(at, format!("{kind} `{name}` depends on itself{unit}"))
 }
 
 pub fn vector_param(at: Region) -> LexemeMessage {

@@ -80,16 +80,26 @@ pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> LexemeMessag
     // `m/s2`: what stands behind the line was no unit and is taken for a name.
     let unit = units::foreign(word).map(str::to_owned);
     let unit = unit.or_else(|| units::run_together(word));
-    let unit = unit.map_or_else(String::new, |unit| {
-        format!(", or write `{unit}` for the unit")
-    });
+    let unit = unit.map(|unit| format!(", or write `{unit}` for the unit"));
     if let Some(answer) = foreign::translated(foreign::FOREIGN_NAMES, word) {
-        return LexemeMessage::new(at, format!("no parameter named `{word}`; {answer}"));
+        return LexemeMessage::new(at, format!("nothing is named `{word}`; {answer}"));
     }
     let near = ended(did_you_mean(word, known.iter().copied()));
+    let forms = || {
+        format!(
+            ": `const {word} = …;`, `param {word} = …;`, or `input {word}: …;` of what a run is given"
+        )
+    };
+    let rest = unit.unwrap_or_else(|| {
+        if near.contains('?') {
+            String::new()
+        } else {
+            forms()
+        }
+    });
     LexemeMessage::new(
         at,
-        format!("no parameter named `{word}`{near} declare it{unit}"),
+        format!("nothing is named `{word}`{near} declare it{rest}"),
     )
 }
 

@@ -1,6 +1,6 @@
 //! Messages about values: shapes, dimensions, functions.
 
-use mbd_scene::Dimension;
+use mbd_scene::{Dimension, plain};
 
 use crate::lexeme::Region;
 use crate::messages::similar::{did_you_mean, slips};
@@ -296,6 +296,17 @@ pub fn angle_without_unit(at: Region, angle: f64, literal: bool, what: &str) -> 
         ),
     };
     LexemeMessage::new(at, said)
+}
+
+/// An attitude by an angle of more than a full turn [rad].
+pub fn attitude_has_no_turns(at: Region, angle: f64) -> LexemeMessage {
+    let [said, same] = [angle, angle % std::f64::consts::TAU].map(|it| plain(it.to_degrees(), 6));
+    LexemeMessage::new(
+        at,
+        format!(
+            "an attitude has no turns: {said} deg is {same} deg here; turns are those of a joint, which starts with them by `start: {said} deg`"
+        ),
+    )
 }
 
 pub fn degrees_in_degrees(at: Region) -> LexemeMessage {
