@@ -15,10 +15,24 @@ use crate::{Formula, Function, Scene};
 const LOOKS: [f64; 3] = [0.0, 1.0, 3.7];
 const LINEAR: f64 = 1e-9;
 
-/// The times of (1) for these params [s], in order, of everything that a run reads.
+/// A time of (1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Break {
+    /// When [s].
+    pub time: f64,
+    /// Whether what acts may jump there: at a choice.
+    pub jumps: bool,
+}
+
+/// The times of (1) for these params, in order, of everything that a run reads.
 #[must_use]
-pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<f64> {
-    let mut times = Vec::new();
+pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<Break> {
+    let mut breaks = Vec::new();
+    let mut add = |time: f64, jumps: bool| {
+        if time.is_finite() {
+            breaks.push(Break { time, jumps });
+        }
+    };
     for formula in scene.read_by_runs() {
         scene.walk(formula, &mut |part| match part {
             Formula::Lookup(table, arguments) => {
@@ -29,7 +43,7 @@ pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<f64> {
                 let entries = std::iter::once(&table.x).chain(second);
                 for (argument, entries) in arguments.iter().zip(entries) {
                     if let Some([a, b]) = linear(scene, params, [argument, &ZERO]) {
-                        times.extend(entries.iter().map(|x| (x - a) / b));
+                        entries.iter().for_each(|x| add((x - a) / b, false));
                     }
                 }
             }
@@ -37,16 +51,20 @@ pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<f64> {
                 if let Some([a, b]) = compared(*function, parts)
                     .and_then(|difference| linear(scene, params, difference))
                 {
-                    times.push(-a / b);
+                    let jumps = matches!(function, Function::IfLess | Function::IfAtMost);
+                    add(-a / b, jumps);
                 }
             }
             _ => {}
         });
     }
-    times.retain(|time| time.is_finite());
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    times
+    breaks.sort_by(|a, b| a.time.total_cmp(&b.time));
+    breaks.dedup_by(|later, kept| {
+        let same = later.time == kept.time;
+        kept.jumps |= same && later.jumps;
+        same
+    });
+    breaks
 }
 
 const ZERO: Formula = Formula::Number(0.0);

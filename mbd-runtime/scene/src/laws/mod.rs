@@ -19,6 +19,7 @@ pub(crate) mod mass;
 pub(crate) mod measured;
 pub(crate) mod node;
 pub(crate) mod numbers;
+pub mod of_time;
 pub mod origin;
 pub mod rate;
 mod table;

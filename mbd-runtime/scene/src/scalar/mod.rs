@@ -7,6 +7,7 @@ mod few;
 mod jet;
 #[doc(hidden)]
 pub mod orthogonal;
+mod range;
 mod real;
 
 pub use algebra::{elements, inverse, quaternion_rate, rotation, solve_regular, symmetric};
@@ -14,4 +15,5 @@ pub use circular::{LARGEST_ANGLE, sin_cos_within};
 pub use dual::Dual;
 pub(crate) use few::Few;
 pub use jet::{Jet, OfTime, split};
+pub(crate) use range::Range;
 pub use real::{Float, Real, TINY};
