@@ -77,7 +77,8 @@ pub use scene::{
     PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{
-    begin_next_to, declared_beside, declared_parts, place_bodies, place_declared, said_coordinates,
+    StartFrom, begin_next_to, declared_beside, declared_parts, place_bodies, place_declared,
+    said_coordinates,
 };
 pub use tree::to_relative;
 pub use vocabulary::{

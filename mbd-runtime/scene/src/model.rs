@@ -31,6 +31,10 @@ pub trait Model<T: Float>: Send + Sync {
     /// (`MassMatrix`, `NodeByAnchor`, `CondensedStiffness`, `Partial`) only the structural non-zeros, so `out` starts at zero there.
     /// A slice of a wrong length, or the scratch of another model, leaves `out` untouched; what a compiled model was not asked to emit is not a number.
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]);
+    /// Whether a quantity has a value here; of a compiled model, whether it was asked to emit it.
+    fn emits(&self, _what: Quantity) -> bool {
+        true
+    }
     /// What evaluates several cases of this model beside each other, for a runtime that knows its type; `None` where they are run one by one.
     fn beside(&self) -> Option<&(dyn Any + Send + Sync)> {
         None

@@ -7,7 +7,7 @@ use crate::laws::body::attitude_of;
 use crate::laws::line::DETACHED;
 use crate::laws::turns::next_to;
 use crate::laws::{Numbers, constant};
-use crate::placement::{FREE, followers, place_near};
+use crate::placement::{FREE, by_bodies, followers, place_near};
 use crate::tree::Absolute;
 use crate::{
     Arguments, At, Formula, Joint, JointStart, Layout, Part, Place, PlacementError,
@@ -17,12 +17,49 @@ use crate::{
 /// A start that is said to these digits says the same as a motor [m or rad, and per second].
 const SAID: f64 = 1e-5;
 
+/// What a start is placed from.
+#[derive(Clone, Copy, Debug)]
+pub struct StartFrom<'a> {
+    /// The live parameters [SI].
+    pub params: &'a [f64],
+    /// When [s].
+    pub time: f64,
+    /// Inputs, in the order of [`Layout::inputs`] [SI]; `None`: their defaults.
+    pub inputs: Option<&'a [f64]>,
+}
+
+impl<'a> StartFrom<'a> {
+    /// Params at a time, with the defaults of the inputs.
+    #[must_use]
+    pub fn new(params: &'a [f64], time: f64) -> Self {
+        StartFrom {
+            params,
+            time,
+            inputs: None,
+        }
+    }
+
+    /// The same with inputs.
+    #[must_use]
+    pub fn with_inputs(self, inputs: &'a [f64]) -> Self {
+        StartFrom {
+            inputs: Some(inputs),
+            ..self
+        }
+    }
+}
+
 impl Arguments<f64> {
-    /// A state before anything has run: the defaults of the inputs, what is detached at the start, nodes and their lines not solved.
-    pub(crate) fn before_a_run(scene: &Scene, layout: &Layout, time: f64, state: &[f64]) -> Self {
+    /// A state before anything has run: what is detached at the start, nodes and their lines not solved.
+    pub(crate) fn before_a_run(
+        scene: &Scene,
+        layout: &Layout,
+        from: StartFrom<'_>,
+        state: &[f64],
+    ) -> Self {
         let hold = |detached| if detached { DETACHED } else { 0.0 };
         Arguments {
-            time,
+            time: from.time,
             state: state.to_vec(),
             nodes: vec![0.0; 3 * layout.nodes.len()],
             effective: vec![0.0; layout.effective_numbers],
@@ -30,7 +67,8 @@ impl Arguments<f64> {
             hold: (layout.start_detached().map(hold))
                 .take(layout.holds() - layout.locks)
                 .collect(),
-            inputs: layout.default_inputs(scene),
+            inputs: (from.inputs.filter(|inputs| inputs.len() == layout.ni))
+                .map_or_else(|| layout.default_inputs(scene), <[f64]>::to_vec),
             ..Arguments::default()
         }
     }
@@ -41,7 +79,7 @@ impl Arguments<f64> {
 pub fn declared_parts(
     scene: &Scene,
     layout: &Layout,
-    params: &[f64],
+    from: StartFrom<'_>,
     state: &mut [f64],
 ) -> Vec<Part> {
     let parts: Vec<Part> = scene.starts.parts.iter().map(|start| start.part).collect();
@@ -49,9 +87,8 @@ pub fn declared_parts(
         if !parts.is_empty() && state.len() == layout.nx() {
             let absolute = Absolute::of(scene);
             let (declared, own) = (&absolute.scene, &absolute.layout);
-            let from = (params, 0.0);
             let mut placed = absolute.state((scene, layout), from, state);
-            declared_parts(declared, own, params, &mut placed);
+            declared_parts(declared, own, from, &mut placed);
             let mut hung = placed.clone();
             // What does not fit is told where the coordinates that are given, too, are placed.
             if place_near(declared, own, from, (&[], &[]), &parts, &mut hung).is_ok() {
@@ -62,7 +99,7 @@ pub fn declared_parts(
         return parts;
     }
     let directions = layout.directions;
-    let of = |formula: &Formula| constant(scene, params, formula);
+    let of = |formula: &Formula| constant(scene, from.params, formula);
     let vector = |triple: &Triple| Vector3::from(triple.each_ref().map(of));
     for start in &scene.starts.parts {
         let slots = layout.own_slots(start.part);
@@ -96,7 +133,7 @@ pub fn declared_parts(
 pub fn declared_beside(
     scene: &Scene,
     layout: &Layout,
-    from: (&[f64], f64),
+    from: StartFrom<'_>,
     state: &[f64],
 ) -> Option<(Scene, Layout, [Vec<f64>; 2])> {
     if layout.tree.is_none() || scene.starts.parts.is_empty() || state.len() != layout.nx() {
@@ -105,7 +142,7 @@ pub fn declared_beside(
     let absolute = Absolute::of(scene);
     let here = absolute.state((scene, layout), from, state);
     let mut declared = here.clone();
-    declared_parts(&absolute.scene, &absolute.layout, from.0, &mut declared);
+    declared_parts(&absolute.scene, &absolute.layout, from, &mut declared);
     Some((absolute.scene, absolute.layout, [here, declared]))
 }
 
@@ -115,7 +152,7 @@ pub fn declared_beside(
 pub fn place_bodies(
     scene: &Scene,
     layout: &Layout,
-    (params, time): (&[f64], f64),
+    from: StartFrom<'_>,
     known: &[Option<Vec<f64>>],
     state: &mut [f64],
 ) {
@@ -124,7 +161,7 @@ pub fn place_bodies(
     }
     let before = state.to_vec();
     let absolute = Absolute::of(scene);
-    let mut placed = absolute.state((scene, layout), (params, time), state);
+    let mut placed = absolute.state((scene, layout), from, state);
     let coordinates = layout.directions.coordinates();
     for (body, slots) in absolute.layout.own_bodies() {
         let Some(numbers) = known.get(body).and_then(Option::as_ref) else {
@@ -136,7 +173,7 @@ pub fn place_bodies(
             places.zip(part).for_each(|(slot, number)| *slot = *number);
         }
     }
-    absolute.relative((scene, layout), &placed, (params, time), state);
+    absolute.relative((scene, layout), &placed, from, state);
     for (_, link) in layout.joint_links() {
         if known.get(link.body).is_none_or(Option::is_none) {
             let v = layout.nq + link.slots.v;
@@ -160,7 +197,7 @@ pub fn place_bodies(
 pub fn place_declared(
     scene: &Scene,
     layout: &Layout,
-    from: (&[f64], f64),
+    from: StartFrom<'_>,
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
@@ -171,7 +208,7 @@ pub fn place_declared(
     agree_with_motors((scene, layout), from, given, state)?;
     let mut all = given.to_vec();
     let mut others = Vec::new();
-    for start in declared_coordinates(scene, from.0) {
+    for start in declared_coordinates(scene, from.params) {
         let same = |known: &&mut JointStart| {
             (known.joint, known.coordinate) == (start.joint, start.coordinate)
         };
@@ -207,7 +244,7 @@ pub fn place_declared(
 /// The first that says something else.
 fn agree_with_motors(
     (scene, layout): (&Scene, &Layout),
-    (params, time): (&[f64], f64),
+    from: StartFrom<'_>,
     given: &[JointStart],
     state: &[f64],
 ) -> Result<(), PlacementError> {
@@ -228,8 +265,8 @@ fn agree_with_motors(
     if given.is_empty() || state.len() != layout.nx() {
         return Ok(());
     }
-    let here = Arguments::before_a_run(scene, layout, time, state);
-    let numbers = Numbers::new(scene, params);
+    let here = Arguments::before_a_run(scene, layout, from, state);
+    let numbers = Numbers::new(scene, from.params);
     let scratch = &mut Scratch::new(layout);
     for driven in driven_coordinates(scene, layout, &numbers, &here.at(), scratch) {
         let (joint, coordinate) = (driven.joint, driven.coordinate);
@@ -263,7 +300,7 @@ fn agree_with_motors(
 /// declared, turns that an angle counts among them.
 fn place_along_tree(
     (scene, layout): (&Scene, &Layout),
-    from: (&[f64], f64),
+    from: StartFrom<'_>,
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
@@ -294,8 +331,8 @@ fn place_along_tree(
         &mut placed,
     )?;
     absolute.relative((scene, layout), &placed, from, state);
-    let here = Arguments::before_a_run(scene, layout, from.1, state);
-    let numbers = Numbers::new(scene, from.0);
+    let here = Arguments::before_a_run(scene, layout, from, state);
+    let numbers = Numbers::new(scene, from.params);
     let scratch = &mut Scratch::new(layout);
     let all = said_coordinates((scene, layout), &numbers, &here.at(), given, scratch);
     // The first that is said of a coordinate is next to it in the end.
@@ -341,7 +378,8 @@ fn declared_coordinates(scene: &Scene, params: &[f64]) -> impl Iterator<Item = J
 }
 
 /// Where joint coordinates are said to begin: as they are `given`, by their declared starts, by the courses of their motors, or where couplings with
-/// others that are said, or at zero, have them. Of several that are of one coordinate the first counts.
+/// others that are said, or at zero, have them; in a plane next to what bodies that are turns apart have between them. Of several that are of one
+/// coordinate the first counts.
 pub fn said_coordinates(
     (scene, layout): (&Scene, &Layout),
     numbers: &Numbers<f64>,
@@ -352,12 +390,6 @@ pub fn said_coordinates(
     let mut said = given.to_vec();
     said.extend(declared_coordinates(scene, &numbers.params));
     said.extend(driven_coordinates(scene, layout, numbers, at, scratch));
-    let values = said.iter().filter(|start| start.value.is_some());
-    let named = values.map(|start| (start.joint, start.coordinate));
-    let followers = followers((scene, layout), named.collect(), &|_| true);
-    if followers.is_empty() {
-        return said;
-    }
     let what = Quantity::JointCoordinates;
     let mut measured = vec![0.0; layout.len(what)];
     evaluate(what, scene, layout, numbers, at, scratch, &mut measured);
@@ -366,15 +398,22 @@ pub fn said_coordinates(
         .iter()
         .map(|joint| joint.law.measured().count());
     let counts: Vec<usize> = counts.collect();
+    let measured = |(joint, coordinate): (usize, usize)| {
+        let before: usize = counts.iter().take(joint).sum();
+        let own = measured.get(3 * (before + coordinate));
+        own.copied().unwrap_or_default()
+    };
+    said.extend(by_bodies((scene, layout), numbers, at.state, &measured));
+    let values = said.iter().filter(|start| start.value.is_some());
+    let named = values.map(|start| (start.joint, start.coordinate));
+    let followers = followers((scene, layout), named.collect(), &|_| true);
     for follower in followers {
         let value = |(joint, coordinate): (usize, usize)| {
             let mut own = said.iter().filter(|start| {
                 (start.joint, start.coordinate) == (joint, coordinate) && start.value.is_some()
             });
-            let before: usize = counts.iter().take(joint).sum();
             let own = own.next().and_then(|start| start.value);
-            let measured = measured.get(3 * (before + coordinate)).copied();
-            own.or(measured).unwrap_or_default()
+            own.unwrap_or_else(|| measured((joint, coordinate)))
         };
         let off = follower.off(&numbers.couplings, [&value, &|_| 0.0]);
         let (Some([off, _]), Some((joint, coordinate))) = (off, follower.coordinate()) else {

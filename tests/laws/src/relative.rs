@@ -1,6 +1,6 @@
 //! A mechanism in both families of coordinates.
 
-use mbd_scene::{Coordinates, Dual, Layout, Quantity, Scene, to_relative};
+use mbd_scene::{Coordinates, Dual, Layout, Quantity, Scene, StartFrom, to_relative};
 
 use crate::mechanism::evaluate;
 
@@ -33,7 +33,7 @@ impl Both {
         to_relative(
             (&relative, &layout),
             (&absolute, state),
-            (&params, 0.0),
+            StartFrom::new(&params, 0.0),
             &mut own,
         );
         // What the state of the tree says, so that rounding of the given state is not compared.

@@ -2,7 +2,7 @@
 
 use mbd_compiler::read_text;
 use mbd_runtime::{Generic, Model, Options, Quantity, Simulation, StartNumber};
-use mbd_scene::{JointStart, Layout, Part, PlacementError, Scene, place};
+use mbd_scene::{JointStart, Layout, Part, PlacementError, Scene, StartFrom, place};
 use tests::assert_close;
 
 fn read(text: &str) -> Scene {
@@ -33,7 +33,15 @@ fn placed(scene: &Scene, given: &[JointStart], fixed: &[Part]) -> Result<Vec<f64
     let layout = Layout::new(scene);
     let mut state = upright(&layout);
     let params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
-    place(scene, &layout, (&params, 0.0), given, fixed, &mut state).map(|_| state)
+    place(
+        scene,
+        &layout,
+        StartFrom::new(&params, 0.0),
+        given,
+        fixed,
+        &mut state,
+    )
+    .map(|_| state)
 }
 
 /// The start of a run from a state: how far it was moved, and coordinate and rate of every joint as formulas see them.

@@ -80,7 +80,7 @@ impl Placement<'_> {
             }
         }
         let found = nearest.map(|(_, q)| q).or(reversed);
-        self.q = found.ok_or(open.error())?;
+        self.q = found.ok_or_else(|| self.open(open))?;
         Ok(())
     }
 
@@ -103,7 +103,7 @@ impl Placement<'_> {
             let (before, mut part) = (self.q.clone(), 1.0);
             let nearer = loop {
                 for (&(joint, k), by) in unknowns.iter().zip(step.iter()) {
-                    self.q[joint][k] += part * by;
+                    self.q[joint][k] += part * self.scale(joint, k) * by;
                 }
                 self.normalise();
                 let gap = self.descend(unknowns, state);
@@ -125,7 +125,11 @@ impl Placement<'_> {
 
     /// Whether what is said to be about a value has it.
     pub(super) fn grants(&mut self, wishes: &[Wish], state: &mut [f64]) -> bool {
-        self.missing(wishes, state).amax() <= CLOSED.sqrt()
+        let missing = self.missing(wishes, state);
+        let near = |(wish, missing): (&Wish, &f64)| {
+            missing.abs() <= CLOSED.sqrt() * self.scale(wish.joint, wish.coordinate)
+        };
+        wishes.iter().zip(missing.iter()).all(near)
     }
 
     /// a0 − a of (1).

@@ -8,11 +8,11 @@ use crate::laws::{branch, row_units};
 
 /// Iterations that close the loops.
 pub(super) const ITERATIONS: usize = 100;
-/// Starts of y that are tried: zero, then others, ever further away [rad, or parts of a metre].
+/// Starts of y that are tried: zero, then others, ever further away [rad, or parts of the size of the mechanism].
 pub(super) const REACHES: [f64; 8] = [0.0, 0.1, 0.3, 0.3, 1.0, 1.0, 2.0, 3.0];
 /// Rates contradict each other where they leave the rows more than this part of what one of them asks for; less is what their digits leave.
 const CONTRADICTION: f64 = 1e-3;
-/// The step of the differences that linearise (3).
+/// The step of the differences that linearise (3) [rad, or parts of the size of the mechanism].
 const DIFFERENCE: f64 = 1e-6;
 
 /// What stays open most.
@@ -29,16 +29,6 @@ impl Default for OpenRow {
             size: f64::INFINITY,
             joint: 0,
             unit: "m",
-        }
-    }
-}
-
-impl OpenRow {
-    pub(super) fn error(self) -> PlacementError {
-        PlacementError::Open {
-            joint: self.joint,
-            gap: self.size,
-            unit: self.unit,
         }
     }
 }
@@ -135,7 +125,7 @@ impl Placement<'_> {
         for (number, &(joint, k)) in unknowns.iter().enumerate() {
             // Any numbers do that are unlike: no coordinate at the same place twice.
             let turn = 2.4 * (number + 7 * attempt) as f64;
-            self.q[joint][k] += reach * turn.sin();
+            self.q[joint][k] += reach * self.scale(joint, k) * turn.sin();
         }
         self.normalise();
     }
@@ -165,7 +155,7 @@ impl Placement<'_> {
         }
         match other_branch {
             Some(q) => self.q = q,
-            None => return Err(best.error()),
+            None => return Err(self.open(best)),
         }
         Ok(false)
     }
@@ -191,7 +181,7 @@ impl Placement<'_> {
             };
             let before = self.q.clone();
             for (&(joint, k), step) in unknowns.iter().zip(step.iter()) {
-                self.q[joint][k] -= step;
+                self.q[joint][k] -= self.scale(joint, k) * step;
             }
             self.normalise();
             let tried = self.rows(Quantity::Constraint, state);
@@ -223,6 +213,18 @@ impl Placement<'_> {
         };
         let unit = self.unit_of(joint, worst, state);
         OpenRow { size, joint, unit }
+    }
+
+    /// What is said of a loop that stays open.
+    pub(super) fn open(&self, row: OpenRow) -> PlacementError {
+        PlacementError::Open {
+            joint: row.joint,
+            gap: match row.unit {
+                "m" => row.size * self.length,
+                _ => row.size,
+            },
+            unit: row.unit,
+        }
     }
 
     /// The unit of a row of a joint.
@@ -286,7 +288,7 @@ impl Placement<'_> {
         joint.unwrap_or(0)
     }
 
-    /// The derivative of what the coordinates decide by some of them, by differences.
+    /// The derivative of what the coordinates decide by some of them, by differences; the coordinates as parts of their [scales](Self::scale).
     pub(super) fn slopes(
         &mut self,
         unknowns: &[(usize, usize)],
@@ -296,11 +298,12 @@ impl Placement<'_> {
         let mut columns = Vec::with_capacity(unknowns.len());
         for &(joint, k) in unknowns {
             let here = self.q[joint][k];
+            let by = DIFFERENCE * self.scale(joint, k);
             let mut at = |q: f64| {
                 self.q[joint][k] = q;
                 of(self, state)
             };
-            let difference = at(here + DIFFERENCE) - at(here - DIFFERENCE);
+            let difference = at(here + by) - at(here - by);
             self.q[joint][k] = here;
             columns.push(difference / (2.0 * DIFFERENCE));
         }

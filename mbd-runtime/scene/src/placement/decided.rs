@@ -27,10 +27,14 @@ impl Placement<'_> {
                 let rate = start.rate.is_none_or(|rate| {
                     let told = self.rows(Quantity::Coordinates, state);
                     let own = told.get(self.place_in_coordinates(joint, coordinate) + 1);
-                    own.is_some_and(|own| (own - rate).abs() <= CLOSED.sqrt())
+                    let negligible = CLOSED.sqrt() * self.scale(joint, coordinate);
+                    own.is_some_and(|own| (own - rate).abs() <= negligible)
                 });
-                if !(place && rate) {
+                if !place {
                     return Err(PlacementError::Decided { joint });
+                }
+                if !rate {
+                    return Err(PlacementError::Moving { joint });
                 }
             }
         }

@@ -14,7 +14,8 @@ use nalgebra::DVector;
 use crate::evaluate::{Scratch, driven_coordinates, evaluate};
 use crate::laws::ground::ground;
 use crate::laws::numbers::Numbers;
-use crate::{Arguments, FrameMotion, Layout, Part, Quantity, Scene};
+use crate::laws::row_units;
+use crate::{Arguments, FrameMotion, Layout, Part, Place, Quantity, Scene, StartFrom};
 use tree::{PlacingJoint, tree};
 
 mod about;
@@ -23,16 +24,20 @@ mod close;
 mod couplings;
 mod decided;
 mod given;
+mod plane_turns;
 mod report;
 mod tree;
 mod walk;
 
 pub(crate) use couplings::followers;
 pub use given::{JointStart, StartNumber};
+pub(crate) use plane_turns::by_bodies;
 pub use report::{AboutStart, PlacementError, PlacementReport};
 
-/// A loop is closed when its rows are below this [m or 1].
+/// A loop is closed when its rows are below this, lengths as parts of [`Placement::length`].
 const CLOSED: f64 = 1e-11;
+/// What rounding leaves of a place, in parts of how far it is from the origin.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Freedoms of a body that floats.
 pub(crate) const FREE: usize = 6;
 
@@ -41,7 +46,7 @@ struct Placement<'a> {
     layout: &'a Layout,
     numbers: Numbers<f64>,
     ground: Vec<Option<FrameMotion<f64>>>,
-    time: f64,
+    from: StartFrom<'a>,
     links: Vec<PlacingJoint>,
     /// Parts that stay where the state has them.
     fixed: &'a [Part],
@@ -49,6 +54,12 @@ struct Placement<'a> {
     q: Vec<Vec<f64>>,
     u: Vec<Vec<f64>>,
     scratch: Scratch<f64>,
+    /// The size of the mechanism: the longest arm of a joint [m].
+    size: f64,
+    /// What rows that are lengths are measured by [m]: `size`, or more where places so far from the origin are known no better.
+    length: f64,
+    /// Which rows are lengths.
+    lengths: Vec<bool>,
 }
 
 /// Writes the bodies and points that joints place into a state, for the joint coordinates that are given; those of motors are what their
@@ -60,7 +71,7 @@ struct Placement<'a> {
 pub fn place(
     scene: &Scene,
     layout: &Layout,
-    from: (&[f64], f64),
+    from: StartFrom<'_>,
     given: &[JointStart],
     fixed: &[Part],
     state: &mut [f64],
@@ -75,7 +86,7 @@ pub fn place(
 pub(crate) fn place_near(
     scene: &Scene,
     layout: &Layout,
-    (params, time): (&[f64], f64),
+    from: StartFrom<'_>,
     (given, near): (&[JointStart], &[JointStart]),
     fixed: &[Part],
     state: &mut [f64],
@@ -87,9 +98,9 @@ pub(crate) fn place_near(
     if links.is_empty() && given.is_empty() {
         return Ok(PlacementReport::default());
     }
-    let numbers = Numbers::new(scene, params);
+    let numbers = Numbers::new(scene, from.params);
     let mut frames = Vec::new();
-    ground(scene, &numbers, time, &mut frames);
+    ground(scene, &numbers, from.time, &mut frames);
     let zero = |joint: &crate::Joint| {
         let mut q = vec![0.0; joint.law.coordinates()];
         if let Some(attitude) = joint.law.attitude() {
@@ -101,7 +112,7 @@ pub(crate) fn place_near(
         scene,
         layout,
         ground: frames,
-        time,
+        from,
         links,
         fixed,
         q: scene.joints.iter().map(zero).collect(),
@@ -112,6 +123,9 @@ pub(crate) fn place_near(
             .collect(),
         scratch: Scratch::new(layout),
         numbers,
+        size: 1.0,
+        length: 1.0,
+        lengths: Vec::new(),
     };
     placement.set(near);
     let mut all = given.to_vec();
@@ -121,6 +135,7 @@ pub(crate) fn place_near(
     }
     placement.set(&all);
     placement.follow_couplings(&[all.as_slice(), near].concat());
+    placement.measure(state);
     match given.is_empty() {
         true => {
             placement.rest(&all, state);
@@ -136,7 +151,7 @@ pub(crate) fn place_near(
 
 impl Placement<'_> {
     fn here(&self, state: &[f64]) -> Arguments<f64> {
-        Arguments::before_a_run(self.scene, self.layout, self.time, state)
+        Arguments::before_a_run(self.scene, self.layout, self.from, state)
     }
 
     /// Coordinates and rates as they are said.
@@ -174,7 +189,56 @@ impl Placement<'_> {
             &mut self.scratch,
             &mut out,
         );
+        if matches!(what, Quantity::Constraint | Quantity::ConstraintRate) {
+            let rows = out.iter_mut().zip(&self.lengths);
+            let lengths = rows.filter(|(_, is_length)| **is_length);
+            lengths.for_each(|(row, _)| *row /= self.length);
+        }
         DVector::from_vec(out)
+    }
+
+    /// Finds what lengths are measured by: mechanisms of any size, and anywhere, close alike.
+    fn measure(&mut self, state: &mut [f64]) {
+        let frame = |place: Place| match place {
+            Place::World(_) | Place::Point(_) => None,
+            Place::Body(body, frame) => self.numbers.bodies.get(body)?.frames.get(frame),
+        };
+        let ends = self.scene.joints.iter();
+        let ends = ends.flat_map(|joint| [joint.parent, joint.child]);
+        let arms = ends.filter_map(frame).map(|frame| frame.position.norm());
+        let arm = arms.fold(0.0, f64::max);
+        self.walk(state);
+        let layout = self.layout;
+        let moves = layout.directions.translations().len();
+        let bodies = layout.own_bodies().map(|(_, slots)| slots);
+        let places = bodies.filter_map(|slots| state.get(slots.q..slots.q + moves));
+        let far = places.map(|place| place.iter().map(|x| x * x).sum::<f64>().sqrt());
+        let world = self.numbers.world_frames.iter();
+        let world = world.map(|frame| frame.position.norm());
+        let far = far.chain(world).filter(|far| far.is_finite());
+        let far = far.fold(0.0, f64::max);
+        let known = [arm, far].into_iter().find(|size| *size > 0.0);
+        self.size = known.filter(|size| size.is_finite()).unwrap_or(1.0);
+        self.length = self.size.max(ROUNDING / CLOSED * far);
+        let here = self.here(state);
+        let units = |joint| row_units(self.scene, layout, &self.numbers, &here.at(), joint);
+        let mut lengths = vec![false; layout.len(Quantity::Constraint)];
+        for (joint, slots) in layout.joints.iter().enumerate() {
+            let own = lengths.iter_mut().skip(slots.row);
+            for (row, unit) in own.zip(units(joint)) {
+                *row = unit == "m";
+            }
+        }
+        self.lengths = lengths;
+    }
+
+    /// What a coordinate is measured by: 1 rad of an angle or an attitude, else the size of the mechanism.
+    fn scale(&self, joint: usize, coordinate: usize) -> f64 {
+        let found = self.scene.coordinate(joint, coordinate);
+        match found.is_some_and(|(_, coordinate)| !coordinate.is_angle()) {
+            true => self.size,
+            false => 1.0,
+        }
     }
 
     /// Attitudes are unit quaternions.

@@ -61,6 +61,11 @@ pub enum PlacementError {
         /// Where the motor holds it, and how fast it moves it there [m or rad, and per second].
         held: [f64; 2],
     },
+    /// A joint that is placed by others, or by the bodies it joins, moves at another rate than its own start says.
+    Moving {
+        /// The joint, by index.
+        joint: usize,
+    },
     /// The rates that are given contradict each other: no rates of the other joints keep the loops closed.
     Rates {
         /// The joint that would come apart fastest, by index.
@@ -85,6 +90,10 @@ impl PlacementError {
             PlacementError::Decided { joint } => (
                 joint,
                 "is placed already, by other joint coordinates or by the bodies it joins, and not where its start says: leave out one of them, or say `about` before the start that may give way".to_owned(),
+            ),
+            PlacementError::Moving { joint } => (
+                joint,
+                "is placed already, by other joint coordinates or by the bodies it joins, and does not move there at the rate that its start says: a `start` of a body without `velocity` and `angular_velocity` is one at rest; say these there and leave out `start_rate`, or leave out the `start` of the body".to_owned(),
             ),
             PlacementError::Driven {
                 joint,

@@ -2,7 +2,7 @@
 
 use crate::plan::{Topology, relative};
 use crate::redundancy;
-use crate::starts::{declared_parts, place_declared};
+use crate::starts::{StartFrom, declared_parts, place_declared};
 use crate::tree::lay_axes;
 use crate::{Carrying, Coordinates, Layout, Order, Place, Plan, Redundancy, RowSet, Scene};
 
@@ -15,8 +15,9 @@ fn begun(scene: &Scene) -> Option<Vec<f64>> {
     let params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
     let mut state = vec![0.0; layout.nx()];
     layout.quaternions().for_each(|qw| state[qw] = 1.0);
-    declared_parts(scene, &layout, &params, &mut state);
-    place_declared(scene, &layout, (&params, 0.0), &[], &[], &mut state).ok()?;
+    let from = StartFrom::new(&params, 0.0);
+    declared_parts(scene, &layout, from, &mut state);
+    place_declared(scene, &layout, from, &[], &[], &mut state).ok()?;
     Some(state)
 }
 

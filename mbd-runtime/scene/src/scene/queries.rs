@@ -79,6 +79,43 @@ impl Scene {
         loads.chain(joints).chain(lines).chain(states)
     }
 
+    /// The names of what acts or drives and changes with time by itself: loads, joints, lines, declared states, frames of the world.
+    #[must_use]
+    pub fn changing_with_time(&self) -> Vec<String> {
+        let changes = |formula: &Formula| self.contains(formula, |part| *part == Formula::Time);
+        let loads = self.loads.iter().filter(|load| match &load.kind {
+            LoadKind::Force(formula) | LoadKind::Torque(formula) => changes(formula),
+            LoadKind::External => false,
+        });
+        let joints = self.joints.iter().filter(|joint| {
+            joint.forces.iter().any(|forces| {
+                let filter = forces.filter.iter().map(|filter| &filter.command);
+                let own = forces.numbers().into_iter().chain(&forces.stops);
+                let own = own.chain([&forces.force, &forces.motor]).flatten();
+                own.chain(filter).any(changes)
+            })
+        });
+        let lines = self.lines.iter().filter(|line| changes(&line.free_length));
+        let states = self.states.iter().filter(|state| changes(&state.rate));
+        let frames = self.world_frames.iter().filter(|frame| frame.moves(self));
+        let names = loads.map(|it| it.name.clone());
+        let names = names.chain(joints.map(|it| it.name.clone()));
+        let names = names.chain(lines.map(|it| it.name.clone()));
+        let names = names.chain(states.map(|it| it.name.clone()));
+        names
+            .chain(frames.map(|it| format!("world.{}", it.name)))
+            .collect()
+    }
+
+    /// Whether a motor is where an input tells it to be.
+    #[must_use]
+    pub fn motors_follow_inputs(&self) -> bool {
+        let input = |part: &Formula| matches!(part, Formula::Input(_));
+        let motors = self.joints.iter().flat_map(Joint::motors);
+        let mut courses = motors.map(|(_, course)| course);
+        courses.any(|course| self.contains(course, input))
+    }
+
     /// The joint coordinates whose motors are told value, rate and acceleration without a filter between, with what they are told: joint, number of the
     /// coordinate.
     pub fn commanded(&self) -> impl Iterator<Item = ([usize; 2], &[Formula])> + '_ {

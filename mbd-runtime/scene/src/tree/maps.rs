@@ -13,7 +13,8 @@ use crate::evaluate::{Scratch, evaluate};
 use crate::laws::kinematics::Kinematics;
 use crate::laws::numbers::Numbers;
 use crate::{
-    AngularVelocity, Arguments, Coordinates, Layout, PointSlots, Quantity, Relative, Scene, Twist,
+    AngularVelocity, Arguments, Coordinates, Layout, PointSlots, Quantity, Relative, Scene,
+    StartFrom, Twist,
 };
 
 /// The same scene in absolute coordinates, as far as states need it: nothing is planned.
@@ -33,11 +34,11 @@ impl Absolute {
     pub fn state(
         &self,
         (scene, layout): (&Scene, &Layout),
-        (params, time): (&[f64], f64),
+        from: StartFrom<'_>,
         state: &[f64],
     ) -> Vec<f64> {
-        let numbers = Numbers::new(scene, params);
-        let arguments = Arguments::before_a_run(scene, layout, time, state);
+        let numbers = Numbers::new(scene, from.params);
+        let arguments = Arguments::before_a_run(scene, layout, from, state);
         let mut bodies = vec![0.0; layout.len(Quantity::Bodies)];
         let scratch = &mut Scratch::new(layout);
         evaluate(
@@ -67,7 +68,7 @@ impl Absolute {
         &self,
         scene: (&Scene, &Layout),
         from: &[f64],
-        at: (&[f64], f64),
+        at: StartFrom<'_>,
         out: &mut [f64],
     ) {
         to_relative(scene, (&self.layout, from), at, out);
@@ -92,14 +93,14 @@ fn copy_others((layout, from): (&Layout, &[f64]), (other, to): (&Layout, &mut [f
 pub fn to_relative(
     (scene, layout): (&Scene, &Layout),
     (absolute, from): (&Layout, &[f64]),
-    (params, time): (&[f64], f64),
+    at: StartFrom<'_>,
     out: &mut [f64],
 ) {
     if from.len() != absolute.nx() || out.len() != layout.nx() {
         return;
     }
-    let numbers = Numbers::new(scene, params);
-    let arguments = Arguments::before_a_run(scene, absolute, time, from);
+    let numbers = Numbers::new(scene, at.params);
+    let arguments = Arguments::before_a_run(scene, absolute, at, from);
     let at = arguments.at();
     let mut kinematics = Kinematics::new(absolute);
     let evaluation = kinematics.read(scene, absolute, &numbers, &at);
