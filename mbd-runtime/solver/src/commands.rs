@@ -149,7 +149,7 @@ impl Commands {
     }
 
     /// Whether functions of time go on where they go over from one part to another, by (3).
-    fn check_parts(
+    pub(crate) fn check_parts(
         &self,
         (scene, numbers): (&Scene, &Numbers<f64>),
         (time, span): (f64, f64),
@@ -187,6 +187,7 @@ impl Commands {
                         of: prescribed_name(scene, course.of),
                         what,
                         change,
+                        unit: prescribed_unit(scene, course.of, what == "rate"),
                         time: sides[1],
                     };
                     if jump.abs() > JUMP * moved + ROUNDED * value + 8.0 * gap * rate {
@@ -220,6 +221,25 @@ fn prescribed_name(scene: &Scene, of: PrescribedMotion) -> String {
             frame.map_or_else(String::new, |frame| format!("world.{}", frame.name))
         }
         PrescribedMotion::Line(line) => format!("{}.free_length", line_name(scene, line)),
+    }
+}
+
+/// The unit of a prescribed motion, or of its rate.
+fn prescribed_unit(scene: &Scene, of: PrescribedMotion, is_rate: bool) -> &'static str {
+    let is_angle = match of {
+        PrescribedMotion::Motor(joint, index) => {
+            let found = scene.coordinate(joint, index);
+            found.is_some_and(|(_, coordinate)| coordinate.is_angle())
+        }
+        PrescribedMotion::Line(_) => false,
+        // A place or an element of a matrix.
+        PrescribedMotion::Frame(_) => return "",
+    };
+    match (is_angle, is_rate) {
+        (true, false) => "rad",
+        (true, true) => "rad/s",
+        (false, false) => "m",
+        (false, true) => "m/s",
     }
 }
 

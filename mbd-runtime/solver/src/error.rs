@@ -331,11 +331,13 @@ step_errors! {
         time: f64,
         /// `value` or `rate`.
         what: &'static str,
-        /// By how much [m, rad, or per second].
+        /// By how much [`unit`].
         change: f64,
+        /// `m`, `rad`, `m/s` or `rad/s`; empty of the rotation of a frame, which is a matrix.
+        unit: &'static str,
     }
     "jump",
-    format!("the {what} that `{of}` is prescribed jumps by {change} at {time} s", change = plain(*change, 4)),
+    format!("the {what} that `{of}` is prescribed jumps by {} at {time} s", format!("{} {unit}", plain(*change, 4)).trim_end()),
     "join its parts without corners, with `smoothstep` or powers of `time`, or let a motor follow it through a filter, `motor: …, filter: 20 ms`";
 
     /// A line that is wound in has nothing left: its free length would be negative.
@@ -566,7 +568,7 @@ step_errors! {
         false => format!("at {time:.9} s {} repeat each other: {rank} of {rows} rows are independent", listed(joints)),
     },
     match joints.is_empty() {
-        true => "bring the masses closer together, or measure lengths in a unit of the size of the mechanism",
+        true => "where the mechanism passes a position in which its rows repeat each other (bars in one line), take `tsit5` or `vern7`, which pass it; else bring the masses closer together, or measure lengths in a unit of the size of the mechanism",
         false => "replace one of these joints by one that forbids less (a hinge by a spherical joint, a weld by nothing), or start away from this configuration",
     };
 

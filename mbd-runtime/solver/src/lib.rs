@@ -117,7 +117,7 @@ pub use compiled::{JointSetter, Scalar};
 pub use integrate::Scales;
 pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
-pub use simulation::{Acted, Handover, Moved, Simulation, Snapshot, Stop};
+pub use simulation::{Acted, Handover, Moved, PassedStop, Simulation, Snapshot, Stop};
 pub use supply::{InputNumbers, Inputs, Params, Sample};
 pub use system::{External, NoLoads};
 

@@ -15,6 +15,8 @@ const LOOKS: u32 = 16;
 /// Interior looks at a step where events are told that do not act, of adaptive and of fixed steps: what lies between is found by `dip`.
 const FEW_LOOKS: u32 = 4;
 const FEWEST_LOOKS: u32 = 2;
+/// The part of a step behind which a guard that has just passed passes again, if it does.
+const BEHIND: f64 = 1e-9;
 /// Looks for an excursion of a margin that starts a step at zero.
 const FINE_LOOKS: u32 = 16;
 /// Where a guard at its value goes from rest is seen after this [s].
@@ -66,14 +68,26 @@ impl<T: Float> Simulation<T> {
             false if declares => FEWEST_LOOKS,
             false => 1,
         };
+        let looks = if declares {
+            looks.max(self.looks)
+        } else {
+            looks
+        };
+        let mut clock = self.next_clock(step);
         let (mut earlier, mut low) = (0.0, 0.0);
         let start = &self.margins.start;
         self.margins.before.copy_from_slice(start);
         for look in 1..=looks {
             let high = f64::from(look) / f64::from(looks);
-            match looks {
-                LOOKS => self.look_inside(high, step)?,
-                _ => self.look_first(high, step)?,
+            if let Some(theta) = clock.take_if(|theta| *theta < high) {
+                self.look_inside(theta, step)?;
+                if self.choose_passed() {
+                    return self.narrow(low, theta, step);
+                }
+            }
+            match looks >= LOOKS {
+                true => self.look_inside(high, step)?,
+                false => self.look_first(high, step)?,
             }
             if self.choose_passed() {
                 return self.narrow(low, high, step);
@@ -101,6 +115,22 @@ impl<T: Float> Simulation<T> {
         }
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(None)
+    }
+
+    /// Where the first guard of time alone passes inside the attempted step, in parts of it: however often such a guard passes, none is leapt over.
+    fn next_clock(&self, step: f64) -> Option<f64> {
+        let scene = self.system.model.scene();
+        let span = [self.time + BEHIND * step, self.time + step];
+        let sides = self.margins.declared().filter_map(|(index, _)| {
+            let event = self.margins.event_of(index)?;
+            let value = self.margins.rearmed.get(index)?.value;
+            Some((event, (value, *self.margins.sides.get(event)?)))
+        });
+        let functions = &self.system.of_time;
+        let passings =
+            sides.filter_map(|(event, side)| functions.first_passing(scene, event, side, span));
+        let first = passings.fold(f64::INFINITY, f64::min);
+        first.is_finite().then(|| (first - self.time) / step)
     }
 
     /// Reads the margins at `theta` of the attempted step.

@@ -39,6 +39,8 @@ pub enum MissingMetric {
     NotReached,
     /// The event did not happen.
     NoEvent,
+    /// The run does not locate events, and sees none happen.
+    NotLocated,
     /// The level was not passed.
     NotPassed,
     /// Nothing of the run lies in the window.
@@ -81,6 +83,9 @@ impl fmt::Display for MissingMetric {
             MissingMetric::NotReached => "the run did not come to its scene",
             MissingMetric::NoEvent => {
                 "its event did not happen, or not between its `from` and `to`"
+            }
+            MissingMetric::NotLocated => {
+                "its event is not located in this run (`locate = false`)"
             }
             MissingMetric::NotPassed => {
                 "its level was not passed, or not between its `from` and `to`"

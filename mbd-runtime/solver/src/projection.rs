@@ -90,6 +90,7 @@ impl<T: Float> System<T> {
         if !self.projection.any() {
             return self.check_plane(time, state);
         }
+        self.projection.extent = self.extent_of_tree();
         if self.may_need_repeated_rows() {
             self.choose_always();
         }
@@ -343,7 +344,21 @@ impl<T: Float> System<T> {
     /// The largest coordinate, or the length of the scene; that also where a coordinate is not finite.
     fn size(&self, state: &[T]) -> f64 {
         let coordinates = state.get(..self.model.layout().nq);
-        extent(coordinates.unwrap_or_default()).max(self.projection.length)
+        let largest = extent(coordinates.unwrap_or_default());
+        largest
+            .max(self.projection.length)
+            .max(self.projection.extent)
+    }
+
+    /// How far the places of a tree are from the origin: its arms and what it hangs on.
+    fn extent_of_tree(&mut self) -> f64 {
+        if self.model.layout().tree.is_none() {
+            return 0.0;
+        }
+        let numbers = numbers_of(&*self.model);
+        let far = numbers.world_frames.iter();
+        let far = far.map(|frame| frame.position.norm());
+        far.fold(self.reach(), f64::max)
     }
 
     /// The largest speed; zero where one is not finite.

@@ -26,6 +26,7 @@ use crate::watch::Watch;
 
 mod act;
 pub(crate) mod beside;
+mod beyond_stops;
 mod control;
 mod drive;
 mod given;
@@ -34,6 +35,7 @@ mod impulse;
 mod measure;
 mod moved;
 mod offered;
+mod overlooked;
 mod snapshot;
 mod space;
 mod stability;
@@ -42,9 +44,12 @@ mod stiffness;
 
 pub use act::Acted;
 use act::Changes;
+pub use beyond_stops::PassedStop;
 pub(crate) use drive::Course;
 pub use handover::{Given, Handover};
 pub use moved::Moved;
+use offered::emitted;
+use overlooked::Overlooked;
 pub use snapshot::Snapshot;
 use stability::Meter;
 
@@ -163,6 +168,9 @@ pub struct Simulation<T: Float> {
     is_elsewhere: bool,
     /// Whether quantities are straight between the ends of steps, as the forces of a `stepwise` node.
     straight: bool,
+    /// What the last attempt overlooks; how often it is looked into because its error says nothing.
+    overlooked: Overlooked<T>,
+    pub(crate) looks: u32,
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
@@ -201,6 +209,7 @@ pub struct Simulation<T: Float> {
     pub(crate) options: Options,
     guess: Option<Vec<T>>,
     moved: Vec<Moved>,
+    passed_stops: Vec<PassedStop>,
     /// The joint coordinates that were set since the run moved or was given a state.
     joints_set: Vec<(String, StartNumber)>,
     /// What placing bodies by joint coordinates decided.
@@ -367,7 +376,7 @@ impl<T: Float> Simulation<T> {
         let mut columns = vec![T::zero(); model.layout().len(Quantity::Outputs)];
         self.look(Quantity::Outputs, &mut columns)?;
         let found = columns.get(index).copied().filter(|it| it.is_finite());
-        let why = || "has no number here: it is not emitted, or something divides by zero, or takes the direction, the angle or the root of nothing";
+        let why = || "has no number here: something divides by zero, or takes the direction, the angle or the root of nothing";
         found.ok_or_else(|| self.failed(no_output(why().into())))
     }
 
@@ -397,11 +406,19 @@ impl<T: Float> Simulation<T> {
     }
 
     fn look_now(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
-        let expected = self.system.model.layout().len(what);
+        let model = &self.system.model;
+        let expected = model.layout().len(what);
         if out.len() != expected {
-            let wrong = StepError::length(&what.to_string(), out.len(), expected);
+            let measured = what == Quantity::Outputs && !model.scene().runs.metrics.is_empty();
+            let with = if measured {
+                ", with those that metrics measure"
+            } else {
+                ""
+            };
+            let wrong = StepError::length(&format!("{what}{with}"), out.len(), expected);
             return Err(self.failed(wrong));
         }
+        emitted(&**model, what).map_err(|cause| self.failed(cause))?;
         if !self.started {
             self.begin()?;
         }

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mbd_scene::laws::breaks::breaks;
+use mbd_scene::laws::breaks::{Break, breaks};
+use mbd_scene::laws::of_time::TimeFunctions;
 use mbd_scene::{Float, Model, Quantity, Work};
 
 use crate::columns::{line_name, node_name};
@@ -109,7 +110,9 @@ pub(crate) struct System<T: Float> {
     /// Room for a state in the world.
     world: Vec<T>,
     /// Times known beforehand at which what acts has a kink [s].
-    breaks: Vec<f64>,
+    breaks: Vec<Break>,
+    /// What changes with time alone.
+    pub of_time: Arc<TimeFunctions>,
 }
 
 fn stage<'a, T: Float>(
@@ -174,19 +177,25 @@ impl<T: Float> System<T> {
             following: Following::new(model.scene(), layout),
             world: Vec::new(),
             breaks: breaks(model.scene(), &params_of(model.params())),
+            of_time: Arc::new(TimeFunctions::new(
+                model.scene(),
+                &params_of(model.params()),
+            )),
             model,
         }
     }
 
-    /// The next of the times known beforehand at which what acts has a kink; infinite after the last [s].
-    pub(crate) fn next_break(&self, time: f64) -> f64 {
-        let behind = self.breaks.partition_point(|at| *at <= time);
-        self.breaks.get(behind).copied().unwrap_or(f64::INFINITY)
+    /// The next of the times known beforehand at which what acts has a kink or a jump.
+    pub(crate) fn next_break(&self, time: f64) -> Option<Break> {
+        let behind = self.breaks.partition_point(|at| at.time <= time);
+        self.breaks.get(behind).copied()
     }
 
     /// Runs the same scene with other parameters from here on.
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
-        self.breaks = breaks(model.scene(), &params_of(model.params()));
+        let params = params_of(model.params());
+        self.breaks = breaks(model.scene(), &params);
+        self.of_time = Arc::new(TimeFunctions::new(model.scene(), &params));
         self.model = model;
         self.laws = None;
         if self.jacobian.is_some() {

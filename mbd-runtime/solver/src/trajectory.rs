@@ -105,6 +105,8 @@ pub struct Trajectory {
     /// Rows at which some reactions or efforts of motors have no value, because rows of joints lose rank, and not in passing: they are not
     /// numbers there, and their cells in CSV are empty. In passing they have the value they tend to.
     pub undetermined: u64,
+    /// Whether the run that is recorded locates events.
+    pub(crate) locates: bool,
     /// Located events: time [s] and name (`chute_open`, `riser: taut`).
     pub events: Vec<(f64, String)>,
     /// Counters of the run at its last row.
@@ -171,6 +173,7 @@ impl Trajectory {
             measured: RowMaker::new(Content::TIME, 0),
             inside: RowMaker::new(Content::TIME, 0),
             undetermined: 0,
+            locates: true,
             events: Vec::new(),
             statistics: Statistics::default(),
         };
@@ -244,7 +247,10 @@ impl Trajectory {
     /// It is not measured, or has no value: [`MissingMetric`].
     pub fn measured(&self, reader: &MetricReader) -> Result<[f64; 2], MissingMetric> {
         let value = self.measures.value(reader);
-        value.unwrap_or(Err(MissingMetric::NotRecorded))
+        match value.unwrap_or(Err(MissingMetric::NotRecorded)) {
+            Err(MissingMetric::NoEvent) if !self.locates => Err(MissingMetric::NotLocated),
+            value => value,
+        }
     }
 
     /// When the recorded run ended [s], whether there is a row or not; not a number where it did not come to an end.
@@ -262,6 +268,11 @@ impl Trajectory {
         self.end = f64::NAN;
         self.measures.clear();
         self.statistics = Statistics::default();
+    }
+
+    /// Whether it takes declared outputs, or what metrics measure.
+    pub(crate) fn takes_outputs(&self) -> bool {
+        !self.outputs.is_empty() || !self.declared.is_empty()
     }
 
     /// Number of rows.
@@ -499,7 +510,7 @@ impl Trajectory {
     /// Measures a step by the lists that are known at its end.
     pub(crate) fn measure_received<T: Float>(
         &mut self,
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
         model: &dyn Model<T>,
         attempt: &dyn Attempt<T>,
     ) {

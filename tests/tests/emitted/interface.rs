@@ -2,7 +2,9 @@
 
 use mbd_runtime::nalgebra::{SMatrix, SVector};
 use mbd_runtime::scene::{Dual, Formula};
-use mbd_runtime::{Cost, Model, Options, ParamError, Quantity, Simulation, Wrench};
+use mbd_runtime::{
+    Content, Cost, Model, Options, ParamError, Quantity, Sampling, Simulation, Trajectory, Wrench,
+};
 
 mbd_runtime::model! {
     /// A kite on one line, pushed by the wind.
@@ -383,10 +385,32 @@ fn an_output_that_is_not_emitted_is_an_error_and_no_number() {
     let mute = Mute::new(MuteParams::default()).expect("no params");
     let mut simulation = Simulation::new(&mute, Options::rk4(0.1)).expect("options");
     for (name, said) in [
-        ("height", "it is not emitted"),
+        ("height", "outputs of a model that does not emit them"),
         ("heigth", "did you mean `height`?"),
     ] {
         let error = simulation.output(name).expect_err("no number").to_string();
         assert!(error.contains(said), "{error}");
     }
+    // Nor is a list of them, nor a history.
+    let mut out = [0.0; 1];
+    let error = simulation.evaluate(Quantity::Outputs, &mut out);
+    let error = error.expect_err("no outputs").to_string();
+    assert!(
+        error.contains("add them to the `emit` of its declaration"),
+        "{error}"
+    );
+    let mut history = Trajectory::new(&mute, Sampling::Every(0.1), Content::RESULTS);
+    let error = simulation.record(1.0, &mut history);
+    let error = error.expect_err("no outputs").to_string();
+    assert!(
+        error.contains("add them to the `emit` of its declaration"),
+        "{error}"
+    );
+    // What is emitted is there.
+    let model = simulation.model();
+    assert!(model.emits(Quantity::Derivative) && !model.emits(Quantity::MassMatrix));
+    let mut plain = Trajectory::new(&mute, Sampling::Every(0.1), Content::TIME);
+    simulation
+        .record(1.0, &mut plain)
+        .expect("a run without outputs");
 }

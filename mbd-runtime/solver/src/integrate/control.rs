@@ -143,6 +143,11 @@ impl Control {
         }
     }
 
+    /// A trial that passed its error test but overlooked something at a part of the step: the next one ends there, or comes closer to it.
+    pub(crate) fn shorten(&mut self, tried: f64, part: f64, smallest: f64) -> Verdict {
+        self.reject(tried * part.clamp(0.1, 0.9), smallest)
+    }
+
     fn reject(&mut self, step: f64, smallest: f64) -> Verdict {
         self.rejections = self.rejections.saturating_add(1);
         self.step = step;

@@ -162,6 +162,13 @@ impl<T: Real> Explicit<T> {
         stage(last, &mut self.next, true)
     }
 
+    /// When a stage of a step is that its error depends on, by their number, in parts of it: what another stage sees the error does not.
+    pub(crate) fn stage_time(&self, number: usize) -> Option<f64> {
+        let judged = self.rows.iter().zip(&self.error);
+        let mut judged = judged.filter(|(_, weight)| **weight != T::zero());
+        judged.nth(number).map(|(row, _)| row.c)
+    }
+
     /// The state at the end of the last attempt.
     pub(crate) fn next(&self) -> &[T] {
         &self.next

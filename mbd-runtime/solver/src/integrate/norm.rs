@@ -174,6 +174,35 @@ impl ErrorNorm {
         largest
     }
 
+    /// The same of a list that is no error of a step: what failed last stays.
+    pub(crate) fn size<T: Float>(&self, list: &[T], old: &[T], new: &[T]) -> f64 {
+        let sizes = self
+            .blocks
+            .iter()
+            .map(|block| block.measure(list, old, new));
+        let largest = sizes.fold(0.0, |most: f64, size| {
+            if size > most || size.is_nan() {
+                size
+            } else {
+                most
+            }
+        });
+        largest / self.tolerance
+    }
+
+    /// How far bodies and points get in a step by their speeds in a state, over the scales of lengths and angles: the furthest of them.
+    pub(crate) fn motion<T: Float>(&self, step: f64, state: &[T]) -> f64 {
+        let far = self.blocks.iter().map(|block| {
+            let scale = match block.kind {
+                NormKind::Velocity => self.scales.length,
+                NormKind::AngularVelocity => self.scales.angle,
+                _ => return 0.0,
+            };
+            step * block.square(state).sqrt() / scale
+        });
+        far.fold(0.0, f64::max)
+    }
+
     /// Gives every declared state in `weights` of a norm of energy its weight: at one unit of it as much as the heaviest of the `speeds` at its scale.
     pub(crate) fn weigh_states<T: Float>(&self, weights: &mut [T], speeds: Range<usize>) {
         let own = weights.get(speeds).unwrap_or_default();

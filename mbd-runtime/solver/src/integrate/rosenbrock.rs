@@ -359,6 +359,11 @@ impl<T: Float> Rosenbrock<T> {
         fastest(&self.by_state, weights, &mut self.trial, &mut self.room)
     }
 
+    /// When a stage of a step is, in parts of it.
+    pub(crate) fn stage_time(&self, stage: usize) -> Option<f64> {
+        self.rows.get(stage).map(|([time, _], _)| *time)
+    }
+
     /// The rates at the start of the step, to be changed.
     pub(crate) fn first_mut(&mut self) -> &mut [T] {
         &mut self.first

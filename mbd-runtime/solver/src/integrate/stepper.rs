@@ -94,6 +94,15 @@ impl<T: Float> Stepper<T> {
         current!(&mut self.method, method => method.attempt(system, time, step, state))
     }
 
+    /// When a stage of a step is that its error depends on, by their number, in parts of it; `None` behind the last.
+    pub(crate) fn stage_time(&self, number: usize) -> Option<f64> {
+        match &self.method {
+            Family::Explicit(method) => method.stage_time(number),
+            Family::Implicit(method) => method.stage_time(number),
+            Family::Symmetric(_) => None,
+        }
+    }
+
     /// The explicit method, where that makes the steps.
     pub(crate) fn explicit(&self) -> Option<&Explicit<T>> {
         match &self.method {

@@ -23,8 +23,10 @@ type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a
 
 /// The most halvings of a step.
 const DEEPEST: usize = 30;
-/// Halvings after which what does not get smaller is noise.
+/// Halvings after which what does not get smaller is noise, where nothing of time alone is measured.
 const PATIENCE: usize = 3;
+/// The same where something of time alone is, which may swing thousands of times in a step.
+const FASTEST: usize = 10;
 /// The point of a step that is looked at first, one of those that are looked at next; not its middle, where what repeats itself in time with the steps may
 /// be what it is at the ends.
 const FIRST_LOOK: usize = 2;
@@ -122,9 +124,12 @@ impl Half {
     }
 }
 
+/// Whether something of time alone that is measured is hidden between looks at times of a span [s].
+pub(crate) type HiddenInTime<'a> = dyn Fn([f64; 2], &[f64]) -> bool + 'a;
+
 /// The step that is measured.
 #[derive(Clone, Copy)]
-pub(crate) struct MeasuredStep {
+pub(crate) struct MeasuredStep<'a> {
     /// Its start [s].
     pub time: f64,
     /// Its size [s].
@@ -138,15 +143,36 @@ pub(crate) struct MeasuredStep {
     pub straight: bool,
     /// Whether quantities are at its start what they were at the end of the step before.
     pub continues: bool,
+    /// What tells whether looks hide something; `None` where nothing that is measured is of time alone.
+    pub hidden: Option<&'a HiddenInTime<'a>>,
 }
 
-impl MeasuredStep {
+impl MeasuredStep<'_> {
     /// When a part of it begins and ends [s].
     fn times(&self, part: [f64; 2]) -> [f64; 2] {
         part.map(|part| match part {
             1.0 => self.end,
             part => self.time + part * self.size,
         })
+    }
+
+    /// Whether so many looks at a half hide something of time alone.
+    fn hides(&self, half: Half, count: usize) -> bool {
+        let Some(hidden) = self.hidden.filter(|_| half.depth < FASTEST) else {
+            return false;
+        };
+        let [low, high] = half.part;
+        let stride = Polynomial::stride(count);
+        let places = Polynomial::places();
+        let mut looks = [0.0; POINTS];
+        let own = places.iter().step_by(stride);
+        for (look, place) in looks.iter_mut().zip(own) {
+            *look = self.time + (low + place * (high - low)) * self.size;
+        }
+        hidden(
+            self.times(half.part),
+            looks.get(..count).unwrap_or_default(),
+        )
     }
 }
 
@@ -293,7 +319,7 @@ impl Measures {
     /// A step. `at` writes the columns at a part of it, 0 … 1.
     pub(crate) fn step(
         &mut self,
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         let end = step.end;
@@ -406,7 +432,7 @@ impl Measures {
         half: Half,
         column: usize,
         polynomial: &Polynomial,
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
     ) -> bool {
         let known = self.columns.get(column).copied().unwrap_or_default();
         let allowed = (step.tolerance * known.size).max(2.0 * known.noise);
@@ -431,7 +457,7 @@ impl Measures {
     fn gap(
         &self,
         (half, column, polynomial): (Half, usize, &Polynomial),
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
         reader: &MetricReader,
     ) -> Option<f64> {
         let [begin, end] = step.times(half.part);
@@ -453,12 +479,15 @@ impl Measures {
     /// Evaluates columns once inside a step whose ends are known; whether that does for each.
     fn look_once(
         &mut self,
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
         at: &mut ColumnValues<'_>,
     ) -> Result<bool, StepError> {
         let part = Polynomial::places()[FIRST_LOOK];
         at(part, self.row(Half::WHOLE, FIRST_LOOK))?;
         let (time, times) = (step.time + part * step.size, step.times([0.0, 1.0]));
+        if step.hides(Half::WHOLE, 2) {
+            return Ok(false);
+        }
         let mut all = true;
         for column in 0..self.columns.len() {
             if self.state(Half::WHOLE, column) != Resolving::Further {
@@ -489,7 +518,7 @@ impl Measures {
         &mut self,
         half: Half,
         seen: Option<usize>,
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         let [low, high] = half.part;
@@ -515,10 +544,11 @@ impl Measures {
                     }
                 }
             }
+            let hides = step.hides(half, count);
             for column in all {
                 if self.state(half, column) == Resolving::Further {
                     let polynomial = self.polynomial(half, column, count);
-                    if !self.is_open(half, column, &polynomial, step) {
+                    if !hides && !self.is_open(half, column, &polynomial, step) {
                         self.set_state(half, column, Resolving::Here(count));
                     }
                 }
@@ -532,7 +562,7 @@ impl Measures {
     fn resolve(
         &mut self,
         half: Half,
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         self.add(half, step, at)?;
@@ -557,7 +587,7 @@ impl Measures {
         }
         for column in all {
             if self.state(half, column) == Resolving::Further {
-                self.give_up(half, halves, column);
+                self.give_up(half, halves, column, step);
             }
         }
         for own in halves {
@@ -567,12 +597,17 @@ impl Measures {
     }
 
     /// Cuts a column no further whose halves are as rough as the whole, or the smallest there are.
-    fn give_up(&mut self, whole: Half, halves: [Half; 2], column: usize) {
+    fn give_up(&mut self, whole: Half, halves: [Half; 2], column: usize, step: MeasuredStep<'_>) {
         let tail = |half: Half| self.polynomial(half, column, POINTS).tail();
         let is_open = |half: &Half| self.state(*half, column) == Resolving::Further;
         let depth = whole.depth + 1;
         let smaller = halves.map(tail).into_iter().fold(f64::INFINITY, f64::min);
-        let rough = depth >= PATIENCE && halves.iter().all(is_open) && smaller > 0.5 * tail(whole);
+        let patience = if step.hidden.is_some() {
+            FASTEST
+        } else {
+            PATIENCE
+        };
+        let rough = depth >= patience && halves.iter().all(is_open) && smaller > 0.5 * tail(whole);
         let known = self.columns.get_mut(column).filter(|_| rough);
         if let Some(known) = known {
             known.noise = known.noise.max(smaller);
@@ -591,7 +626,7 @@ impl Measures {
     fn add(
         &mut self,
         half: Half,
-        step: MeasuredStep,
+        step: MeasuredStep<'_>,
         at: &mut ColumnValues<'_>,
     ) -> Result<(), StepError> {
         let times = step.times(half.part);

@@ -10,6 +10,8 @@ pub(crate) struct Projection<T> {
     pub stabilise: Stabilise,
     /// Length of the scene [m].
     pub length: f64,
+    /// How far from the origin places of a tree may be, whose coordinates do not say so; zero in absolute coordinates [m].
+    pub extent: f64,
     pub(super) rows: Vec<T>,
     /// δ, and behind it the margin of the factor.
     pub(super) shift: Vec<T>,
@@ -23,6 +25,7 @@ impl<T: Float> Projection<T> {
         Projection {
             stabilise: Stabilise::Projection,
             length: 1.0,
+            extent: 0.0,
             rows: room(nc),
             shift: room(nv + 1),
             trial: room(nx),

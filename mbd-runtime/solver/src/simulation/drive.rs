@@ -2,8 +2,10 @@
 
 use std::f64::consts::PI;
 
-use mbd_scene::Float;
+use mbd_scene::laws::breaks::Break;
+use mbd_scene::{Float, Quantity};
 
+use super::offered::emitted;
 use super::{Pace, Simulation, Stop};
 use crate::balance::EnergyBalance;
 use crate::error::{Collapse, RunError, StepError};
@@ -163,6 +165,10 @@ impl<T: Float> Simulation<T> {
             let model = &self.system.model;
             let own = || identity::of_columns(model.scene(), model.layout());
             trajectory.check(*self.columns.get_or_init(own), [self.time, course.until])?;
+            trajectory.locates = self.options.locate;
+            if trajectory.takes_outputs() {
+                emitted(&**model, Quantity::Outputs)?;
+            }
         }
         if course.until - self.time > resolution(self.time) {
             self.sample()?;
@@ -253,12 +259,16 @@ impl<T: Float> Simulation<T> {
         }
         let until = until.min(self.next_landing());
         let (step, lands) = self.propose(until);
+        let on_jump = lands
+            && self
+                .next_break()
+                .is_some_and(|it| it.jumps && it.time == until);
         // Nothing but a row inside the step can make it be taken back.
         let inside = trajectory
             .as_ref()
             .is_some_and(|it| it.is_due_inside([self.time, step]));
         let before = inside.then(|| self.judgement());
-        if !self.attempt(step)? {
+        if !self.attempt(step, on_jump)? {
             return Ok(());
         }
         let Some(found) = self.find_event(step)? else {
@@ -274,6 +284,9 @@ impl<T: Float> Simulation<T> {
                 self.measure_step([step, end], trajectory)?;
             }
             self.take(step, end)?;
+            if on_jump {
+                self.begin_behind_jump()?;
+            }
             if changes {
                 self.stays = false;
                 self.change_method();
@@ -313,11 +326,25 @@ impl<T: Float> Simulation<T> {
 
     /// The next time that a step does not pass: a sample of a controller, of adaptive steps a kink that is known beforehand [s].
     pub(super) fn next_landing(&self) -> f64 {
-        let sample = self.next_sample();
-        match self.is_adaptive() {
-            true => sample.min(self.system.next_break(self.time + resolution(self.time))),
-            false => sample,
-        }
+        let kink = self.next_break().map_or(f64::INFINITY, |it| it.time);
+        self.next_sample().min(kink)
+    }
+
+    /// The next kink that adaptive steps end on.
+    fn next_break(&self) -> Option<Break> {
+        let now = self.time + resolution(self.time);
+        self.is_adaptive()
+            .then(|| self.system.next_break(now))
+            .flatten()
+    }
+
+    /// Evaluates the first stage on the far side of a jump that the last step ended on.
+    fn begin_behind_jump(&mut self) -> Result<(), StepError> {
+        self.stays = false;
+        let ahead = resolution(self.time);
+        let from = self.time + ahead;
+        self.method
+            .begin(&mut self.system, from, ahead, &self.state)
     }
 
     /// The size of the next step, and whether it ends at `until`.
@@ -348,13 +375,17 @@ impl<T: Float> Simulation<T> {
         self.count = 0;
     }
 
-    /// Tries a step; false when it was rejected and the next trial is smaller.
-    fn attempt(&mut self, step: f64) -> Result<bool, StepError> {
+    /// Tries a step, which may end where something jumps that its stages see nothing of; false when it was rejected and the next trial is smaller.
+    fn attempt(&mut self, step: f64, on_jump: bool) -> Result<bool, StepError> {
         let smallest = resolution(self.time);
         if step < smallest {
-            return Err(self.collapse(step, Collapse::Resolution));
+            let jump = self.past_jump(step);
+            return Err(jump.unwrap_or_else(|| self.collapse(step, Collapse::Resolution)));
         }
-        let tried = self.make_step(step);
+        let tried = match on_jump {
+            true => self.make_step_before(step),
+            false => self.make_step(step),
+        };
         let swept = match &tried {
             Ok(()) => {
                 let (end, next) = (self.time + step, self.method.next());
@@ -362,22 +393,29 @@ impl<T: Float> Simulation<T> {
             }
             Err(_) => 0.0,
         };
-        let Pace::Adaptive(control, norm) = &mut self.pace else {
+        if !self.is_adaptive() {
             return match tried {
                 Ok(()) if swept > PI => Err(self.unstable(step, Instability::Turn(swept))),
                 Ok(()) => Ok(true),
-                Err(cause) => Err(self.blame(step, cause)),
+                Err(cause) => Err(self
+                    .past_jump(step)
+                    .unwrap_or_else(|| self.blame(step, cause))),
             };
+        }
+        let judged = tried.map(|()| {
+            // A step that turns too far is shortened as one whose error is too large.
+            let most = self.options.max_angle.min(turns::MOST);
+            let turned = (swept / most).powf(self.method.exponent());
+            let error = self.error_of(step).max(turned);
+            let passes = error <= 1.0;
+            (error, passes.then(|| self.overlooks(step, error)).flatten())
+        });
+        let Pace::Adaptive(control, _) = &mut self.pace else {
+            return Ok(true);
         };
-        let (verdict, failure) = match tried {
-            Ok(()) => {
-                let (error, next) = self.method.estimate(step);
-                let error = norm.measure(error, &self.state, next);
-                // A step that turns too far is shortened as one whose error is too large.
-                let most = self.options.max_angle.min(turns::MOST);
-                let error = error.max((swept / most).powf(self.method.exponent()));
-                (control.judge(step, error, smallest), None)
-            }
+        let (verdict, failure) = match judged {
+            Ok((_, Some(part))) => (control.shorten(step, part, smallest), None),
+            Ok((error, None)) => (control.judge(step, error, smallest), None),
             Err(cause) => (control.fail(step, smallest), Some(cause)),
         };
         if verdict == Verdict::Accepted {
@@ -388,8 +426,29 @@ impl<T: Float> Simulation<T> {
         match (verdict, failure) {
             (Verdict::Rejected, None) => self.look_at_rows(step).map(|()| false),
             (Verdict::Rejected, _) => Ok(false),
-            (_, Some(cause)) => Err(cause),
-            (_, None) => Err(self.collapse(step, Collapse::ErrorTest)),
+            (_, Some(cause)) => Err(self.past_jump(step).unwrap_or(cause)),
+            (_, None) => {
+                let jump = self.past_jump(step);
+                Err(jump.unwrap_or_else(|| self.collapse(step, Collapse::ErrorTest)))
+            }
+        }
+    }
+
+    /// What is prescribed jumps inside a step that cannot be made, or right behind its start.
+    #[cold]
+    fn past_jump(&mut self, step: f64) -> Option<StepError> {
+        let within = step.max(4.0 * resolution(self.time));
+        self.system.prescribed_jump(self.time, within)
+    }
+
+    /// The error of the last attempt, in tolerances.
+    fn error_of(&mut self, step: f64) -> f64 {
+        match &mut self.pace {
+            Pace::Adaptive(_, norm) => {
+                let (error, next) = self.method.estimate(step);
+                norm.measure(error, &self.state, next)
+            }
+            Pace::Fixed(_) => 0.0,
         }
     }
 

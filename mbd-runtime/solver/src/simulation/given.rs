@@ -1,7 +1,7 @@
 //! What a program gives a run to start from: a state, joint coordinates, turns, guesses of nodes.
 
 use mbd_scene::similar::near_and_all;
-use mbd_scene::{Float, JointStart, PlacementReport, StartNumber, place_declared};
+use mbd_scene::{Float, JointStart, PlacementReport, StartFrom, StartNumber, place_declared};
 
 use super::Simulation;
 use super::start::{declared_start, misplaced};
@@ -94,15 +94,26 @@ impl<T: Float> Simulation<T> {
         if !self.as_declared {
             return;
         }
-        if let Ok((start, assembly)) = declared_start(&*self.system.model, self.time) {
-            self.shown.forget();
-            self.assembly = assembly;
-            let start = self.system.set_down(self.time, None, &start);
-            for (slot, value) in self.state.iter_mut().zip(start) {
-                *slot = value;
-            }
-            self.system.remember_starts(&[], (self.time, &self.state));
+        let (time, inputs) = (self.time, self.inputs_now());
+        if let Ok((start, assembly)) = declared_start(&*self.system.model, time, Some(&inputs)) {
+            self.begin_at(start, assembly);
         }
+    }
+
+    /// Stands at the declared start, in the world.
+    pub(super) fn begin_at(&mut self, start: Vec<f64>, assembly: PlacementReport) {
+        self.shown.forget();
+        self.assembly = assembly;
+        let start = self.system.set_down(self.time, None, &start);
+        for (slot, value) in self.state.iter_mut().zip(start) {
+            *slot = value;
+        }
+        self.system.remember_starts(&[], (self.time, &self.state));
+    }
+
+    /// The inputs of now [SI].
+    pub(super) fn inputs_now(&self) -> Vec<f64> {
+        self.system.inputs.iter().map(|x| x.to_f64()).collect()
     }
 
     /// Refuses a time or a state that cannot be run.
@@ -136,7 +147,8 @@ impl<T: Float> Simulation<T> {
         let starts = self.joint_starts(given)?;
         let params = params_of(model.params());
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
-        let from = (&params[..], self.time);
+        let inputs = self.inputs_now();
+        let from = StartFrom::new(&params, self.time).with_inputs(&inputs);
         let assembly = place_declared(scene, layout, from, &starts, &[], &mut state)
             .map_err(|error| self.failed(misplaced(scene, error)))?;
         let numbers: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();

@@ -11,8 +11,8 @@ use std::f64::consts::TAU;
 
 use mbd_scene::similar::near_and_all;
 use mbd_scene::{
-    Detachable, Float, InputSource, Joint, Layout, Link, Model, Place, Quantity, Scene, Unit,
-    place_bodies,
+    Detachable, Float, InputSource, Joint, Layout, Link, Model, Place, Quantity, Scene, StartFrom,
+    Unit, place_bodies,
 };
 
 use super::Simulation;
@@ -210,7 +210,13 @@ impl<T: Float> Simulation<T> {
             known.push(mapped.or_else(|| old.map(|(_, numbers)| numbers.clone())));
         }
         let params = params_of(to.params());
-        place_bodies(scene, layout, (&params, last.time), &known, state);
+        place_bodies(
+            scene,
+            layout,
+            StartFrom::new(&params, last.time),
+            &known,
+            state,
+        );
         let mut carried = Vec::new();
         for (joint, link) in layout.joint_links() {
             let name = body_name(scene, link.body).to_owned();

@@ -28,7 +28,13 @@ impl<T: Float> Simulation<T> {
         if self.watched && self.good.time() == start {
             measures.keep(start);
         }
-        let step = self.measured_step([size, end]);
+        let (model, of_time) = (self.system.model.clone(), self.system.of_time.clone());
+        let hidden =
+            |span: [f64; 2], seen: &[f64]| of_time.hides(model.scene(), span, seen.iter().copied());
+        let step = MeasuredStep {
+            hidden: of_time.measures().then_some(&hidden),
+            ..self.measured_step([size, end])
+        };
         self.jumped = false;
         let mut at = |theta: f64, out: &mut [f64]| {
             let span = theta * size;
@@ -58,7 +64,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The step from here on, of a size and with this end [s], as what is measured sees it.
-    pub(super) fn measured_step(&self, [size, end]: [f64; 2]) -> MeasuredStep {
+    pub(super) fn measured_step(&self, [size, end]: [f64; 2]) -> MeasuredStep<'static> {
         let tolerance = self.options.method.tolerance();
         let tolerance = tolerance.map_or(FIXED, |[tolerance, _]| OF_TOLERANCE * tolerance);
         MeasuredStep {
@@ -68,6 +74,7 @@ impl<T: Float> Simulation<T> {
             tolerance: tolerance.max(FINEST).max(16.0 * T::EPSILON.to_f64()),
             straight: self.straight,
             continues: !self.jumped,
+            hidden: None,
         }
     }
 

@@ -1,12 +1,23 @@
 //! Which runs are offered: what a method cannot do with a model, and a model without what its caller supplies, is refused before anything runs.
 
 use mbd_scene::{
-    Coordinate, Float, Formula, InputSlots, InputSource, Joint, Model, NodeModel, Scene,
+    Coordinate, Float, Formula, InputSlots, InputSource, Joint, Model, NodeModel, Quantity, Scene,
 };
 
 use crate::columns::{input_name, node_name};
 use crate::error::StepError;
 use crate::options::{Method, Options, Stabilise};
+
+/// Whether a quantity has a value in a model.
+pub(super) fn emitted<T: Float>(model: &dyn Model<T>, what: Quantity) -> Result<(), StepError> {
+    match model.emits(what) {
+        true => Ok(()),
+        false => Err(StepError::Unsupported {
+            what: format!("{what} of a model that does not emit them"),
+            instead: "add them to the `emit` of its declaration, or leave `emit` out".into(),
+        }),
+    }
+}
 
 /// Whether this combination of model and method is offered.
 pub(super) fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), StepError> {

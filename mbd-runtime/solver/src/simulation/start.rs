@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use mbd_scene::laws::starts;
 use mbd_scene::{
-    Float, Layout, Model, PlacementError, PlacementReport, Quantity, Scene, declared_beside,
-    declared_parts, place_declared,
+    Float, Layout, Model, PlacementError, PlacementReport, Quantity, Scene, StartFrom, StartNumber,
+    declared_beside, declared_parts, place_declared,
 };
 
 use super::act::Changes;
 use super::moved::{Moved, moved};
 use super::offered::{differentiable, offered, stepwise, unsupplied};
+use super::overlooked::Overlooked;
 use super::stability::Meter;
 use super::{Pace, Simulation, Snapshot, WorldState};
 use crate::chatter::Chatter;
@@ -131,12 +132,13 @@ impl<T: Float> Simulation<T> {
         .map(|what| layout.len(what));
         let bodies = layout.len(Quantity::Bodies);
         let mut state = vec![T::zero(); length];
-        let (start, assembly) = declared_start(&*model, 0.0).map_err(refuse)?;
+        let (start, assembly) = declared_start(&*model, 0.0, None).map_err(refuse)?;
         for (slot, value) in state.iter_mut().zip(system.set_down(0.0, None, &start)) {
             *slot = value;
         }
         system.remember_starts(&[], (0.0, &state));
         let straight = stepwise(&*model).is_some();
+        let overlooked = Overlooked::new(model.scene(), length);
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),
@@ -167,6 +169,8 @@ impl<T: Float> Simulation<T> {
             lacks_stages: false,
             is_elsewhere: false,
             straight,
+            overlooked,
+            looks: 0,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),
@@ -199,6 +203,7 @@ impl<T: Float> Simulation<T> {
             samplers: Vec::new(),
             given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
+            passed_stops: Vec::new(),
             joints_set: Vec::new(),
             assembly,
             singular_start: false,
@@ -226,6 +231,9 @@ impl<T: Float> Simulation<T> {
     }
 
     fn begin_now(&mut self, goes_on: bool) -> Result<(), RunError> {
+        if !goes_on {
+            self.place_by_inputs()?;
+        }
         self.started = true;
         self.as_declared = false;
         self.joints_set.clear();
@@ -243,6 +251,34 @@ impl<T: Float> Simulation<T> {
         })
     }
 
+    /// Motors that inputs tell where to be take along what hangs on them: a start that the declaration or joint coordinates say is placed again with the
+    /// inputs that the run begins with.
+    fn place_by_inputs(&mut self) -> Result<(), RunError> {
+        let model = self.system.model.clone();
+        let (scene, layout) = (model.scene(), model.layout());
+        let placed = self.as_declared || !self.joints_set.is_empty();
+        if !placed || !scene.motors_follow_inputs() {
+            return Ok(());
+        }
+        let (time, state) = (self.time, self.state.clone());
+        let supplied = self.system.supply(time, &state);
+        supplied.map_err(|cause| self.failed(cause))?;
+        let inputs = self.inputs_now();
+        if inputs == layout.default_inputs(scene) {
+            return Ok(());
+        }
+        let set = std::mem::take(&mut self.joints_set);
+        if !set.is_empty() {
+            let set: Vec<(&str, StartNumber)> =
+                set.iter().map(|(name, x)| (name.as_str(), *x)).collect();
+            return self.give_joints(&set);
+        }
+        let declared = declared_start(&*model, time, Some(&inputs));
+        let (start, assembly) = declared.map_err(|cause| self.failed(cause))?;
+        self.begin_at(start, assembly);
+        Ok(())
+    }
+
     /// In relative coordinates joints hold whatever the state: bodies and points that are not where the declaration puts them, in a run that
     /// begins as declared (`set`).
     fn displaced(&self, set: &[T]) -> Vec<Moved> {
@@ -250,12 +286,13 @@ impl<T: Float> Simulation<T> {
         let (scene, layout) = (model.scene(), model.layout());
         let numbers = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
         let (params, state) = (numbers(model.params()), numbers(&self.state[..set.len()]));
-        let from = (&params[..], self.time);
+        let inputs = self.inputs_now();
+        let from = StartFrom::new(&params, self.time).with_inputs(&inputs);
         let Some((scene, layout, [here, declared])) = declared_beside(scene, layout, from, &state)
         else {
             return Vec::new();
         };
-        let (start, _) = declared_start(model, self.time).unwrap_or_default();
+        let (start, _) = declared_start(model, self.time, Some(&inputs)).unwrap_or_default();
         match start
             .iter()
             .map(|x| T::from_f64(*x))
@@ -300,6 +337,7 @@ impl<T: Float> Simulation<T> {
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.system
             .check_spring_ends(self.time, &self.state, self.length)?;
+        self.find_passed_stops()?;
         self.begin_watch()?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
@@ -338,11 +376,12 @@ impl<T: Float> Simulation<T> {
     }
 }
 
-/// The state in the world at the declared start, and what was decided for it: joint coordinates of which no start is declared are zero, what flies is at the world origin, at rest,
+/// The state in the world at the declared start, with these inputs or their defaults, and what was decided for it: joint coordinates of which no start is declared are zero, what flies is at the world origin, at rest,
 /// unturned; declared states where they begin.
 pub(crate) fn declared_start<T: Float>(
     model: &dyn Model<T>,
     time: f64,
+    inputs: Option<&[f64]>,
 ) -> Result<(Vec<f64>, PlacementReport), StepError> {
     let (scene, layout) = (model.scene(), model.layout());
     let mut state = vec![0.0; layout.nx()];
@@ -355,8 +394,12 @@ pub(crate) fn declared_start<T: Float>(
     let own = state.iter_mut().skip(layout.states());
     own.zip(starts(scene, &params))
         .for_each(|(state, start)| *state = start);
-    declared_parts(scene, layout, &params, &mut state);
-    let assembly = place_declared(scene, layout, (&params, time), &[], &[], &mut state)
+    let from = StartFrom {
+        inputs,
+        ..StartFrom::new(&params, time)
+    };
+    declared_parts(scene, layout, from, &mut state);
+    let assembly = place_declared(scene, layout, from, &[], &[], &mut state)
         .map_err(|error| misplaced(scene, error))?;
     let own = state.iter_mut().skip(layout.states());
     own.zip(starts(scene, model.params()))

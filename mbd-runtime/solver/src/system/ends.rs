@@ -36,6 +36,16 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// A jump of what is prescribed within a time from a step on that cannot be taken: no step passes it.
+    #[cold]
+    pub(crate) fn prescribed_jump(&mut self, time: f64, within: f64) -> Option<StepError> {
+        let commands = self.commands.as_ref()?;
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        let known = (self.model.scene(), &**laws.numbers());
+        let checked = commands.check_parts(known, (time + within, within));
+        checked.err()
+    }
+
     /// The next step goes on from the commands that were looked at last.
     #[inline]
     pub(crate) fn take_commands(&mut self) {

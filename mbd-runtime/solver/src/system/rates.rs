@@ -225,6 +225,7 @@ impl<T: Float> Rates<T> for System<T> {
 
     #[inline]
     fn project_end(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        let time = time.min(self.latest);
         self.drift = self.normalise(state);
         self.fallback.margin = f64::NAN;
         match self.projection.any() {

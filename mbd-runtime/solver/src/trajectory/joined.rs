@@ -135,6 +135,7 @@ impl Joined {
             first: f64::NAN,
             next: 0,
             undetermined: parts.iter().map(|(_, part)| part.undetermined).sum(),
+            locates: parts.iter().all(|(_, part)| part.locates),
             events: Vec::new(),
             statistics: Statistics::default(),
             columns: vec![Vec::new(); self.names.len()],

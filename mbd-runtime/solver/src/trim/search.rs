@@ -1,6 +1,6 @@
 //! The search of a trim: (2) of [`crate::trim`](super), and Newton steps that close the joints.
 
-use mbd_scene::{JointStart, LINE_NUMBERS, Model, Quantity, Scene, StartNumber};
+use mbd_scene::{JointStart, LINE_NUMBERS, Model, Quantity, Scene, StartFrom, StartNumber};
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
@@ -82,7 +82,7 @@ fn find_along<T: Scalar>(
     let free: Vec<usize> = free.collect::<Result<_, _>>()?;
     let state = asked.state.clone().unwrap_or_else(|| {
         // Where the declared start cannot be taken, what is asked for may place the bodies.
-        if let Ok((start, _)) = declared_start(model, asked.time) {
+        if let Ok((start, _)) = declared_start(model, asked.time, None) {
             return start;
         }
         let mut state = vec![0.0; layout.nx()];
@@ -195,7 +195,7 @@ impl SceneMoment {
     /// Places bodies by the joint coordinates that are given.
     fn place(&mut self, starts: &[JointStart]) {
         let (scene, layout) = (self.model.scene.clone(), self.model.layout.clone());
-        let from = (&self.model.params[..], self.time);
+        let from = StartFrom::new(&self.model.params, self.time).with_inputs(&self.inputs);
         let mut placed = self.state.clone();
         // Where loops cannot be closed from these, Newton steps try from where the state is.
         if mbd_scene::place_declared(&scene, &layout, from, starts, &[], &mut placed).is_ok() {

@@ -1,0 +1,199 @@
+//! What an adaptive step overlooks, though its error passes: a pulse that lasts less than the time between two stages, an obstacle between two places.
+//!
+//! The error of a step compares what its stages saw. Where all of them saw the same the error is zero, the next step is five times as long, and what lies
+//! between is never seen. So a step that passes its error test is looked at again:
+//!
+//! ```text
+//! h |f(t, x) − f̂(t, x)|,    t where something of time alone is unseen, f̂ straight between the stages next to t    (1)
+//! h |Δ⁴ f| / 8,             f along the step at looks that motion takes a tenth of its scale apart                (2)
+//! ```
+//!
+//! Each is measured as an error of the step is. (1) is looked at in every step in which [`TimeFunctions::unseen`] finds such a time; (2) where the error
+//! is so small that it says nothing about the next step, and what acts has places at which it changes quickly. Where either exceeds the tolerance
+//! by more than the error of the step makes likely, the step ends there. Derived; the idea of looking at the rates between the stages: W. H. Enright,
+//! *Analysis of error control strategies for continuous Runge–Kutta methods*, SIAM J. Numer. Anal. 26 (1989).
+
+use mbd_scene::laws::of_time::TimeFunctions;
+use mbd_scene::{Float, Formula, Function, Scene};
+
+use super::{Pace, Simulation};
+use crate::error::StepError;
+use crate::integrate::Rates;
+
+/// An error, in tolerances, that says nothing about what lies between the stages.
+const QUIET: f64 = 1e-3;
+/// How much larger than the error of a step (1) and (2) are where nothing is overlooked, at most.
+const LIKELY: f64 = 1e3;
+/// The part of its scale that motion may take between two looks, and the fewest and the most looks at a step.
+const APART: f64 = 0.1;
+const FEWEST: u32 = 8;
+const MOST: u32 = 256;
+/// Δ⁴, the newest first, and the part of it that counts.
+const DIFFERENCES: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
+const PART: f64 = 0.125;
+
+/// Room for looks at a step.
+#[derive(Clone, Debug)]
+pub(super) struct Overlooked<T> {
+    /// Whether what acts has places at which it changes quickly.
+    is_local: bool,
+    /// Rates at the last five looks, in turn.
+    rates: [Vec<T>; 5],
+    difference: Vec<T>,
+}
+
+impl<T: Float> Overlooked<T> {
+    pub(super) fn new(scene: &Scene, length: usize) -> Self {
+        let room = || vec![T::zero(); length];
+        Overlooked {
+            is_local: scene
+                .acting_formulas()
+                .any(|formula| is_local(scene, formula)),
+            rates: std::array::from_fn(|_| room()),
+            difference: room(),
+        }
+    }
+
+    /// Puts h Σ weight f into `difference`, over the looks from `newest` back.
+    fn combine(&mut self, step: f64, newest: usize, weights: &[f64]) {
+        self.difference.fill(T::zero());
+        for (back, weight) in weights.iter().enumerate() {
+            let own = &self.rates[(newest + 5 - back) % 5];
+            let weight = T::from_f64(step * weight);
+            for (sum, rate) in self.difference.iter_mut().zip(own) {
+                *sum += weight * *rate;
+            }
+        }
+    }
+}
+
+/// Whether a formula changes quickly at some places of a scene and hardly at others: tables, kinks, choices, quotients and what decays.
+fn is_local(scene: &Scene, formula: &Formula) -> bool {
+    use Function::{Abs, Atan2, Div, Exp, Floor, IfAtMost, IfLess, Ln, Max, Min, Power, Tanh};
+    scene.contains(formula, |part| {
+        let places = match part {
+            Formula::Lookup(_, arguments) => &arguments[..],
+            Formula::Apply(Div, arguments) => arguments.get(1..).unwrap_or(&[]),
+            Formula::Apply(
+                Abs | Atan2 | Exp | Floor | IfAtMost | IfLess | Ln | Max | Min | Power | Tanh,
+                arguments,
+            ) => arguments,
+            _ => &[],
+        };
+        places.iter().any(|place| !scene.is_of_time(place))
+    })
+}
+
+impl<T: Float> Simulation<T> {
+    /// The part of the attempted step, which passed its error test with this error, at which it overlooks something; `None` where it does not.
+    pub(super) fn overlooks(&mut self, step: f64, error: f64) -> Option<f64> {
+        self.looks = 0;
+        let allowed = (LIKELY * error).max(1.0);
+        for number in 0..self.system.of_time.acting() {
+            if let Some(part) = self.unseen_part(number, step)
+                && self
+                    .jumps_unseen(part, step)
+                    .is_none_or(|size| size.is_nan() || size > allowed)
+            {
+                return Some(part);
+            }
+        }
+        if error >= QUIET {
+            return None;
+        }
+        let looks = self.looks_by_motion(step)?;
+        self.looks = looks;
+        match self.overlooked.is_local {
+            true => self.bends_between(looks, step, allowed),
+            false => None,
+        }
+    }
+
+    /// Where (1) is to be looked at for a number of time alone, in parts of the step.
+    fn unseen_part(&self, number: usize, step: f64) -> Option<f64> {
+        let (scene, method, start) = (self.system.model.scene(), &self.method, self.time);
+        let stages = (0..).map_while(|stage| method.stage_time(stage));
+        let seen = stages.chain([0.0, 1.0]).map(|part| start + part * step);
+        let functions: &TimeFunctions = &self.system.of_time;
+        let found = functions.unseen(scene, number, [start, start + step], seen)?;
+        Some((found - start) / step)
+    }
+
+    /// (1) at a part of the step, in tolerances; `None` where the rates there cannot be had.
+    fn jumps_unseen(&mut self, part: f64, step: f64) -> Option<f64> {
+        self.inside_state(part, step).ok()?;
+        let stages = (0..).map_while(|stage| self.method.stage_time(stage));
+        let (before, after) = stages
+            .chain([0.0, 1.0])
+            .fold((0.0, 1.0), |(low, high), at| match at <= part {
+                true => (at.max(low), high),
+                false => (low, at.min(high)),
+            });
+        for (look, at) in [before, after, part].into_iter().enumerate() {
+            self.look_at_rates(look, at, [part, step]).ok()?;
+        }
+        let toward = (part - before) / (after - before);
+        self.overlooked
+            .combine(step, 2, &[1.0, -toward, toward - 1.0]);
+        Some(self.measure_difference())
+    }
+
+    /// How many looks (2) takes; `None` where nothing gets far.
+    fn looks_by_motion(&self, step: f64) -> Option<u32> {
+        let Pace::Adaptive(_, norm) = &self.pace else {
+            return None;
+        };
+        let ends = [&self.state[..], self.method.next()];
+        let far = ends.map(|state| norm.motion(step, state));
+        let far = far[0].max(far[1]) / APART;
+        (far >= 1.0).then(|| (far.min(f64::from(MOST)) as u32).clamp(FEWEST, MOST))
+    }
+
+    /// The first look at which (2) is more than `allowed`, in parts of the step.
+    fn bends_between(&mut self, looks: u32, step: f64, allowed: f64) -> Option<f64> {
+        self.overlooked.rates[0].copy_from_slice(self.method.first());
+        for look in 1..=looks {
+            let part = f64::from(look) / f64::from(looks);
+            let place = look as usize % 5;
+            let looked = self
+                .inside_state(part, step)
+                .and_then(|()| self.look_at_rates(place, part, [part, step]));
+            if looked.is_err() {
+                return Some(part);
+            }
+            if look >= 4 {
+                let weights = DIFFERENCES.map(|weight| PART * weight);
+                self.overlooked.combine(step, place, &weights);
+                let size = self.measure_difference();
+                if size.is_nan() || size > allowed {
+                    return Some(part);
+                }
+            }
+        }
+        None
+    }
+
+    /// Puts the rates at the state `inside` of a part of the step, as they are at the time of another part, into the room of a look.
+    fn look_at_rates(
+        &mut self,
+        look: usize,
+        at: f64,
+        [part, step]: [f64; 2],
+    ) -> Result<(), StepError> {
+        let Some(rates) = self.overlooked.rates.get_mut(look) else {
+            return Ok(());
+        };
+        let time = self.time + at * step;
+        self.system
+            .rates_inside(time, part * step, &self.inside, rates)
+    }
+
+    fn measure_difference(&mut self) -> f64 {
+        match &mut self.pace {
+            Pace::Adaptive(_, norm) => {
+                norm.size(&self.overlooked.difference, &self.state, self.method.next())
+            }
+            Pace::Fixed(_) => 0.0,
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Pulses that lie between the stages of an adaptive step, and obstacles between its places: from rest and from even motion the error of a step is zero
+//! whatever lies inside it.
+
+use mbd_runtime::{Model, Options, Scalar, Simulation, model};
+
+model! {
+    /// A mass that is pushed by a short pulse, and one beside it that a fast force shakes too little to matter.
+    pub model Struck<T> {
+        gravity: none;
+        param width = 0.1 s in 1e-4 s ..= 2 s;
+        param instant = 10.2 s in 1 s ..= 1000 s;
+        point mass { mass: 1 kg }
+        point other { mass: 1 kg }
+        load pulse on mass = [1 N * exp(-((time - instant) / width)^2), 0 N, 0 N];
+        load hum on other = [0 N, 1e-9 N * sin(1000 rad/s * time), 0 N];
+    }
+}
+
+model! {
+    /// A mass that flies past a soft ball of 0.2 m.
+    pub model Ball<T> {
+        gravity: none;
+        param off = 0.05 m in 0 m ..= 0.19 m;
+        const k = 20 kN/m;
+        let apart = mass.position - [25 m, 0 m, off];
+        point mass { mass: 1 kg, start at [0, 0, 0] m velocity [10, 0, 0] m/s }
+        load push on mass = k * max(0 m, 0.2 m - norm(apart)) * apart / norm(apart);
+        event near = norm(apart) falls 0.25 m;
+    }
+}
+
+model! {
+    /// Nothing moves but time.
+    pub model Ticks {
+        gravity: none;
+        state count = 0 { rate: 0 }
+        point mass { mass: 1 kg, start at [0, 0, 0] m velocity [1, 0, 0] m/s }
+        event tick = sin(2 * pi * time / (20 ms)) rises 0 { set: count = count + 1 }
+        event shut = abs(time - 3.00001 s) falls 1e-6 s;
+    }
+}
+
+fn methods(tolerance: f64) -> [Options; 4] {
+    [
+        Options::tsit5(tolerance),
+        Options::vern7(tolerance),
+        Options::rodas5p(tolerance),
+        Options::auto(tolerance),
+    ]
+}
+
+fn flown<T: Scalar>(model: &dyn Model<T>, options: Options, until: f64) -> Simulation<T> {
+    let mut run = Simulation::new(model, options).expect("a model that runs");
+    run.run(until).expect("a run that ends");
+    run
+}
+
+#[test]
+fn no_pulse_is_leapt_over_however_short_it_is() {
+    for (width, instant, until) in [
+        (1.0, 10.2, 20.0),
+        (0.03, 10.2, 20.0),
+        (1e-3, 10.2, 20.0),
+        (1e-4, 617.3, 1000.0),
+    ] {
+        let model = Struck::<f64>::new(StruckParams { width, instant }).expect("params in range");
+        // ∫ exp(−t²/w²) dt.
+        let exact = width * std::f64::consts::PI.sqrt();
+        for options in methods(1e-8) {
+            let run = flown(&model, options, until);
+            let speed = run.state()[6];
+            let steps = run.statistics().steps;
+            println!(
+                "{width} {}: {steps}, {:.1e}",
+                options.method.name(),
+                speed - exact
+            );
+            assert!(
+                (speed - exact).abs() < 1e-6,
+                "{width} {options:?}: {speed} {exact}"
+            );
+            // What shakes too little, 160,000 times in the longest run, is stepped over.
+            assert!(steps < 3000, "{width} {options:?}: {steps}");
+        }
+    }
+}
+
+#[test]
+fn they_are_not_in_single_precision() {
+    let params = StruckParams {
+        width: 0.05_f32,
+        instant: 10.2,
+    };
+    let model = Struck::<f32>::new(params).expect("params in range");
+    let run = flown(&model, Options::tsit5(1e-5), 20.0);
+    let exact = 0.05 * std::f64::consts::PI.sqrt();
+    assert!(
+        (f64::from(run.state()[6]) - exact).abs() < 1e-4,
+        "{}",
+        run.state()[6]
+    );
+}
+
+#[test]
+fn nor_in_calls_that_follow_each_other() {
+    let model = Struck::<f64>::new(StruckParams {
+        width: 0.02,
+        instant: 10.2,
+    })
+    .expect("params in range");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-8)).expect("a model that runs");
+    for end in 1..=10 {
+        run.run(2.0 * f64::from(end)).expect("a run that ends");
+    }
+    let exact = 0.02 * std::f64::consts::PI.sqrt();
+    assert!((run.state()[6] - exact).abs() < 1e-6, "{}", run.state()[6]);
+}
+
+#[test]
+fn an_obstacle_that_is_passed_in_even_motion_pushes() {
+    let model = Ball::<f64>::new(BallParams { off: 0.05 }).expect("params in range");
+    let exact = flown(&model, Options::rk4(1e-5), 5.0);
+    let exact = exact.state();
+    for options in methods(1e-8) {
+        let run = flown(&model, options, 5.0);
+        let off = (run.state()[3] - exact[3]).hypot(run.state()[5] - exact[5]);
+        println!(
+            "{}: {off:.1e}, {}",
+            options.method.name(),
+            run.statistics().steps
+        );
+        assert!(off < 2e-5, "{options:?}: {:?} {exact:?}", run.state());
+        assert_eq!(run.events().len(), 1, "{options:?}: {:?}", run.events());
+        // Energy: an elastic push gives and takes the same.
+        let speed = run.state()[3].hypot(run.state()[5]);
+        assert!((speed - 10.0).abs() < 1e-5, "{options:?}: {speed}");
+    }
+}
+
+#[test]
+fn every_passing_of_a_guard_of_time_is_an_event() {
+    let model = Ticks::new(TicksParams::default()).expect("params in range");
+    let mut all = methods(1e-6).to_vec();
+    all.extend([Options::rk4(0.17), Options::rattle(0.17)]);
+    for options in all {
+        let run = flown(&model, options, 4.99);
+        let count = run.state()[6];
+        // At the start, and every 20 ms.
+        assert_eq!(count, 250.0, "{options:?}");
+        let shut = run
+            .events()
+            .iter()
+            .filter(|event| (event.time - 3.000_009).abs() < 1e-12);
+        assert_eq!(shut.count(), 1, "{options:?}");
+    }
+}
+
+#[test]
+fn looks_into_quiet_steps_are_few() {
+    let model = Struck::<f64>::new(StruckParams::default()).expect("params in range");
+    let run = flown(&model, Options::tsit5(1e-6), 1e4);
+    // The pulse itself takes some 60 steps.
+    assert!(run.statistics().rhs < 2000, "{:?}", run.statistics());
+}
