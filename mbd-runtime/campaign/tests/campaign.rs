@@ -322,19 +322,22 @@ fn numbers_of_one_file_come_from_one_row() {
     let table = |column: &str| {
         format!("{{ dist = \"table\", file = \"winds.csv\", column = \"{column}\" }}")
     };
-    let text = format!(
-        "cases = 100\n[inputs]\nwind.x = {}\nwind.y = {}\n[run]\nuntil = \"0.1 s\"",
-        table("east"),
-        table("north")
-    );
-    let campaign = campaign(&folder, &text);
-    let mut seen = [0; 3];
-    for case in 1..=100 {
-        let values = campaign.dispersions().values(case).expect("values");
-        assert_eq!(values[1], 10.0 * values[0]);
-        seen[values[0] as usize - 1] += 1;
+    // The number before it takes a dimension of its own.
+    for sampling in ["random", "latin", "sobol"] {
+        let text = format!(
+            "cases = 128\nsampling = \"{sampling}\"\n[params]\nmass = {{ dist = \"uniform\", low = \"2 kg\", high = \"3 kg\" }}\n[inputs]\nwind.x = {}\nwind.y = {}\n[run]\nuntil = \"0.1 s\"",
+            table("east"),
+            table("north")
+        );
+        let campaign = campaign(&folder, &text);
+        let mut seen = [0; 3];
+        for case in 1..=128 {
+            let values = campaign.dispersions().values(case).expect("values");
+            assert_eq!(values[2], 10.0 * values[1], "{sampling}");
+            seen[values[1] as usize - 1] += 1;
+        }
+        assert!(seen.iter().all(|count| *count > 20), "{sampling} {seen:?}");
     }
-    assert!(seen.iter().all(|count| *count > 15), "{seen:?}");
     folder.file("winds.csv", "east [m/s],north [m/s]\n1,10\nNaN,20\n");
     let error = read(&folder.0.join("dispersions.toml"))
         .err()

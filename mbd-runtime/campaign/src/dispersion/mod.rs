@@ -115,14 +115,18 @@ impl Dispersions {
             sampling,
             distributions.iter().map(|(_, read, _)| &read.distribution),
         )?;
+        // Numbers of one file come from one row: they are drawn by one stream, and in one dimension.
+        let mut streams: Vec<String> = Vec::new();
         let varied = distributions
             .into_iter()
             .enumerate()
-            .map(|(dimension, (known, read, _))| {
-                // Numbers of one file come from one row.
+            .map(|(place, (known, read, _))| {
                 let stream = read
                     .file
                     .map_or(known.name.clone(), |file| format!("file {file}"));
+                let mut before = streams.iter();
+                let dimension = before.position(|own| *own == stream).unwrap_or(place);
+                streams.push(stream.clone());
                 Varied {
                     spread: UnitSamples::new(sampling, written.seed, &stream, (dimension, cases)),
                     distribution: read.distribution,
@@ -349,7 +353,8 @@ impl Dispersions {
                 }
             }
         }
-        if start.is_some() || plan.params != nominal.0.params {
+        let same = plan.params == nominal.0.params && plan.inputs == nominal.0.inputs;
+        if start.is_some() || !same {
             let start = start.unwrap_or_else(|| settings.start.clone());
             plan.place((scene, layout), &start)?;
         }

@@ -6,6 +6,8 @@ use mbd_compiler::nearest;
 use mbd_runtime::scene::Scene;
 use toml::{Table, Value};
 
+use super::settings::is_setting;
+
 /// A setting that cannot be used: its name and what is wrong with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanError {
@@ -95,12 +97,23 @@ pub(crate) fn no_column<'a>(
     }
 }
 
+/// What is said of a setting of the run that stands behind the header of one of its tables, `start.every`: there it is a name of that table.
+pub(crate) fn setting_in_table(setting: &str, name: &str) -> Option<String> {
+    let (table, _) = setting.split_once('.')?;
+    is_setting(name).then(|| {
+        format!("`{name}` is a setting of `[run]`, and here it belongs to `[run.{table}]`: write it in front of that line")
+    })
+}
+
 /// What is said of a name that is not there: which is near, what there is.
 pub(crate) fn unknown<'a>(
     setting: &str,
     name: &str,
     known: impl Iterator<Item = &'a str>,
 ) -> PlanError {
+    if let Some(text) = setting_in_table(setting, name) {
+        return wrong(setting, text);
+    }
     let mut known: Vec<&str> = known.collect();
     // A coordinate of a tree is one of the state, too.
     let mut seen = std::collections::HashSet::new();

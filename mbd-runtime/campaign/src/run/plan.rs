@@ -4,7 +4,7 @@ use mbd_compiler::{ABOUT, nearest};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
     Input, InputSource, JointStart, NodeModel, Parameter, Part, PartStart, PlacementError,
-    PlacementReport, Scene, StartNumber, declared_parts, place_declared,
+    PlacementReport, Scene, StartFrom, StartNumber, declared_parts, place_declared,
 };
 use mbd_runtime::{
     Content, Generic, Layout, Method, Name, Options, RunError, Sampling, Scalar, Simulation,
@@ -12,7 +12,9 @@ use mbd_runtime::{
 };
 use toml::{Table, Value};
 
-use super::names::{PlanError, VECTORS, column_name, flat, no_column, state_name, unknown, wrong};
+use super::names::{
+    PlanError, VECTORS, column_name, flat, no_column, setting_in_table, state_name, unknown, wrong,
+};
 use super::number::{not_bare, not_negative, number, numbers as numbers_of, positive, zeros};
 use super::scales::scales;
 use super::settings::Settings;
@@ -87,7 +89,13 @@ impl RunPlan {
         let params = params(scene, &settings.params)?;
         let given = in_numbers((scene, layout), &settings.start)?;
         let placed = placed(scene, &given);
-        let start = start((scene, layout), &params, &given, &placed)?;
+        // Inputs that are missing are told behind everything else.
+        let supplied = inputs(scene, layout, &settings.inputs);
+        let from = StartFrom {
+            inputs: supplied.as_deref().ok(),
+            ..StartFrom::new(&params, 0.0)
+        };
+        let start = start((scene, layout), from, &given, &placed)?;
         let placed = with_declared(scene, &given, placed);
         let [moving, turning] = in_motion(scene, &given, &placed);
         let instants = settings.instants.as_deref().unwrap_or_default();
@@ -120,7 +128,7 @@ impl RunPlan {
             assembly: start.assembly,
             nodes: start.nodes,
             estimate: settings.estimate.unwrap_or(true),
-            inputs: inputs(scene, layout, &settings.inputs)?,
+            inputs: supplied?,
         })
     }
 }
@@ -169,14 +177,15 @@ fn fits(scene: &Scene, rows: f64) -> Result<(), PlanError> {
 }
 
 impl RunPlan {
-    /// Another start, for the params that are planned now.
+    /// Another start, for the params and the inputs that are planned now.
     pub(crate) fn place(
         &mut self,
         scene: (&Scene, &Layout),
         given: &Table,
     ) -> Result<(), PlanError> {
         let placed = placed(scene.0, given);
-        let start = start(scene, &self.params, given, &placed)?;
+        let from = StartFrom::new(&self.params, 0.0).with_inputs(&self.inputs);
+        let start = start(scene, from, given, &placed)?;
         (self.state, self.nodes) = (start.state, start.nodes);
         (self.joints, self.assembly) = (start.joints, start.assembly);
         self.placed = with_declared(scene.0, given, placed);
@@ -298,7 +307,9 @@ fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, P
             let column = column_name(written);
             let Some(name) = names.iter().find(|name| name.name == column) else {
                 let known = names.iter().map(|name| name.name.as_str());
-                return Err(wrong(setting, no_column(scene, written, known)));
+                let misplaced = setting_in_table(&setting, title);
+                let told = misplaced.unwrap_or_else(|| no_column(scene, written, known));
+                return Err(wrong(setting, told));
             };
             let same = |(unit, _): &(&str, _)| *unit == name.unit;
             match of_units.iter().position(same) {
@@ -370,7 +381,7 @@ struct PlannedStart {
 /// The state and the places of the equilibrium points, from names of coordinates.
 fn start(
     (scene, layout): (&Scene, &Layout),
-    params: &[f64],
+    from: StartFrom<'_>,
     given: &Table,
     placed: &[String],
 ) -> Result<PlannedStart, PlanError> {
@@ -380,7 +391,7 @@ fn start(
     for upright in layout.quaternions() {
         declared[upright] = 1.0;
     }
-    declared_parts(scene, layout, params, &mut declared);
+    declared_parts(scene, layout, from, &mut declared);
     let fixed: Vec<Part> = placed
         .iter()
         .filter_map(|name| scene.part_named(name))
@@ -388,7 +399,7 @@ fn start(
     if !fixed.is_empty() {
         // Of a body of which one number is given, the others are as declared. Loops that nothing closes yet are closed below, or told there.
         let mut alone = declared.clone();
-        if place_declared(scene, layout, (params, 0.0), &[], &[], &mut alone).is_ok() {
+        if place_declared(scene, layout, from, &[], &[], &mut alone).is_ok() {
             declared = alone;
         }
     }
@@ -396,7 +407,7 @@ fn start(
         slots.push((name.name.clone(), &name.unit, number));
     }
     let own = slots.iter_mut().skip(layout.states());
-    own.zip(starts(scene, params))
+    own.zip(starts(scene, from.params))
         .for_each(|((.., number), start)| *number = start);
     for node in &layout.nodes {
         let owner = scene.points.get(node.point).map_or("", |point| &point.name);
@@ -430,7 +441,6 @@ fn start(
     let named = joints.iter().map(|(name, number)| (name.as_str(), *number));
     let starts = JointStart::by_name(scene, named)
         .map_err(|name| wrong(format!("start.{name}"), "is no joint coordinate"))?;
-    let from = (params, 0.0);
     let assembly = place_declared(scene, layout, from, &starts, &fixed, &mut numbers)
         .map_err(|error| misplaced(scene, error))?;
     let joints = joints.into_iter().map(|(name, said)| (name, said.number()));

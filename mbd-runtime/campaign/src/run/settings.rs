@@ -188,7 +188,9 @@ impl Settings {
             .map(|whole| whole.run)
             .map_err(|error| SettingsError {
                 line: line_of_error(text, &error),
-                text: in_quotes(text, &error).unwrap_or_else(|| told(&error)),
+                text: in_quotes(text, &error)
+                    .or_else(|| of_another_kind(text, &error))
+                    .unwrap_or_else(|| told(&error)),
             })
     }
 
@@ -227,25 +229,20 @@ fn unknown_field(message: &str) -> Option<&str> {
     message.strip_prefix("unknown field `")?.split('`').next()
 }
 
+/// Whether a word is the name of a setting.
+pub(super) fn is_setting(word: &str) -> bool {
+    let own = Table::from_iter([(word.to_owned(), Value::Boolean(true))]);
+    let read: Result<Settings, toml::de::Error> = Value::Table(own).try_into();
+    read.map_or_else(|error| unknown_field(error.message()).is_none(), |_| true)
+}
+
 /// What to say of a key that stands at the top of a campaign file and belongs into its table of the run; nothing after another mistake.
 pub(crate) fn belongs_to_the_run(error: &toml::de::Error) -> String {
-    let word = unknown_field(error.message());
-    let own = |word: &&str| {
-        Value::Table(Table::from_iter([(
-            (*word).to_owned(),
-            Value::Boolean(true),
-        )]))
-    };
-    let is_setting = |word: &&str| {
-        let read: Result<Settings, toml::de::Error> = own(word).try_into();
-        read.map_err(|error| unknown_field(error.message()).is_none())
-            .map_or_else(|known| known, |_| true)
-    };
-    match word {
+    match unknown_field(error.message()) {
         Some(word) if let Some(ours) = words::of_setting(word) => {
             format!("how the cases are run stands in the table `[run]`: {ours}\n")
         }
-        Some(word) if is_setting(&word) => {
+        Some(word) if is_setting(word) => {
             format!("`{word}` stands in the table `[run]` of the file\n")
         }
         _ => String::new(),
@@ -261,6 +258,22 @@ fn in_quotes(text: &str, error: &toml::de::Error) -> Option<String> {
     let key = key.trim();
     let told = format!("write a value with its unit in quotes: `{key} = \"{value}\"`");
     (!unit.text.is_empty()).then_some(told)
+}
+
+/// What kind of value a setting takes that was given another; nothing after another mistake.
+fn of_another_kind(text: &str, error: &toml::de::Error) -> Option<String> {
+    let line = text.lines().nth(line_of_error(text, error)? - 1)?;
+    let (key, value) = line.split_once('=')?;
+    let (key, value) = (key.trim(), value.split('#').next()?.trim());
+    let (_, wanted) = error.message().rsplit_once(", expected ")?;
+    Some(match wanted {
+        "a sequence" => format!("`{key}` is a list: write `{key} = [{value}]`"),
+        "a boolean" => format!("`{key}` is `true` or `false`, without quotes"),
+        "u64" => format!("`{key}` is a whole number: write `{key} = 100000`"),
+        "a map" => format!("`{key}` is a table: write `[run.{key}]`, and its entries below"),
+        "a string" => format!("`{key}` is a word in quotes: write `{key} = \"{value}\"`"),
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -329,6 +342,35 @@ mod tests {
             "step = 1\nmax_steps = true",
         ] {
             assert!(!told(lines).contains("in quotes"), "{}", told(lines));
+        }
+    }
+
+    #[test]
+    fn a_value_of_another_kind_is_told_which_kind_it_takes() {
+        for (line, told) in [
+            (
+                "instants = \"0.1 s\"",
+                "`instants` is a list: write `instants = [\"0.1 s\"]`",
+            ),
+            (
+                "locate = \"no\"",
+                "`locate` is `true` or `false`, without quotes",
+            ),
+            (
+                "max_steps = \"many\"",
+                "`max_steps` is a whole number: write `max_steps = 100000`",
+            ),
+            (
+                "start = 3",
+                "`start` is a table: write `[run.start]`, and its entries below",
+            ),
+            (
+                "method = 4",
+                "`method` is a word in quotes: write `method = \"4\"`",
+            ),
+        ] {
+            let error = Settings::read(&format!("[run]\n{line}\n")).unwrap_err();
+            assert_eq!((error.line, error.text.as_str()), (Some(2), told));
         }
     }
 
