@@ -11,6 +11,7 @@ mod compare;
 mod conversion;
 mod extremes;
 mod files;
+mod first_tries;
 mod fmt;
 mod histories;
 mod immovable;
