@@ -152,11 +152,11 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
     if args.json {
         return json_of(&rest.space, Some((&rest, &there)));
     }
-    let passing = passing(&rest, &rates);
+    let passing = by_time(model.scene()).or_else(|| passing(&rest, &rates));
     let place = match (rates.is_empty(), &passing) {
-        (true, _) => "rest",
+        (_, Some(_)) => "instant",
+        (true, None) => "rest",
         (false, None) => "steady motion",
-        (false, Some(_)) => "instant",
     };
     Ok(format!(
         "{moved}{}{}\n{}\n{}{}{}",
@@ -339,7 +339,14 @@ fn changing(run: &mut Simulation<f64>, space: &StateSpace, along: &[&str]) -> St
     let Some(later) = later.filter(|later| later.a.shape() == space.a.shape()) else {
         return String::new();
     };
-    let change = (&later.a - &space.a).norm() / (MOMENT * space.a.norm());
+    // Places as they are, rates over the fastest frequency: systems alike but for their speed change alike.
+    let rates = space.states.len() - space.accelerations.len();
+    let scaled = |a: &DMatrix<f64>| {
+        let unit = |index: usize| if index < rates { 1.0 } else { fastest };
+        a.map_with_location(|row, column, x| x * unit(column) / unit(row))
+            .norm()
+    };
+    let change = scaled(&(&later.a - &space.a)) / (MOMENT * scaled(&space.a));
     match change > NOTED {
         true => format!(
             "\nNote: along the motion this linear system changes, by {:.2} of itself while its fastest mode turns by a radian: its eigenvalues hold at this instant and are no frequencies of the motion. Coordinates that do not turn with a part that spins (`--along`), or a rest (`--trim`), may give one that stays.\n",
@@ -403,6 +410,19 @@ fn undamped(space: &StateSpace) -> String {
                 .join(", ")
         ),
     }
+}
+
+/// A note where something that acts, or drives, changes with time by itself: what is in balance at one instant is not at the next.
+fn by_time(scene: &Scene) -> Option<String> {
+    let changing = scene.changing_with_time();
+    let names = match changing.as_slice() {
+        [] => return None,
+        [one] => format!("`{one}` changes"),
+        [first, .., last] => format!("`{first}` … `{last}` change"),
+    };
+    Some(format!(
+        "\nNote: this balance holds at this instant alone: {names} with time. It is no rest; where it leads is told by a run.\n"
+    ))
 }
 
 /// A note where a motion at constant rates is in balance at this instant alone: as coordinates go on at their rates, accelerations change.

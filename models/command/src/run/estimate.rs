@@ -9,10 +9,9 @@ use super::outcome::{CONTENT, RunOutcome};
 
 /// At most so many rows are compared.
 const ROWS: usize = 400;
-/// An angle that is nothing beside a turn [rad], and what is nothing in any unit.
-const SMALL_ANGLE: f64 = 1e-3;
+/// What is nothing in any unit.
 const NOTHING: f64 = 1e-9;
-/// A column that never is more than this part of the largest value of its unit may be what rounding and tolerances leave of zero.
+/// A column that never is more than this part of the largest value of its unit, or of a radian, may be what rounding and tolerances leave of zero.
 const SMALL_PART: f64 = 1e-6;
 /// An error of the steps below this part of what they made of the energy does not explain it.
 const UNEXPLAINED: f64 = 1e-3;
@@ -30,9 +29,25 @@ pub struct Estimate {
     pub unit: String,
     /// Its error, of a column the root of the mean square over the run [its unit].
     pub error: f64,
-    /// The same over the largest value of the column, or over a millionth of the largest of its unit, where that is more; torques are of the unit of
-    /// energies here, and forces of that over the largest length.
+    /// The same over the largest value of the column, or over a millionth of the largest of its unit, where that is more: of angles at least of a radian;
+    /// torques are of the unit of energies here, and forces of that over the largest length.
     pub relative: f64,
+    /// What it is over [its unit], where that is more than the largest value.
+    pub over: Option<f64>,
+}
+
+impl Estimate {
+    /// What the relative error is over, in words.
+    pub(super) fn measure(&self) -> String {
+        match (self.over, self.is_metric) {
+            (Some(scale), _) => {
+                let scale = format!("{} {}", plain(scale, 2), self.unit);
+                format!("{}, which it is less than", scale.trim_end())
+            }
+            (None, true) => "its value".to_owned(),
+            (None, false) => "its largest value".to_owned(),
+        }
+    }
 }
 
 /// Flies the plan again with finer steps, and compares metrics, outputs and lines, or where there are none of these the motion of bodies and points.
@@ -82,6 +97,7 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
             unit: name.unit.clone(),
             error: deviation.rms,
             relative: deviation.rms / scale,
+            over: (scale > *size).then_some(scale),
         })
     });
     let metrics = of_metrics(model.scene(), [first, &finer], &sizes, until);
@@ -119,6 +135,7 @@ fn of_metrics(
             unit: here.unit.clone(),
             error,
             relative: error / scale,
+            over: (scale > value.abs()).then_some(scale),
         })
     });
     told.collect()
@@ -137,6 +154,20 @@ impl Sizes {
         )
     }
 
+    /// Those of a run alone.
+    fn of_run(run: &Trajectory) -> Self {
+        let size = |column: &[f64]| {
+            let finite = column.iter().filter(|x| x.is_finite());
+            finite.fold(0.0, |most: f64, x| most.max(x.abs()))
+        };
+        let columns = run.names().iter();
+        Sizes(
+            columns
+                .map(|name| (name.unit.clone(), run.column(&name.name).map_or(0.0, size)))
+                .collect(),
+        )
+    }
+
     /// The largest value of a unit.
     fn largest(&self, unit: &str) -> f64 {
         let same = self.0.iter().filter(|(own, _)| own == unit);
@@ -149,17 +180,14 @@ impl Sizes {
         let other = match unit {
             "N*m" => self.largest("J"),
             "N" => self.largest("J") / self.largest("m"),
+            "rad" => self.largest("deg").to_radians().max(1.0),
+            "deg" => self.largest("rad").max(1.0).to_degrees(),
             _ => 0.0,
         };
         let largest = self
             .largest(unit)
             .max(if other.is_finite() { other } else { 0.0 });
-        let scale = own.max(SMALL_PART * largest);
-        match unit {
-            "rad" => scale.max(SMALL_ANGLE),
-            "deg" => scale.max(SMALL_ANGLE.to_degrees()),
-            _ => scale,
-        }
+        own.max(SMALL_PART * largest)
     }
 }
 
@@ -198,6 +226,17 @@ fn rows(history: &Trajectory) -> Vec<usize> {
     rows
 }
 
+/// The metric that is resolved worst, with the part of its size that it may be off by, where that is large.
+fn unresolved(scene: &Scene, run: &Trajectory) -> Option<(String, f64)> {
+    let sizes = Sizes::of_run(run);
+    let parts = run.metrics(scene).into_iter().filter_map(|metric| {
+        let scale = sizes.scale(&metric.unit, metric.value.ok()?.abs());
+        let part = metric.unresolved / scale;
+        (scale > NOTHING && part > LARGE).then_some((metric.name, part))
+    });
+    parts.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
 /// What makes a run less accurate than it should be, and what to change; `None` where nothing does.
 #[must_use]
 pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
@@ -214,10 +253,11 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         .map(|it| it.relative())
         .filter(|part| *part > LARGE);
     let by_estimate = outcome.estimate.as_ref().filter(|it| it.relative > LARGE);
+    let rough = unresolved(scene, &outcome.trajectory);
     let by_rounding = Some(outcome.rounding).filter(|part| *part > 1e-3);
     let doubts = [
         by_estimate.map(|it| {
-            let of = if it.is_metric { "its value" } else { "its largest value" };
+            let of = it.measure();
             format!(
                 "`{}` is off by about {} {}, {:.1} % of {of}: {change}; where that does not help, the motion is chaotic over this time",
                 it.column,
@@ -225,6 +265,9 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
                 it.unit,
                 100.0 * it.relative
             )
+        }),
+        rough.map(|(name, part)| {
+            format!("`{name}` is off by about {:.1} % of its value: what it measures changes faster than it can be followed inside a step, or is noise; take shorter steps (`--dt`)", 100.0 * part)
         }),
         by_energy.map(|part| {
             let lost = format!("the run made or lost {:.1} % of the energy that moved", 100.0 * part);

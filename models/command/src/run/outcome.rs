@@ -9,7 +9,7 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::scene::{Scene, plain};
 use mbd_runtime::{
     Content, Imbalance, MetricValue, Model, MomentumImbalance, Moved, Options, ParamError,
-    RunError, Sampling, Simulation, Stop, Trajectory,
+    PassedStop, RunError, Sampling, Simulation, Stop, Trajectory,
 };
 
 use super::estimate::{Estimate, estimate};
@@ -30,6 +30,8 @@ pub struct RunOutcome {
     pub ended_by: Option<String>,
     /// What the start moved so that the joints hold, the largest distance first.
     pub moved: Vec<Moved>,
+    /// The stops that the start is beyond.
+    pub passed_stops: Vec<PassedStop>,
     /// Whether the start is a singular position of the joints.
     pub singular_start: bool,
     /// Energy that the run made or lost; `None` where it cannot be told.
@@ -146,6 +148,7 @@ pub(super) fn fly_on(
 ) -> FlownPhase {
     let started = Instant::now();
     let (mut time, mut moved, mut singular_start) = (0.0, Vec::new(), false);
+    let mut passed_stops = Vec::new();
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
     let mut fly = |mut simulation: Simulation<f64>| {
         let mut steps = 0;
@@ -163,6 +166,7 @@ pub(super) fn fly_on(
         let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
         time = simulation.time();
         moved = simulation.start_moved().to_vec();
+        passed_stops = simulation.starts_beyond_stops().to_vec();
         singular_start = simulation.starts_singular();
         (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
         momentum = simulation.momentum_imbalance();
@@ -187,6 +191,7 @@ pub(super) fn fly_on(
         time,
         error,
         moved,
+        passed_stops,
         singular_start,
         wall_s: started.elapsed().as_secs_f64(),
         trajectory,

@@ -4,7 +4,7 @@ use mbd_campaign::run::RunPlan;
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::scene::{Scene, plain};
-use mbd_runtime::{Layout, Moved, Simulation};
+use mbd_runtime::{Layout, Moved, PassedStop, Simulation};
 
 use super::outcome::{RunOutcome, begun};
 
@@ -12,6 +12,8 @@ use super::outcome::{RunOutcome, begun};
 const FAR: f64 = 1e-3;
 /// Nor is one that is rotated by more [rad].
 const ROTATED: f64 = 1e-3;
+/// A start beyond a stop by more than this part of the way between the stops of a coordinate, or of a metre or a radian where it has one, is no rest on it.
+const BEYOND: f64 = 0.02;
 /// What the start changes by less, in SI units, is rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -49,7 +51,8 @@ pub fn moved_text(moved: &Moved) -> String {
 /// The same as [`warning_of`] for a run that has been made.
 #[must_use]
 pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
-    told(scene, plan, (&outcome.moved, outcome.singular_start))
+    let found = (&outcome.moved[..], &outcome.passed_stops[..]);
+    told(scene, plan, found, outcome.singular_start)
 }
 
 /// The same before any run of a plan; `None` also where it cannot start, which is told where it is run.
@@ -65,11 +68,16 @@ pub fn warning_before(scene: &Scene, plan: &RunPlan) -> Option<String> {
 /// start where they were asked to, and one motion follows.
 #[must_use]
 pub fn warning_of(run: &Simulation<f64>, plan: &RunPlan) -> Option<String> {
-    let found = (run.start_moved(), run.starts_singular());
-    told(run.model().scene(), plan, found)
+    let found = (run.start_moved(), run.starts_beyond_stops());
+    told(run.model().scene(), plan, found, run.starts_singular())
 }
 
-fn told(scene: &Scene, plan: &RunPlan, (moved, singular): (&[Moved], bool)) -> Option<String> {
+fn told(
+    scene: &Scene,
+    plan: &RunPlan,
+    (moved, passed): (&[Moved], &[PassedStop]),
+    singular: bool,
+) -> Option<String> {
     let singular = singular.then(|| {
         "warning: the start is a singular position of the joints (bars in one line, say): more than one motion is possible from there, and rounding decides \
          which; begin beside it, `start: 1 deg` of a coordinate, or with a rate"
@@ -78,10 +86,29 @@ fn told(scene: &Scene, plan: &RunPlan, (moved, singular): (&[Moved], bool)) -> O
     let all = [
         displaced(scene, plan, moved),
         redirected(plan, moved),
+        beyond_stop(passed),
         singular,
     ];
     let all: Vec<String> = all.into_iter().flatten().collect();
     (!all.is_empty()).then(|| all.join("\n"))
+}
+
+/// One sentence where a coordinate starts beyond a stop, the one that pushes hardest.
+fn beyond_stop(passed: &[PassedStop]) -> Option<String> {
+    let far = passed
+        .iter()
+        .filter(|stop| stop.depth > BEYOND * stop.travel.unwrap_or(1.0));
+    let worst = far.max_by(|a, b| a.push.total_cmp(&b.push))?;
+    let (coordinate, side) = worst.name.split_once(' ')?;
+    let (depth, push) = match worst.is_angle {
+        true => (format!("{} deg", plain(worst.depth.to_degrees(), 3)), "N*m"),
+        false => (format!("{} m", plain(worst.depth, 3)), "N"),
+    };
+    Some(format!(
+        "warning: `{coordinate}` starts {depth} beyond its {side}, which pushes it back with {} {push} from the first instant on: start it between its stops, \
+         or say other `stops`",
+        plain(worst.push, 3),
+    ))
 }
 
 /// One sentence where a body starts somewhere else than it is put.

@@ -257,6 +257,8 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         true => "located",
         false => "not located",
     };
+    let estimate = outcome.estimate.as_ref();
+    let told = estimate.map(|it| (it, format!("the same over {}", it.measure())));
     let mut rows: Vec<(&str, Cell)> = vec![
         ("method", method.into()),
         ("slack/taut switches and events", switches.into()),
@@ -384,22 +386,19 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
     if let Some(why) = held(scene) {
         rows.push(("momentum balance", why.into()));
     }
-    if let Some(estimate) = &outcome.estimate {
+    if let Some((estimate, over)) = &told {
         let unit = match estimate.unit.as_str() {
             "" => String::new(),
             unit => format!(" {unit}"),
         };
-        let (how, of) = match estimate.is_metric {
-            true => ("", "the same over its value"),
-            false => (" (rms)", "the same over its largest value"),
-        };
+        let how = if estimate.is_metric { "" } else { " (rms)" };
         let off = format!(
             "`{}`, {}{unit}{how}",
             estimate.column,
             plain(estimate.error, 2)
         );
         rows.push(("off most, by a second, finer run", off.into()));
-        rows.push((of, estimate.relative.into()));
+        rows.push((over, estimate.relative.into()));
     }
     let mut table = ReportTable::new("Run")
         .column("what", "")

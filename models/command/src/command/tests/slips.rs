@@ -419,3 +419,25 @@ fn an_output_that_is_no_number_is_told_and_the_run_goes_on() {
     assert!(read("report.html").contains("is no finite number in 11 of 11 rows"));
     assert!(read("summary.json").contains("\"column\": \"ratio\""));
 }
+
+#[test]
+fn a_setting_behind_the_header_of_a_table_is_told_to_stand_before_it() {
+    let folder = Folder::new("settings_in_tables");
+    let text = "model A { gravity: none; param m = 1 kg; input push: force = 0 N;
+          point p { mass: m, start at [0, 0, 0] m } load f on p = [push, 0 N, 0 N]; }
+        [run]\nuntil = \"1 s\"\n";
+    for (table, setting) in [
+        ("start", "every = \"10 ms\""),
+        ("params", "max_steps = 100"),
+        ("inputs", "until = \"2 s\""),
+        ("figures", "instants = [\"0 s\"]"),
+    ] {
+        let file = folder.file("a.mbd", &format!("{text}[run.{table}]\n{setting}\n"));
+        let told = run(&["check", &file]).unwrap_err().to_string();
+        let name = setting.split(' ').next().unwrap();
+        let said = format!(
+            "`{name}` is a setting of `[run]`, and here it belongs to `[run.{table}]`: write it in front of that line"
+        );
+        assert!(told.contains(&said), "{told}");
+    }
+}

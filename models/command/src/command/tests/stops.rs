@@ -138,3 +138,52 @@ fn a_step_that_is_too_long_sends_the_run_back_to_where_nothing_had_grown() {
     );
     assert!(!told.contains("last accepted"), "{told}");
 }
+
+#[test]
+fn the_error_of_a_small_angle_is_told_over_the_angle() {
+    let folder = Folder::new("small_angle");
+    let out = folder.0.join("out").display().to_string();
+    let text = "model P { gravity: none;
+          body w { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+          joint pin: hinge from world to w.com { axis: y, stiffness: 1000 N*m, start: 1e-5 rad }
+          output a = pin.angle in deg; }
+        [run]\nuntil = \"10 s\"\ntolerance = 1e-6\n";
+    let error = run(&["run", &folder.file("small.mbd", text), "--out", &out]);
+    let told = error.expect_err("a tenth of it").to_string();
+    assert!(
+        told.contains("`a` is off by about") && told.contains("of its largest value"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_start_beyond_a_stop_is_told_with_what_the_stop_pushes() {
+    let folder = Folder::new("beyond_stop");
+    let out = folder.0.join("out").display().to_string();
+    let text = |start: &str| {
+        format!(
+            "model Leg {{ gravity: none;
+          body piston {{ mass: 10 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+          joint oleo: prismatic from world to piston.com {{ axis: z, start: {start}, stops: [0, 0.35] m, stop_stiffness: 1 MN/m }}
+          output stroke = oleo.slide; }}
+        [run]\nuntil = \"10 ms\"\n"
+        )
+    };
+    let told = |start: &str| {
+        let file = folder.file("leg.mbd", &text(start));
+        let told = run(&["run", &file, "--out", &out]);
+        told.unwrap_or_else(|failure| failure.to_string())
+    };
+    let beyond = told("0.5 m");
+    for part in [
+        "`oleo.slide` starts 0.15 m beyond its high stop",
+        "with 150000 N",
+    ] {
+        assert!(beyond.contains(part), "{part}: {beyond}");
+    }
+    // What rests on a stop is a little beyond it.
+    for start in ["0.2 m", "0.351 m"] {
+        let resting = told(start);
+        assert!(!resting.contains("beyond its"), "{resting}");
+    }
+}
