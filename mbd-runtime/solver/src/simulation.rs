@@ -159,6 +159,8 @@ pub struct Simulation<T: Float> {
     pub(crate) attempted: f64,
     /// Start and size of an attempt that was made beside those of other runs, until it is used [s].
     received: Option<[f64; 2]>,
+    /// When what acts with time alone is hidden from fixed steps [s].
+    hidden: Option<f64>,
     /// Whether the attempted step was one of those, and whether the last accepted one was, and nothing was changed since.
     beside: bool,
     stays: bool,
@@ -261,6 +263,13 @@ impl<T: Float> Simulation<T> {
     #[must_use]
     pub fn starts_singular(&self) -> bool {
         self.singular_start
+    }
+
+    /// A time at which what acts with time alone does so between the stages of fixed steps, and none of them sees it, in the calls so far [s]: a pulse shorter
+    /// than a step, a swing as fast as the steps. Adaptive steps end there.
+    #[must_use]
+    pub fn hidden_from_steps(&self) -> Option<f64> {
+        self.hidden
     }
 
     /// The model that is run.

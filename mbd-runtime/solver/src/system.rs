@@ -195,7 +195,7 @@ impl<T: Float> System<T> {
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
         let params = params_of(model.params());
         self.breaks = breaks(model.scene(), &params);
-        self.of_time = Arc::new(TimeFunctions::new(model.scene(), &params));
+        Arc::make_mut(&mut self.of_time).set_params(params);
         self.model = model;
         self.laws = None;
         if self.jacobian.is_some() {

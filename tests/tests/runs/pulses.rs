@@ -156,6 +156,27 @@ fn every_passing_of_a_guard_of_time_is_an_event() {
 }
 
 #[test]
+fn fixed_steps_that_pass_over_a_pulse_say_when() {
+    let hidden = |width: f64, step: f64| {
+        let params = StruckParams {
+            width,
+            instant: 10.2037,
+        };
+        let model = Struck::<f64>::new(params).expect("params in range");
+        let mut run = Simulation::new(&model, Options::rk4(step)).expect("a model that runs");
+        for end in [10.0, 20.0] {
+            run.run(end).expect("a run that ends");
+        }
+        run.hidden_from_steps()
+    };
+    let found = hidden(1e-4, 1e-3).expect("a pulse between stages");
+    assert!((found - 10.2037).abs() < 1e-4, "{found}");
+    // The hum of 159 Hz is seen by steps of a millisecond, and by none of 8 ms.
+    assert_eq!(hidden(0.1, 1e-3), None);
+    assert!(hidden(0.1, 8e-3).is_some());
+}
+
+#[test]
 fn looks_into_quiet_steps_are_few() {
     let model = Struck::<f64>::new(StruckParams::default()).expect("params in range");
     let run = flown(&model, Options::tsit5(1e-6), 1e4);

@@ -16,6 +16,9 @@ use crate::{Formula, Function, Real, Scene};
 const MARGIN: f64 = 0.25;
 /// By how much of itself, where the hull has no width.
 const ROUNDING: f64 = 1e-9;
+/// The part of all that a number is in a run that is noticed, and at how many parts of the run it is sampled for that.
+const NOTICED: f64 = 0.1;
+const SAMPLES: u32 = 64;
 /// Most spans that are looked at for one answer, and the shortest of them in parts of the whole.
 const MOST_SPANS: u32 = 128;
 const MOST_SPANS_OF_GUARDS: u32 = 16_384;
@@ -160,6 +163,11 @@ impl TimeFunctions {
         scalars
     }
 
+    /// The same with other params.
+    pub fn set_params(&mut self, params: Vec<f64>) {
+        self.params = params;
+    }
+
     /// How many numbers that act change with time alone.
     #[must_use]
     pub fn acting(&self) -> usize {
@@ -243,6 +251,52 @@ impl TimeFunctions {
             }
         }
         worst.1
+    }
+
+    /// A time in a span at which a number that acts is unseen by (1) in every step of a size around it, whose ends and middle are looked at, by more than a
+    /// tenth of all that it is in the span [s]; `None` where steps see it, or where it swings so often that this is not known.
+    #[must_use]
+    pub fn hidden_from_steps(&self, scene: &Scene, whole: [f64; 2], step: f64) -> Option<f64> {
+        let hidden = |formula| self.hidden_of(scene, formula, whole, step);
+        self.acting.iter().find_map(hidden)
+    }
+
+    fn hidden_of(
+        &self,
+        scene: &Scene,
+        formula: &Formula,
+        [begin, end]: [f64; 2],
+        step: f64,
+    ) -> Option<f64> {
+        let at = |time: f64| Range::from_f64(self.scalar(scene, formula, time));
+        let during = |[from, to]: [f64; 2]| self.scalar(scene, formula, Range::between(from, to));
+        let part = |number: u32| begin + (end - begin) * f64::from(number) / f64::from(SAMPLES);
+        let all = (0..=SAMPLES).map(|number| at(part(number)));
+        let mut total = all.reduce(Range::hull)?;
+        let mut spans = Bisection::new([begin, end], MOST_SPANS_OF_GUARDS);
+        spans.add([begin, end], 0.0);
+        while let Some(span) = spans.last() {
+            if during(span).width() <= NOTICED * total.width() {
+                continue;
+            }
+            let middle = 0.5 * (span[0] + span[1]);
+            total = total.hull(at(middle));
+            if span[1] - span[0] > step {
+                spans.add([middle, span[1]], 0.0);
+                spans.add([span[0], middle], 0.0);
+                continue;
+            }
+            let looks = [span[0], middle, span[1]];
+            let Some(found) = self.unseen_of(scene, formula, span, looks.into_iter()) else {
+                continue;
+            };
+            let seen = looks.into_iter().map(at).reduce(Range::hull)?;
+            let out = seen.beyond(at(found));
+            if out > NOTICED * total.hull(at(found)).width() {
+                return Some(found);
+            }
+        }
+        None
     }
 
     /// The first time in a span at which the guard of an event, less `zero`, is on the other side than at its start [s]; `None` where it stays on its
@@ -389,6 +443,26 @@ mod tests {
         // A whole number of periods looks like rest.
         let found = unseen(sine(std::f64::consts::TAU), [0.0, 8.0]).expect("a crest or a trough");
         assert!((found * std::f64::consts::TAU).sin().abs() > 0.5, "{found}");
+    }
+
+    #[test]
+    fn what_fixed_steps_do_not_see_is_found_and_what_they_see_is_not() {
+        let hidden = |formula: Formula, step: f64| {
+            let functions = TimeFunctions {
+                acting: vec![formula],
+                ..TimeFunctions::default()
+            };
+            functions.hidden_from_steps(&Scene::default(), [0.0, 20.0], step)
+        };
+        let tau = std::f64::consts::TAU;
+        let found = hidden(pulse(10.2037, 1e-4), 0.01).expect("a pulse between stages");
+        assert!((found - 10.2037).abs() < 1e-4, "{found}");
+        assert_eq!(hidden(pulse(10.2037, 0.05), 0.01), None);
+        assert_eq!(hidden(sine(5.0 * tau), 0.01), None);
+        assert!(hidden(sine(180.0 * tau), 0.01).is_some());
+        // A kink is between stages, but no step misses much of it.
+        let kink = apply(Function::Sub, [Formula::Time, number(7.7777)]);
+        assert_eq!(hidden(apply(Function::Abs, [kink]), 0.01), None);
     }
 
     #[test]

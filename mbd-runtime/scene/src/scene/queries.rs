@@ -3,7 +3,7 @@
 use super::{Coordinates, Joint, Line, LoadKind, NodeModel, PointKind, Scene};
 use crate::event::{Detachable, Event, Settable};
 use crate::joints::{Fold, JointForces, JointLaw, Side};
-use crate::{Coordinate, Directions, Fixed, Formula, Part, Place};
+use crate::{Coordinate, Directions, Fixed, Formula, Function, Part, Place};
 
 impl Scene {
     /// The same scene in a family of coordinates.
@@ -77,6 +77,19 @@ impl Scene {
         let lines = self.lines.iter().map(|line| &line.free_length);
         let states = self.states.iter().map(|state| &state.rate);
         loads.chain(joints).chain(lines).chain(states)
+    }
+
+    /// Whether something that acts chooses between values by what moves: it may jump where the motion stays.
+    #[must_use]
+    pub fn jumps_with_motion(&self) -> bool {
+        let chooses = |part: &Formula| match part {
+            Formula::Apply(Function::IfLess | Function::IfAtMost, parts) => {
+                let compared = parts.iter().take(2);
+                compared.into_iter().any(|part| !self.is_of_time(part))
+            }
+            _ => false,
+        };
+        self.acting_formulas().any(|it| self.contains(it, chooses))
     }
 
     /// The names of what acts or drives and changes with time by itself: loads, joints, lines, declared states, frames of the world.

@@ -107,12 +107,21 @@ impl<T: Float> Simulation<T> {
         self.changes.stop = None;
         self.stays = false;
         self.whole(Self::enter)?;
+        self.look_for_hidden(until);
         self.chatter.window = 1e-3 * (until - self.time);
         Ok(Course {
             until,
             opened: false,
             trials: 0,
         })
+    }
+
+    /// Looks whether something of time alone acts between the stages of fixed steps until a time.
+    fn look_for_hidden(&mut self, until: f64) {
+        if let (Pace::Fixed(step), None) = (&self.pace, self.hidden) {
+            let (scene, span) = (self.system.model.scene(), [self.time, until]);
+            self.hidden = self.system.of_time.hidden_from_steps(scene, span, *step);
+        }
     }
 
     /// Tries the next step on a course, at first what is due at its start; `None` where there is more to come.

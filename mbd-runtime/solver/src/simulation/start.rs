@@ -204,6 +204,7 @@ impl<T: Float> Simulation<T> {
             given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
             passed_stops: Vec::new(),
+            hidden: None,
             joints_set: Vec::new(),
             assembly,
             singular_start: false,
@@ -236,6 +237,7 @@ impl<T: Float> Simulation<T> {
         }
         self.started = true;
         self.as_declared = false;
+        self.hidden = None;
         self.joints_set.clear();
         self.shown.forget();
         self.origin = self.time;

@@ -258,12 +258,22 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
     let doubts = [
         by_estimate.map(|it| {
             let of = it.measure();
+            let jumps = match scene.jumps_with_motion() {
+                true => "a force that an `if` lets jump is where the motion stays (let it be zero there), or ",
+                false => "",
+            };
             format!(
-                "`{}` is off by about {} {}, {:.1} % of {of}: {change}; where that does not help, the motion is chaotic over this time",
+                "`{}` is off by about {} {}, {:.1} % of {of}: {change}; where that does not help, {jumps}the motion is chaotic over this time",
                 it.column,
                 plain(it.error, 2),
                 it.unit,
                 100.0 * it.relative
+            )
+        }),
+        outcome.hidden.map(|time| {
+            format!(
+                "what acts changes with time alone at {} s in less than a step, and no stage of a step sees it: {change}, or an adaptive method",
+                plain(time, 9)
             )
         }),
         rough.map(|(name, part)| {

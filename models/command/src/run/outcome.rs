@@ -38,6 +38,8 @@ pub struct RunOutcome {
     pub imbalance: Option<Imbalance>,
     /// Momentum that the run made or lost; `None` where the ground holds something, or nothing moved.
     pub momentum: Option<MomentumImbalance>,
+    /// When what acts with time alone is hidden from fixed steps [s].
+    pub hidden: Option<f64>,
     /// The most that rounding of positions made of forces.
     pub rounding: f64,
     /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
@@ -150,6 +152,7 @@ pub(super) fn fly_on(
     let (mut time, mut moved, mut singular_start) = (0.0, Vec::new(), false);
     let mut passed_stops = Vec::new();
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
+    let mut hidden = None;
     let mut fly = |mut simulation: Simulation<f64>| {
         let mut steps = 0;
         let mut watch = |now: f64| {
@@ -169,6 +172,7 @@ pub(super) fn fly_on(
         passed_stops = simulation.starts_beyond_stops().to_vec();
         singular_start = simulation.starts_singular();
         (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
+        hidden = simulation.hidden_from_steps();
         momentum = simulation.momentum_imbalance();
         stop.map(|stop| (simulation, stop))
     };
@@ -186,6 +190,7 @@ pub(super) fn fly_on(
         imbalance: imbalance.filter(|it| it.moved > 0.0),
         momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,
+        hidden,
         estimate: None,
         besides: Vec::new(),
         time,

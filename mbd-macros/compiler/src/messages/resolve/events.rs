@@ -96,7 +96,9 @@ pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> LexemeMessage {
     let why = match kind {
         "const" => format!("a const is folded into the code: declare it `param {word} = …`"),
         "event" => "an event is told by itself".to_owned(),
-        "input" => "inputs are given by the program that runs the model".to_owned(),
+        "input" => format!(
+            "inputs are given to a run: declare it `param {word} = …` where events change it"
+        ),
         "let" => "a let says what follows from other numbers: set one of these".to_owned(),
         "body" | "point" => format!("a speed of it is `{word}.velocity` or `{word}.velocity.z`"),
         "joint" => {

@@ -55,7 +55,7 @@ pub fn too_many(at: Region, most: usize, found: usize) -> LexemeMessage {
 pub fn circular(at: Region, kind: &str, name: &str) -> LexemeMessage {
     let unit = match units::find(name) {
         Some(_) => format!(
-            "; where the unit is meant, write it in brackets, `3 (rad/{name})`, or give the {kind} another name, such as `{name}_1`"
+            "; where the unit is meant, write it in brackets, `3 (1/{name})`, or give the {kind} another name, such as `{name}_1`"
         ),
         None => String::new(),
     };

@@ -28,8 +28,7 @@ pub fn nothing_to_lock(at: Region, name: &str, keyword: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,
         format!(
-            "the joint `{name}` is {} {keyword} and has no coordinate that could be locked: attach a joint that holds more, such as `rigid` with `at_start: detached`",
-            article(keyword)
+            "the joint `{name}` is of the kind `{keyword}` and has no coordinate that could be locked: attach a joint that holds more, such as `rigid` with `at_start: detached`"
         ),
     )
 }
