@@ -163,7 +163,10 @@ fn fixed_steps_that_pass_over_a_pulse_say_when() {
             instant: 10.2037,
         };
         let model = Struck::<f64>::new(params).expect("params in range");
-        let mut run = Simulation::new(&model, Options::rk4(step)).expect("a model that runs");
+        // Nothing but the hum moves anything at first, and steps as long as its radians are watched.
+        let mut options = Options::rk4(step);
+        options.watch = false;
+        let mut run = Simulation::new(&model, options).expect("a model that runs");
         for end in [10.0, 20.0] {
             run.run(end).expect("a run that ends");
         }
