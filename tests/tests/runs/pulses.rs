@@ -1,7 +1,7 @@
 //! Pulses that lie between the stages of an adaptive step, and obstacles between its places: from rest and from even motion the error of a step is zero
 //! whatever lies inside it.
 
-use mbd_runtime::{Model, Options, Scalar, Simulation, model};
+use mbd_runtime::{Model, Options, Scalar, Simulation, StepError, model};
 
 model! {
     /// A mass that is pushed by a short pulse, and one beside it that a fast force shakes too little to matter.
@@ -152,6 +152,35 @@ fn every_passing_of_a_guard_of_time_is_an_event() {
             .iter()
             .filter(|event| (event.time - 3.000_009).abs() < 1e-12);
         assert_eq!(shut.count(), 1, "{options:?}");
+    }
+}
+
+model! {
+    /// A push that has no number for a tenth of a second.
+    pub model Broken {
+        gravity: none;
+        point mass { mass: 1 kg, start at [0, 0, 0] m }
+        load push on mass = [1 N * (sqrt(0.5 - exp(-((time - 10 s) / (0.1 s))^2)) - sqrt(0.5)), 0 N, 0 N];
+    }
+}
+
+#[test]
+fn what_has_no_number_between_two_stages_ends_the_run_there() {
+    let model = Broken::new(BrokenParams::default()).expect("params in range");
+    for options in methods(1e-6) {
+        let mut run = Simulation::new(&model, options).expect("a model that runs");
+        let error = run.run(100.0).expect_err("the root of a negative number");
+        assert!(
+            matches!(error.cause, StepError::NonFinite { .. }),
+            "{options:?}: {error}"
+        );
+        // exp(−u²) = 1/2.
+        let begins = 10.0 - 0.1 * 2.0_f64.ln().sqrt();
+        assert!(
+            run.time() < begins && run.time() > 9.0,
+            "{options:?}: {}",
+            run.time()
+        );
     }
 }
 

@@ -143,9 +143,15 @@ impl Control {
         }
     }
 
-    /// A trial that passed its error test but overlooked something at a part of the step: the next one ends there, or comes closer to it.
+    /// A trial that passed its error test but overlooked something at a part of the step: the next one ends there, or comes closer to it. That is none of the
+    /// rejections of which ten in a row are a collapse.
     pub(crate) fn shorten(&mut self, tried: f64, part: f64, smallest: f64) -> Verdict {
-        self.reject(tried * part.clamp(0.1, 0.9), smallest)
+        self.rejections = self.rejections.max(1);
+        self.step = tried * part.clamp(0.1, 0.9);
+        match self.step < smallest {
+            true => self.reject(self.step, smallest),
+            false => Verdict::Rejected,
+        }
     }
 
     fn reject(&mut self, step: f64, smallest: f64) -> Verdict {
@@ -182,6 +188,21 @@ mod tests {
         assert!((control.step - 0.05).abs() < 1e-12);
         assert_eq!(control.judge(0.05, f64::NAN, 1e-15), Verdict::Rejected);
         assert!((control.step - 0.005).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_overlooked_shortens_a_step_as_often_as_it_takes() {
+        let mut control = Control::new(1.0, 10.0, [5.0, 0.4]);
+        for _ in 0..50 {
+            assert_eq!(control.shorten(control.step, 0.5, 1e-18), Verdict::Rejected);
+        }
+        assert!(control.step < 1e-14);
+        assert_eq!(control.shorten(control.step, 0.5, 1.0), Verdict::Collapsed);
+        // The step behind it grows no further.
+        let mut control = Control::new(1.0, 10.0, [5.0, 0.4]);
+        assert_eq!(control.shorten(1.0, 0.3, 1e-15), Verdict::Rejected);
+        assert_eq!(control.judge(0.3, 0.0, 1e-15), Verdict::Accepted);
+        assert!((control.step - 0.3).abs() < 1e-15, "{}", control.step);
     }
 
     #[test]

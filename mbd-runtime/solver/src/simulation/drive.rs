@@ -411,13 +411,16 @@ impl<T: Float> Simulation<T> {
                     .unwrap_or_else(|| self.blame(step, cause))),
             };
         }
-        let judged = tried.map(|()| {
+        let judged = tried.and_then(|()| {
             // A step that turns too far is shortened as one whose error is too large.
             let most = self.options.max_angle.min(turns::MOST);
             let turned = (swept / most).powf(self.method.exponent());
             let error = self.error_of(step).max(turned);
-            let passes = error <= 1.0;
-            (error, passes.then(|| self.overlooks(step, error)).flatten())
+            let part = match error <= 1.0 {
+                true => self.overlooks(step, error)?,
+                false => None,
+            };
+            Ok((error, part))
         });
         let Pace::Adaptive(control, _) = &mut self.pace else {
             return Ok(true);

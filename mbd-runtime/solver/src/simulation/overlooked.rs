@@ -86,27 +86,28 @@ fn is_local(scene: &Scene, formula: &Formula) -> bool {
 
 impl<T: Float> Simulation<T> {
     /// The part of the attempted step, which passed its error test with this error, at which it overlooks something; `None` where it does not.
-    pub(super) fn overlooks(&mut self, step: f64, error: f64) -> Option<f64> {
+    ///
+    /// # Errors
+    /// Rates that cannot be had at a time that the step overlooks.
+    pub(super) fn overlooks(&mut self, step: f64, error: f64) -> Result<Option<f64>, StepError> {
         self.looks = 0;
         let allowed = (LIKELY * error).max(1.0);
         for number in 0..self.system.of_time.acting() {
-            if let Some(part) = self.unseen_part(number, step)
-                && self
-                    .jumps_unseen(part, step)
-                    .is_none_or(|size| size.is_nan() || size > allowed)
-            {
-                return Some(part);
+            let Some(part) = self.unseen_part(number, step) else {
+                continue;
+            };
+            let size = self.jumps_unseen(part, step)?;
+            if size.is_nan() || size > allowed {
+                return Ok(Some(part));
             }
         }
         if error >= QUIET {
-            return None;
+            return Ok(None);
         }
-        let looks = self.looks_by_motion(step)?;
-        self.looks = looks;
-        match self.overlooked.is_local {
-            true => self.bends_between(looks, step, allowed),
-            false => None,
-        }
+        let looks = self.looks_by_motion(step);
+        self.looks = looks.unwrap_or_default();
+        let looks = looks.filter(|_| self.overlooked.is_local);
+        Ok(looks.and_then(|looks| self.bends_between(looks, step, allowed)))
     }
 
     /// Where (1) is to be looked at for a number of time alone, in parts of the step.
@@ -119,9 +120,9 @@ impl<T: Float> Simulation<T> {
         Some((found - start) / step)
     }
 
-    /// (1) at a part of the step, in tolerances; `None` where the rates there cannot be had.
-    fn jumps_unseen(&mut self, part: f64, step: f64) -> Option<f64> {
-        self.inside_state(part, step).ok()?;
+    /// (1) at a part of the step, in tolerances.
+    fn jumps_unseen(&mut self, part: f64, step: f64) -> Result<f64, StepError> {
+        self.inside_state(part, step)?;
         let stages = (0..).map_while(|stage| self.method.stage_time(stage));
         let (before, after) = stages
             .chain([0.0, 1.0])
@@ -130,12 +131,12 @@ impl<T: Float> Simulation<T> {
                 false => (low, at.min(high)),
             });
         for (look, at) in [before, after, part].into_iter().enumerate() {
-            self.look_at_rates(look, at, [part, step]).ok()?;
+            self.look_at_rates(look, at, [part, step])?;
         }
         let toward = (part - before) / (after - before);
         self.overlooked
             .combine(step, 2, &[1.0, -toward, toward - 1.0]);
-        Some(self.measure_difference())
+        Ok(self.measure_difference())
     }
 
     /// How many looks (2) takes; `None` where nothing gets far.

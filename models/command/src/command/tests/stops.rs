@@ -192,8 +192,8 @@ fn a_start_beyond_a_stop_is_told_with_what_the_stop_pushes() {
 fn a_run_whose_steps_pass_over_a_pulse_says_when_and_what_to_take() {
     let folder = Folder::new("hidden_pulse");
     let out = folder.0.join("out").display().to_string();
-    let text = "model Vane { gravity: none; point p { mass: 1 kg, start at [0, 0, 0] m }
-          load gust on p = [8 N * exp(-((time - 5.0042 s) / (0.3 ms))^2), 0 N, 0 N];
+    let text = "model Vane { gravity: [0, 0, -9.81] m/s^2; point p { mass: 1 kg, start at [0, 0, 0] m velocity [1, 0, 0] m/s }
+          load gust on p = [8 N * exp(-((time - 5.0042 s) / (0.1 ms))^2), 0 N, 0 N];
           output speed = p.velocity.x; }
         [run]\nuntil = \"10 s\"\n";
     let file = folder.file("vane.mbd", text);
@@ -204,8 +204,6 @@ fn a_run_whose_steps_pass_over_a_pulse_says_when_and_what_to_take() {
         told.contains("at 5.004") && told.contains("no stage of a step sees it"),
         "{told}"
     );
-    for better in [["--dt", "0.1 ms"], ["--tol", "1e-8"]] {
-        let told = run(&[&["run", file.as_str(), "--out", &out], &better[..]].concat());
-        assert!(told.is_ok_and(|told| !told.contains("warning")));
-    }
+    let told = run(&["run", &file, "--out", &out, "--tol", "1e-8"]);
+    assert!(told.is_ok_and(|told| !told.contains("warning")));
 }
