@@ -160,7 +160,8 @@ model! {
     pub model Broken {
         gravity: none;
         point mass { mass: 1 kg, start at [0, 0, 0] m }
-        load push on mass = [1 N * (sqrt(0.5 - exp(-((time - 10 s) / (0.1 s))^2)) - sqrt(0.5)), 0 N, 0 N];
+        load push on mass =
+            [1 N * (sqrt(0.5 - exp(-((time - 10 s) / (0.1 s))^2)) - sqrt(0.5)), 0 N, 0 N];
     }
 }
 
