@@ -10,7 +10,7 @@
 
 use crate::laws::formula::{Context, Value, of_let, scalar, value};
 use crate::scalar::Range;
-use crate::{Formula, Function, Real, Scene};
+use crate::{Dual, Formula, Function, Real, Scene};
 
 /// By how much of the hull a value must be outside it to count as unseen.
 const MARGIN: f64 = 0.25;
@@ -26,15 +26,35 @@ const SHORTEST: f64 = 1e-12;
 /// Spans that wait at a time: every bisection leaves one more.
 const WAITING: usize = MOST_SPANS as usize + 1;
 
+/// A number of time alone that is not constant.
+#[derive(Clone, Debug)]
+struct TimeFunction {
+    formula: Formula,
+    /// Whether it never jumps.
+    is_continuous: bool,
+}
+
+impl TimeFunction {
+    fn new(scene: &Scene, formula: Formula) -> Self {
+        use Function::{Atan2, Floor, IfAtMost, IfLess};
+        let jumps =
+            |part: &Formula| matches!(part, Formula::Apply(Atan2 | Floor | IfAtMost | IfLess, _));
+        TimeFunction {
+            is_continuous: !scene.contains(&formula, jumps),
+            formula,
+        }
+    }
+}
+
 /// The formulas of time alone of a scene, for some params.
 #[derive(Clone, Debug, Default)]
 pub struct TimeFunctions {
     /// Scalars that are not constant, of what acts.
-    acting: Vec<Formula>,
+    acting: Vec<TimeFunction>,
     /// The same of outputs, and of what metrics measure.
-    measured: Vec<Formula>,
+    measured: Vec<TimeFunction>,
     /// The guards of events that are of time alone, with their numbers.
-    guards: Vec<(usize, Formula)>,
+    guards: Vec<(usize, TimeFunction)>,
     params: Vec<f64>,
 }
 
@@ -134,7 +154,7 @@ impl TimeFunctions {
             acting: Vec::new(),
             measured: Vec::new(),
             guards: guards
-                .map(|(at, event)| (at, event.guard.clone()))
+                .map(|(at, event)| (at, TimeFunction::new(scene, event.guard.clone())))
                 .collect(),
             params: params.to_vec(),
         };
@@ -144,7 +164,7 @@ impl TimeFunctions {
     }
 
     /// Each of some formulas once, of vectors their components.
-    fn scalars(&self, scene: &Scene, formulas: Vec<Formula>) -> Vec<Formula> {
+    fn scalars(&self, scene: &Scene, formulas: Vec<Formula>) -> Vec<TimeFunction> {
         let mut scalars: Vec<Formula> = Vec::new();
         for formula in formulas {
             let parts = match self.at::<f64>(scene, &formula, 0.0) {
@@ -160,7 +180,10 @@ impl TimeFunctions {
                 }
             }
         }
+        let scalars = scalars.into_iter();
         scalars
+            .map(|formula| TimeFunction::new(scene, formula))
+            .collect()
     }
 
     /// The same with other params.
@@ -178,6 +201,22 @@ impl TimeFunctions {
     #[must_use]
     pub fn measures(&self) -> bool {
         !self.measured.is_empty()
+    }
+
+    /// What a number is over a span: by its range, and of one that does not jump by its slope from the middle on,
+    /// g(t) ∈ g(m) + g′(span) (t − m), which closes in on it with the square of the span.
+    fn during(&self, scene: &Scene, number: &TimeFunction, [from, to]: [f64; 2]) -> Range {
+        let span = Range::between(from, to);
+        if !number.is_continuous {
+            return self.scalar(scene, &number.formula, span);
+        }
+        let along: Dual<Range, 1> = self.scalar(scene, &number.formula, Dual::variable(span, 0));
+        let middle = 0.5 * (from + to);
+        let half = Range::between(from - middle, to - middle);
+        let own = self.scalar(scene, &number.formula, middle);
+        along
+            .value
+            .meet(Range::from_f64(own) + along.slopes[0] * half)
     }
 
     fn at<S: Real>(&self, scene: &Scene, formula: &Formula, time: S) -> Value<S> {
@@ -198,6 +237,17 @@ impl TimeFunctions {
         scalar(formula, &during)
     }
 
+    /// Whether a number that acts rises or falls all over a span, or stays: then its ends show everything, and those of every part of it.
+    #[must_use]
+    pub fn is_monotone(&self, scene: &Scene, number: usize, [from, to]: [f64; 2]) -> bool {
+        let own = self.acting.get(number).filter(|own| own.is_continuous);
+        own.is_some_and(|own| {
+            let time = Dual::variable(Range::between(from, to), 0);
+            let along: Dual<Range, 1> = self.scalar(scene, &own.formula, time);
+            along.slopes[0].low >= 0.0 || along.slopes[0].high <= 0.0
+        })
+    }
+
     /// A time in a span at which a number that acts is unseen by (1), where it was looked at at the times `seen` [s].
     pub fn unseen(
         &self,
@@ -206,8 +256,8 @@ impl TimeFunctions {
         span: [f64; 2],
         seen: impl Iterator<Item = f64>,
     ) -> Option<f64> {
-        let formula = self.acting.get(number)?;
-        self.unseen_of(scene, formula, span, seen)
+        let number = self.acting.get(number)?;
+        self.unseen_of(scene, number, span, seen)
     }
 
     /// Whether something that is measured is unseen by (1) in a span, where it was looked at at the times `seen` [s].
@@ -217,25 +267,33 @@ impl TimeFunctions {
         span: [f64; 2],
         seen: impl Iterator<Item = f64> + Clone,
     ) -> bool {
-        let unseen = |formula| self.unseen_of(scene, formula, span, seen.clone()).is_some();
+        let unseen = |number| self.unseen_of(scene, number, span, seen.clone()).is_some();
         self.measured.iter().any(unseen)
     }
 
     fn unseen_of(
         &self,
         scene: &Scene,
-        formula: &Formula,
+        number: &TimeFunction,
         whole: [f64; 2],
         seen: impl Iterator<Item = f64>,
     ) -> Option<f64> {
-        let during = |[from, to]: [f64; 2]| self.scalar(scene, formula, Range::between(from, to));
-        let at = |time: f64| Range::from_f64(self.scalar(scene, formula, time));
-        let hull = seen.map(at).reduce(Range::hull)?;
-        let size = hull.low.abs().max(hull.high.abs());
-        let margin = (MARGIN * hull.width()).max(ROUNDING * size);
+        let at = |time: f64| Range::from_f64(self.scalar(scene, &number.formula, time));
+        let margin = |hull: Range| {
+            let size = hull.low.abs().max(hull.high.abs());
+            (MARGIN * hull.width()).max(ROUNDING * size)
+        };
+        let bounds = self.during(scene, number, whole);
+        let ends = at(whole[0]).hull(at(whole[1]));
+        // Most of what there is rises or falls over a step, and both ends were looked at.
+        if ends.beyond(bounds) <= margin(ends) {
+            return None;
+        }
+        let hull = seen.map(at).fold(ends, Range::hull);
+        let margin = margin(hull);
         let mut worst = (margin, None);
         let mut spans = Bisection::new(whole, MOST_SPANS);
-        spans.add(whole, hull.beyond(during(whole)));
+        spans.add(whole, hull.beyond(bounds));
         while let Some((span, may_hold)) = spans.most() {
             // Twice as far out as what is known is not worth a look.
             if may_hold <= margin || may_hold <= 2.0 * worst.0 && worst.1.is_some() {
@@ -247,7 +305,7 @@ impl TimeFunctions {
                 worst = (out, Some(middle));
             }
             for half in [[span[0], middle], [middle, span[1]]] {
-                spans.add(half, hull.beyond(during(half)));
+                spans.add(half, hull.beyond(self.during(scene, number, half)));
             }
         }
         worst.1
@@ -257,26 +315,25 @@ impl TimeFunctions {
     /// tenth of all that it is in the span [s]; `None` where steps see it, or where it swings so often that this is not known.
     #[must_use]
     pub fn hidden_from_steps(&self, scene: &Scene, whole: [f64; 2], step: f64) -> Option<f64> {
-        let hidden = |formula| self.hidden_of(scene, formula, whole, step);
+        let hidden = |number| self.hidden_of(scene, number, whole, step);
         self.acting.iter().find_map(hidden)
     }
 
     fn hidden_of(
         &self,
         scene: &Scene,
-        formula: &Formula,
+        number: &TimeFunction,
         [begin, end]: [f64; 2],
         step: f64,
     ) -> Option<f64> {
-        let at = |time: f64| Range::from_f64(self.scalar(scene, formula, time));
-        let during = |[from, to]: [f64; 2]| self.scalar(scene, formula, Range::between(from, to));
+        let at = |time: f64| Range::from_f64(self.scalar(scene, &number.formula, time));
         let part = |number: u32| begin + (end - begin) * f64::from(number) / f64::from(SAMPLES);
         let all = (0..=SAMPLES).map(|number| at(part(number)));
         let mut total = all.reduce(Range::hull)?;
         let mut spans = Bisection::new([begin, end], MOST_SPANS_OF_GUARDS);
         spans.add([begin, end], 0.0);
         while let Some(span) = spans.last() {
-            if during(span).width() <= NOTICED * total.width() {
+            if self.during(scene, number, span).width() <= NOTICED * total.width() {
                 continue;
             }
             let middle = 0.5 * (span[0] + span[1]);
@@ -287,7 +344,7 @@ impl TimeFunctions {
                 continue;
             }
             let looks = [span[0], middle, span[1]];
-            let Some(found) = self.unseen_of(scene, formula, span, looks.into_iter()) else {
+            let Some(found) = self.unseen_of(scene, number, span, looks.into_iter()) else {
                 continue;
             };
             let seen = looks.into_iter().map(at).reduce(Range::hull)?;
@@ -309,10 +366,10 @@ impl TimeFunctions {
         (zero, positive): (f64, bool),
         whole: [f64; 2],
     ) -> Option<f64> {
-        let (_, formula) = self.guards.iter().find(|(own, _)| *own == event)?;
+        let (_, guard) = self.guards.iter().find(|(own, _)| *own == event)?;
         let sign = if positive { 1.0 } else { -1.0 };
-        let during = |[from, to]: [f64; 2]| {
-            let range = self.scalar(scene, formula, Range::between(from, to));
+        let during = |span: [f64; 2]| {
+            let range = self.during(scene, guard, span);
             (range - Range::from_f64(zero)) * Range::from_f64(sign)
         };
         let mut first = None;
@@ -323,7 +380,7 @@ impl TimeFunctions {
                 continue;
             }
             let middle = 0.5 * (span[0] + span[1]);
-            if sign * (self.scalar(scene, formula, middle) - zero) < 0.0 {
+            if sign * (self.scalar(scene, &guard.formula, middle) - zero) < 0.0 {
                 first = Some(middle);
                 // Nothing later is first.
                 spans.drop_all();
@@ -432,6 +489,65 @@ mod tests {
     }
 
     #[test]
+    fn bounds_hold_every_value_and_close_in_on_it_with_the_square_of_the_span() {
+        use Function::{Abs, Add, Atan2, Cos, Floor, IfLess, Max, Min, Mul, Sub, Tanh};
+        let three = || apply(Mul, [number(3.0), sine(1.3)]);
+        let clock = || apply(Sub, [Formula::Time, number(2.2)]);
+        let formulas = [
+            apply(Mul, [three(), pulse(2.0, 0.7)]),
+            apply(Abs, [three()]),
+            apply(Max, [three(), apply(Mul, [clock(), clock()])]),
+            apply(Min, [apply(Cos, [clock()]), apply(Tanh, [clock()])]),
+            apply(Floor, [three()]),
+            apply(
+                Atan2,
+                [
+                    sine(2.0),
+                    apply(Cos, [apply(Mul, [number(2.0), Formula::Time])]),
+                ],
+            ),
+            apply(
+                IfLess,
+                [
+                    Formula::Time,
+                    number(1.7),
+                    three(),
+                    apply(Add, [three(), number(5.0)]),
+                ],
+            ),
+            apply(Function::Div, [number(1.0), clock()]),
+        ];
+        let (scene, functions) = (Scene::default(), TimeFunctions::default());
+        for formula in formulas {
+            let own = TimeFunction::new(&scene, formula);
+            for place in 0..500 {
+                for width in [1.0, 0.1, 1e-3] {
+                    let from = 0.01 * f64::from(place);
+                    let bounds = functions.during(&scene, &own, [from, from + width]);
+                    for part in 0..=20 {
+                        let time = from + width * f64::from(part) / 20.0;
+                        let value: f64 = functions.scalar(&scene, &own.formula, time);
+                        let slack = 1e-12 * (1.0 + value.abs());
+                        assert!(
+                            !value.is_finite()
+                                || bounds.low <= value + slack && value - slack <= bounds.high,
+                            "{own:?} at {time}: {value} in {bounds:?}"
+                        );
+                    }
+                }
+            }
+        }
+        // Near the crest of a product the excess is that of the curve.
+        let own = TimeFunction::new(&scene, apply(Mul, [sine(1.0), pulse(1.5, 3.0)]));
+        let excess = |width: f64| {
+            let bounds = functions.during(&scene, &own, [1.5 - width, 1.5 + width]);
+            bounds.width()
+        };
+        let [coarse, fine] = [0.02, 0.01].map(excess);
+        assert!(fine < 0.3 * coarse + 0.1 * 0.01, "{coarse} {fine}");
+    }
+
+    #[test]
     fn what_the_looks_show_is_not_unseen() {
         // A pulse elsewhere, one as wide as the span, a quarter of a period, nothing that changes.
         assert_eq!(unseen(pulse(5.0, 0.1), [6.0, 100.0]), None);
@@ -449,7 +565,7 @@ mod tests {
     fn what_fixed_steps_do_not_see_is_found_and_what_they_see_is_not() {
         let hidden = |formula: Formula, step: f64| {
             let functions = TimeFunctions {
-                acting: vec![formula],
+                acting: vec![TimeFunction::new(&Scene::default(), formula)],
                 ..TimeFunctions::default()
             };
             functions.hidden_from_steps(&Scene::default(), [0.0, 20.0], step)
@@ -469,7 +585,7 @@ mod tests {
     fn the_first_passing_of_a_guard_is_found_among_thousands() {
         let guard = |formula: Formula, from: f64, positive: bool| {
             let functions = TimeFunctions {
-                guards: vec![(7, formula)],
+                guards: vec![(7, TimeFunction::new(&Scene::default(), formula))],
                 ..TimeFunctions::default()
             };
             let side = (0.0, positive);

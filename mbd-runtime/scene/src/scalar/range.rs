@@ -54,6 +54,16 @@ impl Range {
         }
     }
 
+    /// What is in both; this one where nothing is, or the other has no bounds.
+    pub(crate) fn meet(self, other: Self) -> Self {
+        let (low, high) = (self.low.max(other.low), self.high.min(other.high));
+        if low <= high {
+            Range { low, high }
+        } else {
+            self
+        }
+    }
+
     /// How far it goes.
     pub(crate) fn width(self) -> f64 {
         self.high - self.low

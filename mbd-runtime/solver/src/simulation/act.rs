@@ -96,6 +96,7 @@ impl<T: Float> Simulation<T> {
             (self.changes.done, self.changes.stop) = (done, None);
             self.margins.read_lines(model.lines());
             self.system.take(model);
+            self.overlooked.forget();
             for &event in crossed {
                 if let Some(side) = self.margins.sides.get_mut(event) {
                     *side = !*side;
@@ -264,6 +265,7 @@ impl<T: Float> Simulation<T> {
         let model = self.system.model.with_params(params)?;
         self.margins.read_lines(model.lines());
         self.system.take(model);
+        self.overlooked.forget();
         Ok(())
     }
 

@@ -28,6 +28,8 @@ const LIKELY: f64 = 1e3;
 const APART: f64 = 0.1;
 const FEWEST: u32 = 8;
 const MOST: u32 = 256;
+/// How many steps ahead a number of time alone is looked at: where it rises or falls all the way there is nothing to see.
+const AHEAD: f64 = 8.0;
 /// Δ⁴, the newest first, and the part of it that counts.
 const DIFFERENCES: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
 const PART: f64 = 0.125;
@@ -37,21 +39,30 @@ const PART: f64 = 0.125;
 pub(super) struct Overlooked<T> {
     /// Whether what acts has places at which it changes quickly.
     is_local: bool,
+    /// From when until when each number of time alone rises, falls or stays [s].
+    monotone: Vec<[f64; 2]>,
     /// Rates at the last five looks, in turn.
     rates: [Vec<T>; 5],
     difference: Vec<T>,
 }
 
 impl<T: Float> Overlooked<T> {
-    pub(super) fn new(scene: &Scene, length: usize) -> Self {
+    /// Room for states of a length and so many numbers of time alone.
+    pub(super) fn new(scene: &Scene, length: usize, of_time: usize) -> Self {
         let room = || vec![T::zero(); length];
         Overlooked {
             is_local: scene
                 .acting_formulas()
                 .any(|formula| is_local(scene, formula)),
+            monotone: vec![[f64::NAN; 2]; of_time],
             rates: std::array::from_fn(|_| room()),
             difference: room(),
         }
+    }
+
+    /// Other params make other numbers of time alone.
+    pub(super) fn forget(&mut self) {
+        self.monotone.fill([f64::NAN; 2]);
     }
 
     /// Puts h Σ weight f into `difference`, over the looks from `newest` back.
@@ -93,6 +104,9 @@ impl<T: Float> Simulation<T> {
         self.looks = 0;
         let allowed = (LIKELY * error).max(1.0);
         for number in 0..self.system.of_time.acting() {
+            if self.is_monotone(number, step) {
+                continue;
+            }
             let Some(part) = self.unseen_part(number, step) else {
                 continue;
             };
@@ -108,6 +122,23 @@ impl<T: Float> Simulation<T> {
         self.looks = looks.unwrap_or_default();
         let looks = looks.filter(|_| self.overlooked.is_local);
         Ok(looks.and_then(|looks| self.bends_between(looks, step, allowed)))
+    }
+
+    /// Whether a number of time alone rises, falls or stays over the step.
+    fn is_monotone(&mut self, number: usize, step: f64) -> bool {
+        let (scene, functions) = (self.system.model.scene(), &self.system.of_time);
+        let Some(span) = self.overlooked.monotone.get_mut(number) else {
+            return false;
+        };
+        let (start, end) = (self.time, self.time + step);
+        let is_inside = |span: &[f64; 2]| span[0] <= start && end <= span[1];
+        if !is_inside(span) {
+            let ahead = [start, start + AHEAD * step];
+            if functions.is_monotone(scene, number, ahead) {
+                *span = ahead;
+            }
+        }
+        is_inside(span)
     }
 
     /// Where (1) is to be looked at for a number of time alone, in parts of the step.

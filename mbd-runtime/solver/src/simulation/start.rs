@@ -138,7 +138,7 @@ impl<T: Float> Simulation<T> {
         }
         system.remember_starts(&[], (0.0, &state));
         let straight = stepwise(&*model).is_some();
-        let overlooked = Overlooked::new(model.scene(), length);
+        let overlooked = Overlooked::new(model.scene(), length, system.of_time.acting());
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),
