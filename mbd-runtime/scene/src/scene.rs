@@ -543,6 +543,17 @@ pub enum LoadKind {
     External,
 }
 
+impl LoadKind {
+    /// What it is, where the declaration says so.
+    #[must_use]
+    pub fn formula(&self) -> Option<&Formula> {
+        match self {
+            LoadKind::Force(formula) | LoadKind::Torque(formula) => Some(formula),
+            LoadKind::External => None,
+        }
+    }
+}
+
 /// A named result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Output {

@@ -252,14 +252,7 @@ fn agree_with_motors(
         let joint = scene.joints.get(start.joint);
         let mut motors = joint.into_iter().flat_map(Joint::motors);
         motors.any(|(coordinate, course)| {
-            let input = |part: &Formula| matches!(part, Formula::Input(_));
-            // Value, rate and acceleration: the last of a filter follows an input, and is no start.
-            let started = match course {
-                Formula::Vector(parts) => parts.get(..2).unwrap_or(parts),
-                whole => std::slice::from_ref(whole),
-            };
-            let told = started.iter().any(|part| scene.contains(part, input));
-            coordinate == start.coordinate && told
+            coordinate == start.coordinate && scene.starts_by_inputs(course)
         })
     };
     if given.is_empty() || state.len() != layout.nx() {
@@ -390,30 +383,43 @@ pub fn said_coordinates(
     let mut said = given.to_vec();
     said.extend(declared_coordinates(scene, &numbers.params));
     said.extend(driven_coordinates(scene, layout, numbers, at, scratch));
-    let what = Quantity::JointCoordinates;
-    let mut measured = vec![0.0; layout.len(what)];
-    evaluate(what, scene, layout, numbers, at, scratch, &mut measured);
     let counts = scene
         .joints
         .iter()
         .map(|joint| joint.law.measured().count());
     let counts: Vec<usize> = counts.collect();
-    let measured = |(joint, coordinate): (usize, usize)| {
+    let what = Quantity::JointCoordinates;
+    let mut all = Vec::new();
+    let mut measure = |all: &mut Vec<f64>| {
+        if all.is_empty() {
+            all.resize(layout.len(what), 0.0);
+            evaluate(what, scene, layout, numbers, at, scratch, all);
+        }
+    };
+    let of = |all: &[f64], (joint, coordinate): (usize, usize)| {
         let before: usize = counts.iter().take(joint).sum();
-        let own = measured.get(3 * (before + coordinate));
+        let own = all.get(3 * (before + coordinate));
         own.copied().unwrap_or_default()
     };
-    said.extend(by_bodies((scene, layout), numbers, at.state, &measured));
+    if layout.directions.plane.is_some() && !layout.turns.is_empty() {
+        measure(&mut all);
+        let turns = by_bodies((scene, layout), numbers, at.state, &|it| of(&all, it));
+        said.extend(turns);
+    }
     let values = said.iter().filter(|start| start.value.is_some());
     let named = values.map(|start| (start.joint, start.coordinate));
     let followers = followers((scene, layout), named.collect(), &|_| true);
+    if followers.is_empty() {
+        return said;
+    }
+    measure(&mut all);
     for follower in followers {
         let value = |(joint, coordinate): (usize, usize)| {
             let mut own = said.iter().filter(|start| {
                 (start.joint, start.coordinate) == (joint, coordinate) && start.value.is_some()
             });
             let own = own.next().and_then(|start| start.value);
-            own.unwrap_or_else(|| measured((joint, coordinate)))
+            own.unwrap_or_else(|| of(&all, (joint, coordinate)))
         };
         let off = follower.off(&numbers.couplings, [&value, &|_| 0.0]);
         let (Some([off, _]), Some((joint, coordinate))) = (off, follower.coordinate()) else {

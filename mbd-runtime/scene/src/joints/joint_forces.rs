@@ -242,6 +242,13 @@ impl JointForces {
         ]
     }
 
+    /// Every formula of it: its numbers, its stops, its force and what its motor follows.
+    pub fn formulas(&self) -> impl Iterator<Item = &Formula> {
+        let own = self.numbers().into_iter().chain(&self.stops);
+        let own = own.chain([&self.force, &self.motor]).flatten();
+        own.chain(self.filter.iter().map(|filter| &filter.command))
+    }
+
     /// The same, to be changed.
     pub fn numbers_mut(&mut self) -> [&mut Option<Formula>; 7] {
         [

@@ -29,33 +29,41 @@ pub fn at_time<'a>(
     with_params(scene, &numbers.params, time)
 }
 
-/// The same for params.
-pub fn with_params<'a>(scene: &'a Scene, params: &'a [f64], time: f64) -> impl Context<f64> + 'a {
-    AtTime(GroundMotion {
+/// The same for params, at a time of any scalar: a number, or all times of a span.
+pub fn with_params<'a, S: Real>(
+    scene: &'a Scene,
+    params: &'a [f64],
+    time: S,
+) -> impl Context<S> + 'a {
+    AtTime {
         scene,
         params,
         time,
-    })
+    }
 }
 
-/// The same without derivatives.
-struct AtTime<'a>(GroundMotion<'a, f64>);
+/// The same without the derivatives of a motion.
+struct AtTime<'a, S> {
+    scene: &'a Scene,
+    params: &'a [f64],
+    time: S,
+}
 
-impl Context<f64> for AtTime<'_> {
+impl<S: Real> Context<S> for AtTime<'_, S> {
     fn scene(&self) -> &Scene {
-        self.0.scene
+        self.scene
     }
 
-    fn param(&self, index: usize) -> Option<f64> {
-        self.0.params.get(index).copied()
+    fn param(&self, index: usize) -> Option<S> {
+        self.params.get(index).copied().map(S::from_f64)
     }
 
-    fn named(&self, index: usize) -> Option<Value<f64>> {
+    fn named(&self, index: usize) -> Option<Value<S>> {
         of_let(index, self)
     }
 
-    fn time(&self) -> Option<f64> {
-        Some(self.0.time)
+    fn time(&self) -> Option<S> {
+        Some(self.time)
     }
 }
 

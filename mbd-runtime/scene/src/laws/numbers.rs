@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::laws::coupling::Coupling;
 use crate::laws::formula::{Context, Value, of_let, scalar, triple};
 use crate::scalar::algebra::{inverse, symmetric};
-use crate::{Formula, Frame, Gravity, JointForces, Plane, PointKind, Real, Scene, Triple};
+use crate::{Formula, Frame, Gravity, JointForces, Place, Plane, PointKind, Real, Scene, Triple};
 
 /// The constants of a body.
 #[derive(Clone, Debug)]
@@ -252,6 +252,21 @@ fn along_normal<S: Real>(inertia: &Matrix3<S>, plane: Plane) -> Matrix3<S> {
     let mut inverse = Matrix3::zeros();
     inverse[normal] = S::one() / inertia[normal];
     inverse
+}
+
+impl Numbers<f64> {
+    /// The largest distance of a joint's frame from the centre of mass of its body [m]; zero where no joint has an arm.
+    #[must_use]
+    pub fn longest_arm(&self, scene: &Scene) -> f64 {
+        let ends = scene.joints.iter();
+        let ends = ends.flat_map(|joint| [joint.parent, joint.child]);
+        let frames = ends.filter_map(|place| match place {
+            Place::Body(body, frame) => self.bodies.get(body)?.frames.get(frame),
+            Place::World(_) | Place::Point(_) => None,
+        });
+        let arms = frames.map(|frame| frame.position.norm());
+        arms.fold(0.0, f64::max)
+    }
 }
 
 impl<S: Real> Numbers<S> {

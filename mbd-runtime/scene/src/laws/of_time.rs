@@ -8,7 +8,8 @@
 //! changes with time alone is known beforehand: its range over a span holds everything it can be there, so that bisection finds
 //! what lies outside the hull, however short it lasts, and the first time at which a guard passes. Derived.
 
-use crate::laws::formula::{Context, Value, of_let, scalar, value};
+use crate::laws::formula::{Value, scalar, value};
+use crate::laws::ground::with_params;
 use crate::scalar::Range;
 use crate::{Dual, Formula, Function, Real, Scene};
 
@@ -56,31 +57,6 @@ pub struct TimeFunctions {
     /// The guards of events that are of time alone, with their numbers.
     guards: Vec<(usize, TimeFunction)>,
     params: Vec<f64>,
-}
-
-/// The leaves of a formula of time while time is in a span, or at one.
-struct During<'a, S> {
-    scene: &'a Scene,
-    params: &'a [f64],
-    time: S,
-}
-
-impl<S: Real> Context<S> for During<'_, S> {
-    fn scene(&self) -> &Scene {
-        self.scene
-    }
-
-    fn param(&self, index: usize) -> Option<S> {
-        self.params.get(index).copied().map(S::from_f64)
-    }
-
-    fn named(&self, index: usize) -> Option<Value<S>> {
-        of_let(index, self)
-    }
-
-    fn time(&self) -> Option<S> {
-        Some(self.time)
-    }
 }
 
 /// Spans of time that wait to be looked at.
@@ -167,7 +143,8 @@ impl TimeFunctions {
     fn scalars(&self, scene: &Scene, formulas: Vec<Formula>) -> Vec<TimeFunction> {
         let mut scalars: Vec<Formula> = Vec::new();
         for formula in formulas {
-            let parts = match self.at::<f64>(scene, &formula, 0.0) {
+            let start = with_params(scene, &self.params, 0.0);
+            let parts = match value(&formula, &start) {
                 Value::Scalar(_) => vec![formula],
                 Value::Vector(_) => {
                     let part = |axis| Formula::Component(vec![formula.clone()], axis);
@@ -206,11 +183,11 @@ impl TimeFunctions {
     /// What a number is over a span: by its range, and of one that does not jump by its slope from the middle on,
     /// g(t) ∈ g(m) + g′(span) (t − m), which closes in on it with the square of the span.
     fn during(&self, scene: &Scene, number: &TimeFunction, [from, to]: [f64; 2]) -> Range {
-        let span = Range::between(from, to);
         if !number.is_continuous {
+            let span = Range::between(from, to);
             return self.scalar(scene, &number.formula, span);
         }
-        let along: Dual<Range, 1> = self.scalar(scene, &number.formula, Dual::variable(span, 0));
+        let along = self.along(scene, &number.formula, [from, to]);
         let middle = 0.5 * (from + to);
         let half = Range::between(from - middle, to - middle);
         let own = self.scalar(scene, &number.formula, middle);
@@ -219,33 +196,28 @@ impl TimeFunctions {
             .meet(Range::from_f64(own) + along.slopes[0] * half)
     }
 
-    fn at<S: Real>(&self, scene: &Scene, formula: &Formula, time: S) -> Value<S> {
-        let during = During {
-            scene,
-            params: &self.params,
-            time,
-        };
-        value(formula, &during)
+    fn scalar<S: Real>(&self, scene: &Scene, formula: &Formula, time: S) -> S {
+        scalar(formula, &with_params(scene, &self.params, time))
     }
 
-    fn scalar<S: Real>(&self, scene: &Scene, formula: &Formula, time: S) -> S {
-        let during = During {
-            scene,
-            params: &self.params,
-            time,
-        };
-        scalar(formula, &during)
+    /// A number and its slope while time is in a span.
+    fn along(&self, scene: &Scene, formula: &Formula, [from, to]: [f64; 2]) -> Dual<Range, 1> {
+        let span = Range::between(from, to);
+        self.scalar(scene, formula, Dual::variable(span, 0))
     }
 
     /// Whether a number that acts rises or falls all over a span, or stays: then its ends show everything, and those of every part of it.
     #[must_use]
-    pub fn is_monotone(&self, scene: &Scene, number: usize, [from, to]: [f64; 2]) -> bool {
-        let own = self.acting.get(number).filter(|own| own.is_continuous);
-        own.is_some_and(|own| {
-            let time = Dual::variable(Range::between(from, to), 0);
-            let along: Dual<Range, 1> = self.scalar(scene, &own.formula, time);
-            along.slopes[0].low >= 0.0 || along.slopes[0].high <= 0.0
-        })
+    pub fn is_monotone(&self, scene: &Scene, number: usize, span: [f64; 2]) -> bool {
+        let own = self.acting.get(number);
+        own.is_some_and(|own| self.keeps_going(scene, own, span))
+    }
+
+    fn keeps_going(&self, scene: &Scene, number: &TimeFunction, span: [f64; 2]) -> bool {
+        number.is_continuous && {
+            let [slope] = self.along(scene, &number.formula, span).slopes;
+            slope.low >= 0.0 || slope.high <= 0.0
+        }
     }
 
     /// A time in a span at which a number that acts is unseen by (1), where it was looked at at the times `seen` [s].
@@ -326,6 +298,9 @@ impl TimeFunctions {
         [begin, end]: [f64; 2],
         step: f64,
     ) -> Option<f64> {
+        if self.keeps_going(scene, number, [begin, end]) {
+            return None;
+        }
         let at = |time: f64| Range::from_f64(self.scalar(scene, &number.formula, time));
         let part = |number: u32| begin + (end - begin) * f64::from(number) / f64::from(SAMPLES);
         let all = (0..=SAMPLES).map(|number| at(part(number)));

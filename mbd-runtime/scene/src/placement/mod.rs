@@ -15,7 +15,7 @@ use crate::evaluate::{Scratch, driven_coordinates, evaluate};
 use crate::laws::ground::ground;
 use crate::laws::numbers::Numbers;
 use crate::laws::row_units;
-use crate::{Arguments, FrameMotion, Layout, Part, Place, Quantity, Scene, StartFrom};
+use crate::{Arguments, FrameMotion, Layout, Part, Quantity, Scene, StartFrom};
 use tree::{PlacingJoint, tree};
 
 mod about;
@@ -199,14 +199,7 @@ impl Placement<'_> {
 
     /// Finds what lengths are measured by: mechanisms of any size, and anywhere, close alike.
     fn measure(&mut self, state: &mut [f64]) {
-        let frame = |place: Place| match place {
-            Place::World(_) | Place::Point(_) => None,
-            Place::Body(body, frame) => self.numbers.bodies.get(body)?.frames.get(frame),
-        };
-        let ends = self.scene.joints.iter();
-        let ends = ends.flat_map(|joint| [joint.parent, joint.child]);
-        let arms = ends.filter_map(frame).map(|frame| frame.position.norm());
-        let arm = arms.fold(0.0, f64::max);
+        let arm = self.numbers.longest_arm(self.scene);
         self.walk(state);
         let layout = self.layout;
         let moves = layout.directions.translations().len();

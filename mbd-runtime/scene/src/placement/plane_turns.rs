@@ -22,7 +22,7 @@ pub(crate) fn by_bodies(
     state: &[f64],
     measured: &dyn Fn((usize, usize)) -> f64,
 ) -> Vec<JointStart> {
-    let turned = |&(joint, coordinate): &(usize, usize)| {
+    let start = |&(joint, coordinate): &(usize, usize)| {
         let declared = scene.joints.get(joint)?;
         let [from, to] = [declared.parent, declared.child].map(|place| angle(layout, place, state));
         let between = to? - from?;
@@ -36,7 +36,7 @@ pub(crate) fn by_bodies(
             about: true,
         })
     };
-    layout.turns.iter().filter_map(turned).collect()
+    layout.turns.iter().filter_map(start).collect()
 }
 
 /// The angle of a body in the state [rad]; the world has none.

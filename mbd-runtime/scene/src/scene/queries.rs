@@ -63,17 +63,9 @@ impl Scene {
 
     /// The formulas of what accelerates and of the rates of declared states: loads, what acts along joints, free lengths.
     pub fn acting_formulas(&self) -> impl Iterator<Item = &Formula> {
-        let loads = self.loads.iter().filter_map(|load| match &load.kind {
-            LoadKind::Force(formula) | LoadKind::Torque(formula) => Some(formula),
-            LoadKind::External => None,
-        });
+        let loads = self.loads.iter().filter_map(|load| load.kind.formula());
         let joints = self.joints.iter().flat_map(|joint| &joint.forces);
-        let joints = joints.flat_map(|forces| {
-            let numbers = forces.numbers().into_iter().chain(&forces.stops);
-            let filter = forces.filter.iter().map(|filter| &filter.command);
-            let all = numbers.chain([&forces.force, &forces.motor]).flatten();
-            all.chain(filter)
-        });
+        let joints = joints.flat_map(JointForces::formulas);
         let lines = self.lines.iter().map(|line| &line.free_length);
         let states = self.states.iter().map(|state| &state.rate);
         loads.chain(joints).chain(lines).chain(states)
@@ -84,8 +76,8 @@ impl Scene {
     pub fn jumps_with_motion(&self) -> bool {
         let chooses = |part: &Formula| match part {
             Formula::Apply(Function::IfLess | Function::IfAtMost, parts) => {
-                let compared = parts.iter().take(2);
-                compared.into_iter().any(|part| !self.is_of_time(part))
+                let mut compared = parts.iter().take(2);
+                compared.any(|part| !self.is_of_time(part))
             }
             _ => false,
         };
@@ -96,17 +88,11 @@ impl Scene {
     #[must_use]
     pub fn changing_with_time(&self) -> Vec<String> {
         let changes = |formula: &Formula| self.contains(formula, |part| *part == Formula::Time);
-        let loads = self.loads.iter().filter(|load| match &load.kind {
-            LoadKind::Force(formula) | LoadKind::Torque(formula) => changes(formula),
-            LoadKind::External => false,
-        });
+        let loads = self.loads.iter();
+        let loads = loads.filter(|load| load.kind.formula().is_some_and(changes));
         let joints = self.joints.iter().filter(|joint| {
-            joint.forces.iter().any(|forces| {
-                let filter = forces.filter.iter().map(|filter| &filter.command);
-                let own = forces.numbers().into_iter().chain(&forces.stops);
-                let own = own.chain([&forces.force, &forces.motor]).flatten();
-                own.chain(filter).any(changes)
-            })
+            let mut formulas = joint.forces.iter().flat_map(JointForces::formulas);
+            formulas.any(changes)
         });
         let lines = self.lines.iter().filter(|line| changes(&line.free_length));
         let states = self.states.iter().filter(|state| changes(&state.rate));
@@ -120,13 +106,22 @@ impl Scene {
             .collect()
     }
 
-    /// Whether a motor is where an input tells it to be.
+    /// Whether a motor is where inputs tell it to be.
     #[must_use]
     pub fn motors_follow_inputs(&self) -> bool {
+        let mut motors = self.joints.iter().flat_map(Joint::motors);
+        motors.any(|(_, course)| self.starts_by_inputs(course))
+    }
+
+    /// Whether what a motor follows begins where inputs tell it to.
+    pub(crate) fn starts_by_inputs(&self, course: &Formula) -> bool {
         let input = |part: &Formula| matches!(part, Formula::Input(_));
-        let motors = self.joints.iter().flat_map(Joint::motors);
-        let mut courses = motors.map(|(_, course)| course);
-        courses.any(|course| self.contains(course, input))
+        // Value, rate and acceleration: the last of a filter follows an input, and is no start.
+        let started = match course {
+            Formula::Vector(parts) => parts.get(..2).unwrap_or(parts),
+            whole => std::slice::from_ref(whole),
+        };
+        started.iter().any(|part| self.contains(part, input))
     }
 
     /// The joint coordinates whose motors are told value, rate and acceleration without a filter between, with what they are told: joint, number of the
@@ -429,36 +424,12 @@ impl Scene {
     /// The formulas that change during a run: what acts, what is measured, what drives.
     pub(crate) fn read_by_runs(&self) -> impl Iterator<Item = &Formula> {
         let lets = self.lets.iter().map(|named| &named.value);
-        let rates = self.states.iter().map(|state| &state.rate);
         let outputs = self.outputs.iter().map(|output| &output.value);
         let guards = self.events.iter().map(|event| &event.guard);
         let settings = self.events.iter().flat_map(|event| &event.actions.set);
         let set = settings.map(|setting| &setting.value);
-        let loads = self.loads.iter().filter_map(|load| match &load.kind {
-            LoadKind::Force(formula) | LoadKind::Torque(formula) => Some(formula),
-            _ => None,
-        });
-        let lengths = self.lines.iter().map(|line| &line.free_length);
-        let forces = self.joints.iter().flat_map(|joint| &joint.forces);
-        let driven = forces.flat_map(|forces| {
-            let command = forces.filter.as_ref().map(|filter| &filter.command);
-            [
-                forces.force.as_ref(),
-                forces.motor.as_ref(),
-                command,
-                forces.stiffness.as_ref(),
-                forces.damping.as_ref(),
-                forces.rest.as_ref(),
-                forces.friction.as_ref(),
-            ]
-        });
-        lets.chain(rates)
-            .chain(outputs)
-            .chain(guards)
-            .chain(set)
-            .chain(loads)
-            .chain(lengths)
-            .chain(driven.flatten())
+        let read = lets.chain(outputs).chain(guards).chain(set);
+        read.chain(self.acting_formulas())
     }
 }
 

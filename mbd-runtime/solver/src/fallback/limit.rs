@@ -13,7 +13,7 @@
 //! the multipliers have no value.
 //! Source: derived. Rejected: the smallest multipliers at x, which differ from those before and after by a finite amount.
 
-use mbd_scene::{Float, Place, Quantity};
+use mbd_scene::{Float, Quantity};
 
 use super::dependent;
 use super::limits::{POWER, WIDER};
@@ -205,18 +205,7 @@ impl<T: Float> System<T> {
     pub(crate) fn reach(&mut self) -> f64 {
         let (model, length) = (&self.model, self.projection.length);
         *self.fallback.reach.get_or_insert_with(|| {
-            let numbers = numbers_of(&**model);
-            let ends = model.scene().joints.iter();
-            let ends = ends.flat_map(|joint| [joint.parent, joint.child]);
-            let reach = ends.map(|place| match place {
-                Place::Body(body, frame) => {
-                    let frames = numbers.bodies.get(body).map(|body| &body.frames);
-                    let frame = frames.and_then(|frames| frames.get(frame));
-                    frame.map_or(0.0, |frame| frame.position.norm())
-                }
-                Place::World(_) | Place::Point(_) => 0.0,
-            });
-            let reach = reach.fold(0.0, f64::max);
+            let reach = numbers_of(&**model).longest_arm(model.scene());
             if reach > 0.0 { 2.0 * reach } else { length }
         })
     }

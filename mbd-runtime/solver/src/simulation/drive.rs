@@ -414,8 +414,8 @@ impl<T: Float> Simulation<T> {
         let judged = tried.and_then(|()| {
             // A step that turns too far is shortened as one whose error is too large.
             let most = self.options.max_angle.min(turns::MOST);
-            let turned = (swept / most).powf(self.method.exponent());
-            let error = self.error_of(step).max(turned);
+            let by_angle = (swept / most).powf(self.method.exponent());
+            let error = self.error_of(step).max(by_angle);
             let part = match error <= 1.0 {
                 true => self.overlooks(step, error)?,
                 false => None,
