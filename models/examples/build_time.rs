@@ -39,14 +39,20 @@ fn robot(file: &str, family: &str) -> Outcome<String> {
     ))
 }
 
-/// The parachute, the four-bar in space and a chain of 16 hinges, each with what a run needs alone, and with the derivatives of its equations.
+/// The parachute, the four-bar in space and chains of hinges in both families of coordinates, each with what a run needs alone, and with the derivatives of its equations.
 fn derivatives() -> Outcome<Vec<(String, String)>> {
     let mut rows = Vec::new();
     let ready = models::scenes::READY
         .iter()
         .filter(|ready| ["parachute", "four_bar"].contains(&ready.name));
     let ready = ready.map(|ready| (ready.name, mbd_compiler::write_text(&(ready.scene)())));
-    for (name, text) in ready.chain([("chain of 16 hinges", hinges(16, "absolute"))]) {
+    let chains = [
+        ("chain of 16 hinges", hinges(16, "absolute")),
+        ("chain of 16 hinges, relative", hinges(16, "relative")),
+        ("chain of 32 hinges, relative", hinges(32, "relative")),
+        ("chain of 64 hinges, relative", hinges(64, "relative")),
+    ];
+    for (name, text) in ready.chain(chains) {
         let (_, items) = text.split_once('{').ok_or("a model without items")?;
         for emit in ["derivative", "derivative, partial"] {
             rows.push((

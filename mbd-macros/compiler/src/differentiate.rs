@@ -28,7 +28,7 @@ pub fn jacobian(outputs: &[(usize, Expr)], by: &[DerivativeVariable]) -> Vec<(us
     let mut entries = Vec::new();
     let mut tangents: HashMap<Expr, Expr> = HashMap::new();
     for (column, variable) in by.iter().enumerate() {
-        let Some(&start) = users.slots.get(&variable.slot) else {
+        let Some(start) = users.start(variable) else {
             continue;
         };
         Expr::section(&format!("d_{}", variable.name));
@@ -59,13 +59,14 @@ fn rows(outputs: &[(usize, Expr)]) -> HashMap<Expr, Vec<usize>> {
 }
 
 /// Who uses each term: a sweep visits only what depends on its variable.
-struct Users {
+pub struct Users {
     of: HashMap<Expr, Vec<Expr>>,
     slots: HashMap<Slot, Expr>,
 }
 
 impl Users {
-    fn new(reached: &[Expr]) -> Self {
+    /// Those of terms in the order of their creation.
+    pub fn new(reached: &[Expr]) -> Self {
         let mut users = Users {
             of: HashMap::new(),
             slots: HashMap::new(),
@@ -86,8 +87,13 @@ impl Users {
         users
     }
 
+    /// The term that a variable is; `None` where nothing uses it.
+    pub fn start(&self, variable: &DerivativeVariable) -> Option<Expr> {
+        self.slots.get(&variable.slot).copied()
+    }
+
     /// `start` and everything that depends on it, in the order of creation.
-    fn dependents(&self, start: Expr) -> Vec<Expr> {
+    pub fn dependents(&self, start: Expr) -> Vec<Expr> {
         let mut seen = HashSet::from([start]);
         let mut open = vec![start];
         while let Some(expr) = open.pop() {
@@ -117,7 +123,7 @@ pub fn reachable(outputs: impl Iterator<Item = Expr>) -> Vec<Expr> {
 }
 
 /// The derivative of one operation; `of` gives those of its arguments, `None` for zero.
-fn tangent(value: Expr, op: Op<Expr>, of: impl Fn(Expr) -> Option<Expr>) -> Option<Expr> {
+pub fn tangent(value: Expr, op: Op<Expr>, of: impl Fn(Expr) -> Option<Expr>) -> Option<Expr> {
     match op {
         Op::Compare(..) => None,
         Op::Unary(kind, a) => {

@@ -6,10 +6,11 @@ use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
 
 use crate::differentiate::{DerivativeVariable, jacobian};
+use crate::directional::{Directions, by_directions, directional};
 use crate::expression::{Expr, Graph, Slot, Term, TermKind, recorded, session};
 use crate::names;
 use crate::operation::Op;
-use crate::program::{Operand, Program, TermPlaces};
+use crate::program::{Operand, Program, Register, TermPlaces};
 
 /// The equations of one scene.
 #[derive(Clone, Debug)]
@@ -24,6 +25,8 @@ pub struct SceneEquations {
     pub kinematics: Option<Program>,
     /// One program a quantity, in the order of [`Layout::quantities`].
     pub programs: Vec<(Quantity, Program)>,
+    /// For each matrix that is differentiated in one direction at a time ([`Program::directions`]), what does not depend on the direction.
+    pub values: Vec<(Quantity, Program)>,
 }
 
 /// A traced quantity: its non-zeros and the terms it asked for.
@@ -31,6 +34,20 @@ struct Traced {
     what: Quantity,
     outputs: Vec<(usize, Expr)>,
     order: Vec<Term>,
+    /// Of a matrix that is differentiated in one direction at a time.
+    directed: Option<Directed>,
+}
+
+/// What a matrix that is differentiated in one direction at a time needs besides its column.
+struct Directed {
+    /// What does not depend on the direction.
+    values: Vec<Expr>,
+    /// The columns in which something depends.
+    columns: Vec<usize>,
+    /// How many there are altogether.
+    width: usize,
+    /// Row and column of everything that depends.
+    pattern: Vec<(usize, usize)>,
 }
 
 /// Entries of the largest mass matrix that is traced, of 4,096 speeds: no run needs it, and nearly all of it is zero.
@@ -72,7 +89,7 @@ impl SceneEquations {
         let ((constants, traced), graph) = session(|| trace(scene, &layout, &wanted));
         let derived = derived(&graph, &traced);
         let outputs: Vec<(usize, Expr)> = derived.iter().copied().enumerate().collect();
-        let places = TermPlaces::new(&graph, &derived);
+        let places = TermPlaces::new(&graph, &derived, Slot::Derived);
         let asked: Vec<Term> = traced.iter().fold(constants, |mut all, quantity| {
             all.extend(&quantity.order);
             all
@@ -90,25 +107,27 @@ impl SceneEquations {
                     .collect();
                 Program::build(&graph, None, &rates, layout.nq, &t.order, &places)
             });
+        let (mut programs, mut values) = (Vec::new(), Vec::new());
+        for traced in &traced {
+            let (what, outputs, order) = (traced.what, &traced.outputs, &traced.order);
+            let len = layout.len(what);
+            match &traced.directed {
+                None => {
+                    let own = Program::build(&graph, Some(what), outputs, len, order, &places);
+                    programs.push((what, own));
+                }
+                Some(directed) => {
+                    let (own, known) = by_column(&graph, traced, directed, (len, &places));
+                    programs.push((what, own));
+                    values.push((what, known));
+                }
+            }
+        }
         SceneEquations {
             kinematics: kinematics.filter(|program| program.len > 0),
             derived: Program::build(&graph, None, &outputs, outputs.len(), &asked, &nothing),
-            programs: traced
-                .iter()
-                .map(
-                    |Traced {
-                         what,
-                         outputs,
-                         order,
-                     }| {
-                        let len = layout.len(*what);
-                        let what = *what;
-                        let program =
-                            Program::build(&graph, Some(what), outputs, len, order, &places);
-                        (what, program)
-                    },
-                )
-                .collect(),
+            programs,
+            values,
             scene: scene.clone(),
             layout,
         }
@@ -124,6 +143,7 @@ impl SceneEquations {
             derived,
             kinematics: None,
             programs: Vec::new(),
+            values: Vec::new(),
             scene: scene.clone(),
             layout,
         }
@@ -138,10 +158,32 @@ impl SceneEquations {
             .map(|(_, program)| program)
     }
 
-    /// Every program: those of the quantities, that of the parameters' terms, that of q̇.
+    /// What the derivatives of a matrix that is differentiated in one direction at a time read that does not depend on the direction.
+    #[must_use]
+    pub fn values(&self, what: Quantity) -> Option<&Program> {
+        let mut values = self.values.iter();
+        let found = values.find(|(known, _)| *known == what);
+        found.map(|(_, program)| program)
+    }
+
+    /// Every program: those of the quantities, that of the parameters' terms, that of q̇, those of values.
     pub fn every_program(&self) -> impl Iterator<Item = &Program> {
         let programs = self.programs.iter().map(|(_, program)| program);
-        programs.chain([&self.derived]).chain(&self.kinematics)
+        let values = self.values.iter().map(|(_, program)| program);
+        let programs = programs.chain([&self.derived]).chain(&self.kinematics);
+        programs.chain(values)
+    }
+
+    /// Operations of a quantity: of a matrix that is differentiated in one direction at a time those of all columns.
+    #[must_use]
+    pub fn cost_of(&self, what: Quantity) -> Option<Cost> {
+        let program = self.program(what)?;
+        let columns = program
+            .directions
+            .as_ref()
+            .map_or(1, |own| own.columns.len());
+        let before = self.values(what).map_or_else(Cost::default, Program::cost);
+        Some((0..columns).fold(before, |sum, _| sum + program.cost()))
     }
 
     /// The section that a term of the parameters belongs to: index into the sections of its program.
@@ -165,12 +207,40 @@ impl SceneEquations {
     /// Operations of all quantities together.
     #[must_use]
     pub fn cost(&self) -> Cost {
-        self.programs
-            .iter()
-            .fold(self.derived.cost(), |sum, (_, program)| {
-                sum + program.cost()
-            })
+        let costs = self.programs.iter();
+        let costs = costs.filter_map(|&(what, _)| self.cost_of(what));
+        costs.fold(self.derived.cost(), |sum, cost| sum + cost)
     }
+}
+
+/// The program of a column of a matrix, and that of what does not depend on the direction, in the order in which it is computed.
+fn by_column(
+    graph: &Graph,
+    traced: &Traced,
+    directed: &Directed,
+    (len, places): (usize, &TermPlaces),
+) -> (Program, Program) {
+    let values = directed.values.iter().copied().enumerate();
+    let values: Vec<(usize, Expr)> = values.collect();
+    let count = values.len();
+    let mut known = Program::build(graph, None, &values, count, &traced.order, places);
+    let mut order: Vec<(Register, usize)> = known.outputs.iter().map(|&(at, r)| (r, at)).collect();
+    order.sort_unstable();
+    let sorted: Vec<Expr> = order.iter().map(|&(_, at)| directed.values[at]).collect();
+    let registers = order.into_iter().map(|(register, _)| register);
+    known.outputs = registers.enumerate().collect();
+    let width = directed.width;
+    let places = TermPlaces::new(graph, &sorted, Slot::Value);
+    let rows = len / width.max(1);
+    let what = Some(traced.what);
+    let mut own = Program::build(graph, what, &traced.outputs, rows, &traced.order, &places);
+    own.directions = Some(Directions {
+        columns: directed.columns.clone(),
+        width,
+        values: count,
+        pattern: directed.pattern.clone(),
+    });
+    (own, known)
 }
 
 /// Whether a quantity is a matrix of which only the structural non-zeros are written.
@@ -264,6 +334,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
             what,
             outputs,
             order,
+            directed: None,
         }
     };
     let mut traced: Vec<Traced> = Vec::new();
@@ -282,6 +353,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
                 what: of.quantity(),
                 outputs: traced[index].outputs.clone(),
                 order: traced[index].order.clone(),
+                directed: None,
             },
         );
         traced.push(partial(scene, layout, what, by, base));
@@ -289,7 +361,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     (constants, traced)
 }
 
-/// Differentiates a traced quantity. Its own terms come first, then the sweep of each variable.
+/// Differentiates a traced quantity. Its own terms come first, then the sweep of each variable, or the one of all directions.
 fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: Traced) -> Traced {
     let count = layout.variables(by);
     let variables: Vec<DerivativeVariable> = (0..count)
@@ -306,17 +378,33 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
             }
         })
         .collect();
+    let mut order = base.order;
+    if by_directions(layout, &base.outputs, &variables) {
+        let found = directional(&base.outputs, &variables, &order);
+        order.extend(found.order);
+        return Traced {
+            what,
+            outputs: found.outputs,
+            order,
+            directed: Some(Directed {
+                values: found.values,
+                columns: found.columns,
+                width: count,
+                pattern: found.pattern,
+            }),
+        };
+    }
     let (entries, swept) = recorded(|| jacobian(&base.outputs, &variables));
     let outputs = entries
         .into_iter()
         .map(|(row, column, expr)| (row * count + column, expr))
         .collect();
-    let mut order = base.order;
     order.extend(swept);
     Traced {
         what,
         outputs,
         order,
+        directed: None,
     }
 }
 

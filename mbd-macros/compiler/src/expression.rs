@@ -56,6 +56,10 @@ pub enum Slot {
         /// Where it stands behind the factor.
         at: usize,
     },
+    /// A number of the direction in which is differentiated.
+    Direction(usize),
+    /// A number that does not depend on that direction.
+    Value(usize),
     /// A live parameter.
     Param(usize),
     /// A term of the parameters alone, computed once per set of parameters.
@@ -310,6 +314,8 @@ fn code(node: TermKind) -> [u64; 2] {
                 Slot::Origin { number, .. } => (12, number),
                 Slot::Turn { number, .. } => (13, number),
                 Slot::Right { number, .. } => (14, number),
+                Slot::Direction(index) => (15, index),
+                Slot::Value(index) => (16, index),
             };
             [kinds(2, kind), index as u64]
         }
@@ -324,6 +330,11 @@ fn code(node: TermKind) -> [u64; 2] {
 }
 
 impl Expr {
+    /// What is asked for from here on belongs to this section, by its index.
+    pub(crate) fn in_section(section: usize) {
+        with(|graph| graph.section = section);
+    }
+
     /// Whether it depends on anything but constants and parameters.
     #[must_use]
     pub fn is_live(self) -> bool {

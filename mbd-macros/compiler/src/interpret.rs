@@ -52,6 +52,7 @@ impl Program {
             *register = T::from_f64(value);
         }
         let (first, zero) = (self.constants.len(), T::zero());
+        let behind_direction = self.directions.as_ref().map_or(0, |own| own.columns.len());
         for (register, &slot) in numbers.iter_mut().skip(first).zip(&self.slots) {
             let value = match slot {
                 Slot::Time => Some(&at.time),
@@ -64,6 +65,8 @@ impl Program {
                 Slot::Row(i) | Slot::Motion(i) | Slot::Factored(i) | Slot::Right { at: i, .. } => {
                     at.rows.get(i)
                 }
+                Slot::Direction(i) => at.rows.get(i),
+                Slot::Value(i) => at.rows.get(behind_direction + i),
                 Slot::Turn { at: i, .. } | Slot::Origin { at: i, .. } => {
                     Some(at.hold.get(i).unwrap_or(&zero))
                 }
@@ -144,14 +147,17 @@ impl<T: Real> Interpreted<T> {
     /// Registers for every quantity.
     #[must_use]
     pub fn registers(&self) -> Registers<T> {
-        let programs = self.equations.programs.iter();
-        let most = programs.map(|(_, program)| program.registers()).max();
+        let programs = self.equations.every_program();
+        let most = programs.map(Program::registers).max();
         Registers::new(most.unwrap_or_default())
     }
 
     /// Writes a quantity, as [`Model::evaluate`] does.
     pub fn run(&self, what: Quantity, at: &At<'_, T>, registers: &mut Registers<T>, out: &mut [T]) {
         match self.equations.program(what) {
+            Some(program) if program.directions.is_some() => {
+                self.run_directions(program, at, registers, out);
+            }
             Some(program) if out.len() == program.len => {
                 program.run(at, &self.params, &self.derived, registers, out);
             }
@@ -170,6 +176,40 @@ impl<T: Real> Interpreted<T> {
             // Not traced: loud, not silently zero.
             None => out.fill(T::from_f64(f64::NAN)),
         }
+    }
+
+    /// Writes a matrix column by column: what does not depend on the direction first.
+    fn run_directions(
+        &self,
+        program: &Program,
+        at: &At<'_, T>,
+        registers: &mut Registers<T>,
+        out: &mut [T],
+    ) {
+        let values = program.what.and_then(|what| self.equations.values(what));
+        let (Some(values), Some(own)) = (values, &program.directions) else {
+            return;
+        };
+        if out.len() != program.len * own.width {
+            return;
+        }
+        let directions = own.columns.len();
+        let mut numbers = std::mem::take(&mut registers.columns);
+        numbers.clear();
+        numbers.resize(directions + own.values + program.len, T::zero());
+        let (rows, column) = numbers.split_at_mut(directions + own.values);
+        let known = &mut rows[directions..];
+        values.run(at, &self.params, &self.derived, registers, known);
+        for (number, to) in own.columns.iter().enumerate() {
+            rows[number] = T::one();
+            let at = At { rows, ..*at };
+            program.run(&at, &self.params, &self.derived, registers, column);
+            for &(place, _) in &program.outputs {
+                out[place * own.width + to] = column[place];
+            }
+            rows[number] = T::zero();
+        }
+        registers.columns = numbers;
     }
 
     /// Its equations.

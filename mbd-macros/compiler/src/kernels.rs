@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use mbd_scene::{Layout, PointSlots};
+use mbd_scene::{Layout, PointSlots, Quantity};
 
 use crate::equations::SceneEquations;
 use crate::expression::Slot;
@@ -88,6 +88,7 @@ impl Kernels {
         let mut sharing = Sharing {
             equations,
             owners: (0..layout.nx()).map(|i| owner(layout, i)).collect(),
+            of_values: Vec::new(),
             shapes: Shapes::default(),
             kernels: Vec::new(),
             numbers: Vec::new(),
@@ -152,11 +153,33 @@ impl Kernels {
         whole.chain(blocks).collect()
     }
 
-    /// The length of the longest working list.
+    /// The length of the longest working list. Of a matrix that is found column by column it begins with the direction and with what does not depend on it.
     #[must_use]
-    pub fn work(&self) -> usize {
+    pub fn work(&self, equations: &SceneEquations) -> usize {
         let drivers = self.drivers.iter().flatten();
-        drivers.map(|driver| driver.work).max().unwrap_or_default()
+        let alone = drivers.map(|driver| driver.work);
+        let first = self.drivers.len() - equations.values.len().min(self.drivers.len());
+        let values = self.drivers.iter().skip(first).zip(&equations.values);
+        let before = values.filter_map(|(driver, (what, _))| {
+            let directions = equations.program(*what)?.directions.as_ref()?;
+            let known = directions.columns.len() + directions.values;
+            Some(known + driver.as_ref().map_or(0, |driver| driver.work))
+        });
+        alone.chain(before).max().unwrap_or_default()
+    }
+
+    /// The length of the longest working list of four columns beside each other, of a matrix or of solutions by a factor; zero where none needs one.
+    #[must_use]
+    pub fn work_beside(&self, equations: &SceneEquations) -> usize {
+        let programs = equations.programs.iter().zip(&self.drivers);
+        let work = programs.filter_map(|((what, program), driver)| {
+            let directions = program.directions.as_ref();
+            let known = directions.map(|own| own.columns.len() + own.values);
+            let solves = *what == Quantity::Solve;
+            let own = driver.as_ref().filter(|_| solves || known.is_some());
+            own.map(|driver| driver.work).or(known)
+        });
+        work.max().unwrap_or_default()
     }
 }
 
@@ -164,6 +187,8 @@ struct Sharing<'a> {
     equations: &'a SceneEquations,
     /// What each number of the state belongs to.
     owners: Vec<usize>,
+    /// What each number belongs to that does not depend on the direction of the program at hand.
+    of_values: Vec<usize>,
     shapes: Shapes,
     kernels: Vec<Kernel>,
     /// Per kernel, the known numbers of its first block.
@@ -179,6 +204,9 @@ impl Sharing<'_> {
         blocks: Vec<ProgramBlock>,
         shared: &mut Vec<usize>,
     ) -> KernelDriver {
+        let values = program.what.filter(|_| program.directions.is_some());
+        let values = values.and_then(|what| self.equations.values(what));
+        self.of_values = values.map_or_else(Vec::new, |values| self.owners_of(values));
         let layout = &self.equations.layout;
         let mut lists = Vec::new();
         let mut begins: BTreeMap<NumberList, usize> = BTreeMap::new();
@@ -186,7 +214,7 @@ impl Sharing<'_> {
         for group in ProgramArguments::of(program, layout).0 {
             lists.push((group, work));
             begins.insert(group, work);
-            work += group.len(self.equations);
+            work += group.len(self.equations, Some(program));
         }
         let kept_at = work;
         let first = program.constants.len() + program.slots.len();
@@ -276,6 +304,24 @@ impl Sharing<'_> {
         known
     }
 
+    /// What the results of a program belong to: numbers from outside one by one, terms to the run of operations on one thing that they are from.
+    fn owners_of(&self, values: &Program) -> Vec<usize> {
+        let outside = values.slots.len();
+        let mut runs = Vec::with_capacity(values.instructions.len());
+        let (mut run, mut section) = (outside, None);
+        for instruction in &values.instructions {
+            run += usize::from(section != Some(instruction.section));
+            section = Some(instruction.section);
+            runs.push(run);
+        }
+        let outputs = values.outputs.iter();
+        let owner = outputs.map(|&(_, register)| match values.operand(register) {
+            Operand::Value(value) => runs.get(value).copied().unwrap_or_default(),
+            _ => register.index(),
+        });
+        owner.collect()
+    }
+
     /// What a number of a list belongs to, counted within the list.
     fn item(&self, slot: Slot) -> usize {
         let layout = &self.equations.layout;
@@ -297,6 +343,8 @@ impl Sharing<'_> {
                 false => self.item(Slot::Row(i - layout.nv)),
             },
             Slot::Factored(i) => i / 64,
+            Slot::Direction(i) => i,
+            Slot::Value(i) => self.of_values.get(i).copied().unwrap_or_default(),
             Slot::Derived(i) => self.equations.derived_section(i),
         }
     }

@@ -11,6 +11,10 @@ use crate::program::Program;
 /// A list of numbers that a function takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum NumberList {
+    /// The direction in which is differentiated.
+    Direction,
+    /// What does not depend on it.
+    Values,
     /// Time.
     Time,
     /// Coordinates.
@@ -51,7 +55,9 @@ pub enum NumberList {
 
 impl NumberList {
     /// Every list, in the order of arguments.
-    pub const ALL: [NumberList; 18] = [
+    pub const ALL: [NumberList; 20] = [
+        NumberList::Direction,
+        NumberList::Values,
         NumberList::Time,
         NumberList::Q,
         NumberList::V,
@@ -72,10 +78,18 @@ impl NumberList {
         NumberList::Derived,
     ];
 
+    /// Whether it stands in the working list before a function in blocks is called, so that every column finds it there.
+    #[must_use]
+    pub fn is_in_place(self) -> bool {
+        matches!(self, NumberList::Direction | NumberList::Values)
+    }
+
     /// Its name as an argument.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            NumberList::Direction => "direction",
+            NumberList::Values => "values",
             NumberList::Time => "time",
             NumberList::Q => "q",
             NumberList::V => "v",
@@ -128,16 +142,21 @@ impl NumberList {
             Slot::Motion(i) => (NumberList::Motion, i),
             Slot::Factored(i) => (NumberList::Factored, i),
             Slot::Right { number, .. } => (NumberList::Right, number),
+            Slot::Direction(i) => (NumberList::Direction, i),
+            Slot::Value(i) => (NumberList::Values, i),
             Slot::Param(i) => (NumberList::Params, i),
             Slot::Derived(i) => (NumberList::Derived, i),
         }
     }
 
-    /// How many numbers it has.
+    /// How many numbers it has for a program.
     #[must_use]
-    pub fn len(self, equations: &SceneEquations) -> usize {
+    pub fn len(self, equations: &SceneEquations, program: Option<&Program>) -> usize {
         let layout = &equations.layout;
+        let directions = program.and_then(|program| program.directions.as_ref());
         match self {
+            NumberList::Direction => directions.map_or(0, |own| own.columns.len()),
+            NumberList::Values => directions.map_or(0, |own| own.values),
             NumberList::Time => 1,
             NumberList::Q => layout.nq,
             NumberList::V => layout.nv,

@@ -130,6 +130,8 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             Some(index) => format!("{}_right", row(scene, layout, index)),
             None => format!("{}_right", state(scene, layout, layout.nq + number)),
         },
+        Slot::Direction(index) => format!("along_{index}"),
+        Slot::Value(index) => format!("value_{index}"),
         Slot::Param(index) => scene
             .params
             .get(index)

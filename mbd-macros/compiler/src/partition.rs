@@ -107,28 +107,30 @@ pub fn partition_after(
 
 /// Whether a run spends its time there; rows and their rates are short beside derivative and correction.
 fn is_hot(program: &Program) -> bool {
-    program.what.is_some_and(|what| {
-        !matches!(
-            what,
-            Quantity::Energy
-                | Quantity::Momentum
-                | Quantity::MassMatrix
-                | Quantity::BiasForce
-                | Quantity::Forces
-                | Quantity::CentreOfMass
-                | Quantity::CentreOfMassJacobian
-                | Quantity::FrameJacobian(..)
-                | Quantity::Lines
-                | Quantity::Outputs
-                | Quantity::Coordinates
-                | Quantity::Constraint
-                | Quantity::ConstraintJacobian
-                | Quantity::ConstraintRate
-                | Quantity::ConstraintBias
-                | Quantity::Multipliers
-                | Quantity::Reactions
-        )
-    })
+    // One column after another runs through blocks from body to body.
+    program.directions.is_none()
+        && program.what.is_some_and(|what| {
+            !matches!(
+                what,
+                Quantity::Energy
+                    | Quantity::Momentum
+                    | Quantity::MassMatrix
+                    | Quantity::BiasForce
+                    | Quantity::Forces
+                    | Quantity::CentreOfMass
+                    | Quantity::CentreOfMassJacobian
+                    | Quantity::FrameJacobian(..)
+                    | Quantity::Lines
+                    | Quantity::Outputs
+                    | Quantity::Coordinates
+                    | Quantity::Constraint
+                    | Quantity::ConstraintJacobian
+                    | Quantity::ConstraintRate
+                    | Quantity::ConstraintBias
+                    | Quantity::Multipliers
+                    | Quantity::Reactions
+            )
+        })
 }
 
 /// As few blocks as can be, about equally long.

@@ -2,6 +2,7 @@
 
 use mbd_scene::{Cost, Quantity};
 
+use crate::directional::Directions;
 use crate::expression::{Expr, Graph, Label, Slot, Term, TermKind};
 use crate::hash::FastMap;
 use crate::operation::{Binary, Comparison, Op, Unary};
@@ -53,6 +54,8 @@ pub struct Program {
     pub outputs: Vec<(usize, Register)>,
     /// Length of the result.
     pub len: usize,
+    /// Of one that has a matrix column by column, what it is the columns of.
+    pub directions: Option<Directions>,
     /// Names of bodies, lines, nodes and variables.
     pub sections: Vec<String>,
     /// The instructions once more, for the interpreter.
@@ -237,6 +240,7 @@ impl Program {
             instructions,
             outputs,
             len,
+            directions: None,
             sections: graph.sections().to_vec(),
         }
     }
@@ -299,6 +303,7 @@ impl Program {
             instructions,
             outputs,
             len,
+            directions: None,
             // Sections are those of the graph, the same for all.
             sections: first.map_or_else(Vec::new, |program| program.sections.clone()),
         };
@@ -349,25 +354,38 @@ impl Program {
     }
 }
 
-/// The place of each term of the parameters alone among them.
-#[derive(Default)]
-pub struct TermPlaces(Vec<u32>);
+/// Terms that are already computed, and where.
+pub struct TermPlaces {
+    /// One more than the place of each term, zero for a term that is not among them.
+    places: Vec<u32>,
+    /// The number from outside at a place.
+    slot: fn(usize) -> Slot,
+}
+
+impl Default for TermPlaces {
+    fn default() -> Self {
+        TermPlaces {
+            places: Vec::new(),
+            slot: Slot::Derived,
+        }
+    }
+}
 
 impl TermPlaces {
-    /// Those of terms in their order.
+    /// Those of terms in their order, as numbers from outside.
     #[must_use]
-    pub fn new(graph: &Graph, derived: &[Expr]) -> Self {
+    pub fn new(graph: &Graph, terms: &[Expr], slot: fn(usize) -> Slot) -> Self {
         let mut places = vec![0; graph.len()];
-        for (index, expr) in derived.iter().enumerate() {
+        for (index, expr) in terms.iter().enumerate() {
             places[expr.index()] = index as u32 + 1;
         }
-        TermPlaces(places)
+        TermPlaces { places, slot }
     }
 
-    fn of(&self, expr: Expr) -> Option<usize> {
-        match self.0.get(expr.index()) {
+    fn of(&self, expr: Expr) -> Option<Slot> {
+        match self.places.get(expr.index()) {
             None | Some(0) => None,
-            Some(&place) => Some(place as usize - 1),
+            Some(&place) => Some((self.slot)(place as usize - 1)),
         }
     }
 }
@@ -379,11 +397,13 @@ enum Leaf {
 
 /// What a term is when it need not be computed here.
 fn leaf(graph: &Graph, expr: Expr, derived: &TermPlaces) -> Option<Leaf> {
+    if let Some(slot) = derived.of(expr) {
+        return Some(Leaf::Slot(slot));
+    }
     match graph.node(expr) {
         TermKind::Constant(_) => Some(Leaf::Constant),
         TermKind::Slot(slot) => Some(Leaf::Slot(slot)),
-        TermKind::Truth(_) => None,
-        TermKind::Apply(_) => derived.of(expr).map(|i| Leaf::Slot(Slot::Derived(i))),
+        TermKind::Truth(_) | TermKind::Apply(_) => None,
     }
 }
 

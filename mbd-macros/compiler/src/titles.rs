@@ -18,7 +18,7 @@ pub fn titles(
 ) -> Vec<String> {
     let programs: Vec<&Program> = equations.every_program().collect();
     let mut unique = Unique::default();
-    let functions: Vec<String> = programs.iter().map(|p| function(equations, p)).collect();
+    let functions = functions(equations);
     for name in functions
         .iter()
         .map(String::as_str)
@@ -43,13 +43,28 @@ pub fn titles(
     kernels.iter().map(title).collect()
 }
 
-/// The name of the function of a program.
-fn function(equations: &SceneEquations, program: &Program) -> String {
-    match program.what {
-        Some(what) => quantity::name(&equations.scene, &equations.layout, what),
-        None if std::ptr::eq(program, &equations.derived) => "derived".to_owned(),
-        None => "kinematics".to_owned(),
-    }
+/// The name of the function of every program, in the order of [`SceneEquations::every_program`].
+fn functions(equations: &SceneEquations) -> Vec<String> {
+    let name = |what: Quantity| quantity::name(&equations.scene, &equations.layout, what);
+    let quantities = equations.programs.iter().map(|&(what, _)| name(what));
+    let kinematics = equations.kinematics.iter();
+    let others = [DERIVED].into_iter().chain(kinematics.map(|_| KINEMATICS));
+    let values = equations.values.iter();
+    let values = values.map(|&(what, _)| values_of(&name(what)));
+    quantities
+        .chain(others.map(str::to_owned))
+        .chain(values)
+        .collect()
+}
+
+/// The function of the terms of the parameters.
+pub const DERIVED: &str = "derived";
+/// The function of the rates of the coordinates.
+pub const KINEMATICS: &str = "kinematics";
+
+/// The function of what does not depend on the direction, of the function of a column.
+pub fn values_of(function: &str) -> String {
+    format!("{function}_values")
 }
 
 /// What a run of operations does for the thing it belongs to.

@@ -283,3 +283,47 @@ fn the_system_is_solved_once_for_accelerations_multipliers_and_reactions() {
         assert_eq!(shared, if flat { 0 } else { members });
     }
 }
+
+/// A chain of links in relative coordinates about axes that are parallel or cross, with a quantity of its tip.
+fn hanging(links: usize, crossed: bool) -> String {
+    let joints = (0..links).map(|link| {
+        let from = match link {
+            0 => "world".to_owned(),
+            _ => format!("link[{}].tip", link - 1),
+        };
+        let axis = if crossed && link % 2 == 1 { "x" } else { "y" };
+        format!("joint pin{link}: hinge from {from} to link[{link}].top {{ axis: {axis} }}\n")
+    });
+    let joints: String = joints.collect();
+    format!(
+        "model Hanging {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            coordinates: relative;
+            emit: [outputs, partial];
+            body link[i in 0..{links}] {{ mass: 1.0 kg, inertia: diag(0.08, 0.08, 0.001) kg*m^2,
+                frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m }}
+            {joints}
+            output tip = link[{}].tip.velocity;
+        }}",
+        links - 1
+    )
+}
+
+/// Equations, their derivatives, the factor and solutions by it, outputs: all that `emit: [outputs, partial]` writes.
+#[test]
+fn twice_as_long_a_chain_in_relative_coordinates_is_at_most_twice_as_much_code() {
+    for crossed in [false, true] {
+        let lengths = [16, 32, 64, 128].map(|links| {
+            let reading = mbd_compiler::read_text(&hanging(links, crossed));
+            assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+            mbd_compiler::emit(&reading).to_string().len()
+        });
+        println!("crossed {crossed}: {lengths:?} letters");
+        for pair in lengths.windows(2) {
+            assert!(pair[1] < 2 * pair[0], "{lengths:?}");
+        }
+        // From where loops stand for everything, a link more is the same few calls and numbers, and a row of the names of the tables.
+        let [_, _, long, longer] = lengths;
+        assert!(longer < long + long / 2, "{lengths:?}");
+    }
+}

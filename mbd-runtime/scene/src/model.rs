@@ -59,6 +59,24 @@ impl<T: Float> Work<T> {
         }
     }
 
+    /// A list of so many numbers, and scratch of another kind beside it.
+    #[must_use]
+    pub fn list_and(count: usize, other: impl Any + Send + Sync) -> Self {
+        Work {
+            other: Some(Box::new(other)),
+            ..Self::list(count)
+        }
+    }
+
+    /// The list, and the scratch beside it; `None` where that is of another kind.
+    pub fn both<W: Any>(&mut self) -> (&mut [T], Option<&mut W>) {
+        let other = self.other.as_mut();
+        (
+            &mut self.numbers,
+            other.and_then(|other| other.downcast_mut()),
+        )
+    }
+
     /// Scratch of a kind of its own.
     #[must_use]
     pub fn of(other: impl Any + Send + Sync) -> Self {

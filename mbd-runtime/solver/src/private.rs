@@ -1,5 +1,6 @@
 //! What generated code calls and nobody else should.
 
+use mbd_scene::Work;
 use mbd_scene::laws::{LineNumbers, Numbers};
 use mbd_scene::{
     Float, LINE_NUMBERS, Layout, Packed, ParamError, Plan, Real, Scene, checked_numbers,
@@ -195,6 +196,103 @@ pub fn solve_beside<const F: usize, const N: usize>(
             match out.first_chunk_mut::<WIDTH>() {
                 Some(out) => *out = x,
                 None => out.iter_mut().zip(x).for_each(|(to, x)| *to = x),
+            }
+        }
+    }
+}
+
+/// Room for columns of a matrix beside each other.
+type ColumnRoom = Vec<Lanes4>;
+
+/// Scratch of so many numbers, and of so many registers for columns of a matrix.
+#[must_use]
+pub fn work_with_columns(count: usize, beside: usize) -> Work<f64> {
+    Work::list_and(count, vec![Lanes4::zero(); beside])
+}
+
+/// The two parts of it.
+pub fn work_and_columns(work: &mut Work<f64>) -> (&mut [f64], &mut [Lanes4]) {
+    let (numbers, beside) = work.both::<ColumnRoom>();
+    (
+        numbers,
+        beside.map_or(&mut [], |beside| beside.as_mut_slice()),
+    )
+}
+
+/// The direction, what does not depend on it, and the rest of a working list.
+#[inline]
+#[allow(clippy::type_complexity, reason = "two arrays and a list")]
+fn directed<T, const C: usize, const V: usize>(
+    work: &mut [T],
+) -> Option<(&mut [T; C], &mut [T; V], &mut [T])> {
+    let (direction, rest) = work.split_first_chunk_mut()?;
+    let (values, rest) = rest.split_first_chunk_mut()?;
+    Some((direction, values, rest))
+}
+
+/// A matrix column by column, of the C columns that are given of so many. `before` finds the V numbers that do not depend on the direction; `alone` takes the derivative of the R rows in the
+/// direction that the working list begins with.
+pub fn columns<T: Real, const C: usize, const V: usize, const R: usize>(
+    work: &mut [T],
+    (columns, width): (&[usize; C], usize),
+    out: &mut [T],
+    before: impl Fn(&mut [T; V], &mut [T]),
+    alone: impl Fn(&mut [T], &mut [T; R]),
+) {
+    let Some((direction, values, rest)) = directed::<T, C, V>(work) else {
+        return;
+    };
+    before(values, rest);
+    direction.fill(T::zero());
+    let mut found = [T::zero(); R];
+    for (number, &column) in columns.iter().enumerate() {
+        if let Some(seed) = work.get_mut(number) {
+            *seed = T::one();
+        }
+        alone(work, &mut found);
+        if let Some(seed) = work.get_mut(number) {
+            *seed = T::zero();
+        }
+        let out = out.iter_mut().skip(column).step_by(width.max(1));
+        out.zip(&found).for_each(|(to, x)| *to = *x);
+    }
+}
+
+/// The same, four columns beside each other.
+pub fn columns_beside<const C: usize, const V: usize, const R: usize>(
+    (work, wide): (&mut [f64], &mut [Lanes4]),
+    (columns, width): (&[usize; C], usize),
+    out: &mut [f64],
+    before: impl Fn(&mut [f64; V], &mut [f64]),
+    beside: impl Fn(&mut [Lanes4], &mut [Lanes4; R]),
+) {
+    let narrow = directed::<f64, C, V>(work);
+    let (Some((_, values, rest)), Some((direction, known, _))) =
+        (narrow, directed::<Lanes4, C, V>(wide))
+    else {
+        return;
+    };
+    const WIDTH: usize = Lanes4::WIDTH;
+    before(values, rest);
+    direction.fill(Lanes4::zero());
+    for (to, x) in known.iter_mut().zip(values) {
+        *to = Lanes4::from([*x; WIDTH]);
+    }
+    let mut found = [Lanes4::zero(); R];
+    for (group, columns) in columns.chunks(WIDTH).enumerate() {
+        let seeds = group * WIDTH..group * WIDTH + columns.len();
+        for (lane, seed) in wide[seeds.clone()].iter_mut().enumerate() {
+            let unit = |other| f64::from(u8::from(other == lane));
+            *seed = Lanes4::from(std::array::from_fn::<_, WIDTH, _>(unit));
+        }
+        beside(wide, &mut found);
+        wide[seeds].fill(Lanes4::zero());
+        for (row, x) in out.chunks_mut(width.max(1)).zip(&found) {
+            let x = <[f64; WIDTH]>::from(*x);
+            for (&column, x) in columns.iter().zip(x) {
+                if let Some(to) = row.get_mut(column) {
+                    *to = x;
+                }
             }
         }
     }

@@ -9,6 +9,8 @@ use super::literal::whole;
 use super::quantity;
 use crate::equations::of_origin;
 use crate::lists::{NumberList, ProgramArguments};
+use crate::program::Program;
+use crate::titles::values_of;
 
 /// `impl Model`.
 pub fn implementation(context: &EmitContext) -> TokenStream {
@@ -19,88 +21,114 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
         context.scalar(),
     );
     let equations = context.equations;
-    let (params, work) = (context.named("Params"), whole(context.kernels.work()));
+    let (params, work) = (
+        context.named("Params"),
+        whole(context.kernels.work(equations)),
+    );
     let programs = equations.programs.iter().enumerate();
-    let arms = programs.filter(|(_, (_, p))| !p.outputs.is_empty()).map(|(index, (what, program))| {
-        let reads = ProgramArguments::of(program, &equations.layout);
-        let pattern = quantity_path(*what);
-        let function = format_ident!("{}", quantity::name(&equations.scene, &equations.layout, *what));
-        let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
-        let call = context.call(index, &function, &passed, Some(quote!(work)), &quote!(out));
-        if *what == Quantity::Solve {
-            return columns(context, (index, reads), &call);
-        }
-        let state = [NumberList::Q, NumberList::V, NumberList::Z, NumberList::States].iter().any(|&g| reads.reads(g));
-        let own = equations.layout.ns > 0;
-        let mut names = Vec::new();
-        let mut values = Vec::new();
-        if state && own {
-            names.push(quote!((q, v, z, states)));
-            values.push(quote!(::mbd_runtime::__private::split_with_states(at.state)));
-        } else if state {
-            names.push(quote!((q, v, z)));
-            values.push(quote!(::mbd_runtime::__private::split(at.state)));
-        }
-        // Turns, and how the origin moves, stand behind the modes.
-        let layout = &equations.layout;
-        let more = of_origin(&equations.scene) + layout.turns.len() > 0;
-        for group in [
-            NumberList::Nodes,
-            NumberList::Effective,
-            NumberList::Hold,
-            NumberList::Ends,
-            NumberList::Inputs,
-            NumberList::Rows,
-            NumberList::Motion,
-        ] {
-            if reads.reads(group) {
-                let list = format_ident!("{}", group.name());
-                let given = format_ident!("{}", group.argument());
-                names.push(quote!(#list));
-                values.push(match group {
-                    NumberList::Hold if more => quote!(at.hold.first_chunk()),
-                    _ => quote!(::mbd_runtime::__private::fixed(at.#given)),
-                });
-            }
-        }
-        for (group, place) in [
-            (NumberList::Turns, layout.holds()),
-            (NumberList::Origin, layout.origin_at()),
-        ] {
-            if reads.reads(group) {
-                let (list, place) = (format_ident!("{}", group.name()), whole(place));
-                names.push(quote!(#list));
-                values.push(quote! {
-                    ::core::option::Option::Some(&::mbd_runtime::__private::leading(
-                        at.hold.get(#place..).unwrap_or_default()
-                    ))
-                });
-            }
-        }
-        // The lengths of lists that are not read follow from the sizes of this model.
-        let sizes = state.then(|| {
-            let layout = &equations.layout;
-            let (nq, nv, nz) = (whole(layout.nq), whole(layout.nv), whole(layout.nz));
-            let ns = whole(layout.ns);
-            let states = own.then(|| quote!(let states: &[#t; #ns] = states;));
-            quote! {
-                let q: &[#t; #nq] = q;
-                let v: &[#t; #nv] = v;
-                let z: &[#t; #nz] = z;
-                #states
-            }
-        });
-        quote! {
-            #pattern => {
-                if let (#(::core::option::Option::Some(#names),)* ::core::option::Option::Some(out)) =
-                    (#(#values,)* ::mbd_runtime::__private::fixed_mut(out))
-                {
-                    #sizes
-                    #call
+    let arms =
+        programs
+            .filter(|(_, (_, p))| !p.outputs.is_empty())
+            .map(|(index, (what, program))| {
+                let values = equations.values.iter().position(|(known, _)| known == what);
+                let read = values.and_then(|index| equations.values.get(index));
+                let read = read.map_or(program, |(_, values)| values);
+                let reads = ProgramArguments::of(read, &equations.layout);
+                let pattern = quantity_path(*what);
+                let name = quantity::name(&equations.scene, &equations.layout, *what);
+                let function = format_ident!("{name}");
+                let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
+                let call = match (values, &program.directions) {
+                    (Some(values), Some(_)) => {
+                        by_column(context, (index, program), (values, &passed), &name)
+                    }
+                    _ => context.call(index, &function, &passed, Some(quote!(work)), &quote!(out)),
+                };
+                if *what == Quantity::Solve {
+                    return columns(context, (index, reads), &call);
                 }
-            }
-        }
-    });
+                let state = [
+                    NumberList::Q,
+                    NumberList::V,
+                    NumberList::Z,
+                    NumberList::States,
+                ]
+                .iter()
+                .any(|&g| reads.reads(g));
+                let own = equations.layout.ns > 0;
+                let mut names = Vec::new();
+                let mut values = Vec::new();
+                if state && own {
+                    names.push(quote!((q, v, z, states)));
+                    values.push(quote!(::mbd_runtime::__private::split_with_states(
+                        at.state
+                    )));
+                } else if state {
+                    names.push(quote!((q, v, z)));
+                    values.push(quote!(::mbd_runtime::__private::split(at.state)));
+                }
+                // Turns, and how the origin moves, stand behind the modes.
+                let layout = &equations.layout;
+                let more = of_origin(&equations.scene) + layout.turns.len() > 0;
+                for group in [
+                    NumberList::Nodes,
+                    NumberList::Effective,
+                    NumberList::Hold,
+                    NumberList::Ends,
+                    NumberList::Inputs,
+                    NumberList::Rows,
+                    NumberList::Motion,
+                ] {
+                    if reads.reads(group) {
+                        let list = format_ident!("{}", group.name());
+                        let given = format_ident!("{}", group.argument());
+                        names.push(quote!(#list));
+                        values.push(match group {
+                            NumberList::Hold if more => quote!(at.hold.first_chunk()),
+                            _ => quote!(::mbd_runtime::__private::fixed(at.#given)),
+                        });
+                    }
+                }
+                for (group, place) in [
+                    (NumberList::Turns, layout.holds()),
+                    (NumberList::Origin, layout.origin_at()),
+                ] {
+                    if reads.reads(group) {
+                        let (list, place) = (format_ident!("{}", group.name()), whole(place));
+                        names.push(quote!(#list));
+                        values.push(quote! {
+                            ::core::option::Option::Some(&::mbd_runtime::__private::leading(
+                                at.hold.get(#place..).unwrap_or_default()
+                            ))
+                        });
+                    }
+                }
+                // The lengths of lists that are not read follow from the sizes of this model.
+                let sizes = state.then(|| {
+                    let layout = &equations.layout;
+                    let (nq, nv, nz) = (whole(layout.nq), whole(layout.nv), whole(layout.nz));
+                    let ns = whole(layout.ns);
+                    let states = own.then(|| quote!(let states: &[#t; #ns] = states;));
+                    quote! {
+                        let q: &[#t; #nq] = q;
+                        let v: &[#t; #nv] = v;
+                        let z: &[#t; #nz] = z;
+                        #states
+                    }
+                });
+                if program.directions.is_none() {
+                    names.push(quote!(out));
+                    values.push(quote!(::mbd_runtime::__private::fixed_mut(out)));
+                }
+                quote! {
+                    #pattern => {
+                        if let (#(::core::option::Option::Some(#names)),*) = (#(#values),*) {
+                            #sizes
+                            #call
+                        }
+                    }
+                }
+            });
     let layout = &equations.layout;
     let on_numbers: Vec<TokenStream> = layout
         .quantities()
@@ -134,8 +162,18 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             _ => out.fill(#nan),
         }
     };
+    let beside = whole(context.kernels.work_beside(equations));
+    let columns_beside = !context.settings.generic && context.kernels.work_beside(equations) > 0;
+    let room = match columns_beside {
+        true => quote!(::mbd_runtime::__private::work_with_columns(#work, #beside)),
+        false => quote!(::mbd_runtime::Work::list(#work)),
+    };
+    let lists = match columns_beside {
+        true => quote!(let (work, beside) = ::mbd_runtime::__private::work_and_columns(work);),
+        false => quote!(let work = work.numbers.as_mut_slice();),
+    };
     let own = quote! {
-        let work = work.numbers.as_mut_slice();
+        #lists
         #evaluation
     };
     let (evaluate, over) = match context.settings.generic {
@@ -176,7 +214,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
                 ::core::result::Result::Ok(::std::sync::Arc::new(Self::new(params)?))
             }
             fn work(&self) -> ::mbd_runtime::Work<#t> {
-                ::mbd_runtime::Work::list(#work)
+                #room
             }
             fn scene(&self) -> &::mbd_runtime::scene::Scene {
                 &declared().scene
@@ -204,7 +242,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
     }
 }
 
-/// The solution by the factor, for as many right-hand sides as there are: four beside each other where one function does it.
+/// The solution by the factor, for as many right-hand sides as there are: four beside each other where the scalar is one number.
 fn columns(
     context: &EmitContext,
     (index, reads): (usize, ProgramArguments),
@@ -223,16 +261,17 @@ fn columns(
             false => format_ident!("_{name}"),
         }
     });
-    let each = |t: &TokenStream| {
+    let each = |t: &TokenStream, room: Option<TokenStream>| {
         let [factored, right] = &names;
-        quote!(|#factored: &[#t; #factor], #right: &[#t; #unknowns], out: &mut [#t; #unknowns]| { #call })
+        quote!(|#factored: &[#t; #factor], #right: &[#t; #unknowns], out: &mut [#t; #unknowns]| { #room #call })
     };
-    let alone = each(&quote!(#t));
+    let alone = each(&quote!(#t), None);
     let lists = [NumberList::Factored, NumberList::Right];
-    let whole_function = context.is_whole(index) && reads.0.iter().all(|list| lists.contains(list));
-    let solve = match whole_function && !context.settings.generic {
+    let alone_reads = reads.0.iter().all(|list| lists.contains(list));
+    let solve = match alone_reads && !context.settings.generic {
         true => {
-            let beside = each(&quote!(::mbd_runtime::Lanes4));
+            let room = (!context.is_whole(index)).then(|| quote!(let work = &mut *beside;));
+            let beside = each(&quote!(::mbd_runtime::Lanes4), room);
             quote!(solve_beside(at.rows, out, #alone, #beside))
         }
         false => quote!(solve_columns(at.rows, out, #alone)),
@@ -240,10 +279,64 @@ fn columns(
     quote!(::mbd_runtime::Quantity::Solve => ::mbd_runtime::__private::#solve,)
 }
 
+/// A matrix column by column: four beside each other where the scalar is one number. `values`: which of [`SceneEquations::values`] it is, and the lists
+/// that this reads.
+///
+/// [`SceneEquations::values`]: crate::equations::SceneEquations::values
+fn by_column(
+    context: &EmitContext,
+    (index, program): (usize, &Program),
+    (values, passed): (usize, &[TokenStream]),
+    name: &str,
+) -> TokenStream {
+    let equations = context.equations;
+    let Some(directions) = &program.directions else {
+        return TokenStream::new();
+    };
+    let (count, known) = (whole(directions.columns.len()), whole(directions.values));
+    let columns = directions.columns.iter().map(|&column| whole(column));
+    let columns = quote!(&[#(#columns),*]);
+    let width = whole(directions.width);
+    let rows = whole(program.len);
+    let first = equations.programs.len() + 1 + usize::from(equations.kinematics.is_some());
+    let work = Some(quote!(work));
+    let function = format_ident!("{}", values_of(name));
+    let before = context.call(first + values, &function, passed, work, &quote!(values));
+    let function = format_ident!("{name}");
+    let column = if context.is_whole(index) {
+        let reads = ProgramArguments::of(program, &equations.layout);
+        let lists = reads.0.iter().map(|list| format_ident!("{}", list.name()));
+        quote! {
+            if let (::core::option::Option::Some(direction), ::core::option::Option::Some(values)) = (
+                ::mbd_runtime::__private::window(work, 0),
+                ::mbd_runtime::__private::window(work, #count),
+            ) {
+                let (direction, values): (&[_; #count], &[_; #known]) = (direction, values);
+                #function(#(#lists,)* out);
+            }
+        }
+    } else {
+        quote!(let _ = #function(work, out);)
+    };
+    let t = context.scalar();
+    let each = |t: &TokenStream| quote!(|work: &mut [#t], out: &mut [#t; #rows]| { #column });
+    let alone = each(&t);
+    let before = quote!(|values: &mut [#t; #known], work: &mut [#t]| { #before });
+    match context.settings.generic {
+        true => {
+            quote!(::mbd_runtime::__private::columns::<_, #count, #known, #rows>(work, (#columns, #width), out, #before, #alone);)
+        }
+        false => {
+            let beside = each(&quote!(::mbd_runtime::Lanes4));
+            quote!(::mbd_runtime::__private::columns_beside::<#count, #known, #rows>((work, beside), (#columns, #width), out, #before, #beside);)
+        }
+    }
+}
+
 /// `impl Equations` and `impl InLanes` of a model over any scalar.
 fn over_any_scalar(context: &EmitContext, evaluation: &TokenStream) -> TokenStream {
     let (name, params) = (context.named(""), context.named("Params"));
-    let work = whole(context.kernels.work());
+    let work = whole(context.kernels.work(context.equations));
     quote! {
         impl<T: ::mbd_runtime::Real> ::mbd_runtime::Equations<T> for #name<T> {
             fn with(params: &[T]) -> ::core::option::Option<Self> {

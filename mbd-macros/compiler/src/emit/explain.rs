@@ -37,20 +37,20 @@ pub fn summary(context: &EmitContext) -> String {
     );
     out.push_str("| function | numbers | operations |\n|---|---|---|\n");
     let derivatives = layout.derivatives();
-    for (what, program) in &context.equations.programs {
+    let equations = context.equations;
+    for (what, program) in &equations.programs {
         let name = quantity::name(scene, layout, *what);
         // What derivatives are made of has no method of its own.
         let linked = match matches!(what, Quantity::Partial(..)) || derivatives.contains(what) {
             true => format!("`{name}`"),
             false => format!("[`{name}`](Self::{name})"),
         };
-        let _ = writeln!(
-            out,
-            "| {linked} | {} of {} | {} |",
-            program.outputs.len(),
-            program.len,
-            program.cost().total()
-        );
+        let (written, len) = match &program.directions {
+            Some(directions) => (directions.pattern.len(), program.len * directions.width),
+            None => (program.outputs.len(), program.len),
+        };
+        let cost = equations.cost_of(*what).unwrap_or_default().total();
+        let _ = writeln!(out, "| {linked} | {written} of {len} | {cost} |");
     }
     out
 }
@@ -383,9 +383,11 @@ fn cost(equations: &SceneEquations, out: &mut String) {
         "  once per set of params: {}",
         equations.derived.cost()
     );
-    for (what, program) in &equations.programs {
+    for (what, _) in &equations.programs {
         let name = quantity::name(scene, layout, *what);
-        let _ = writeln!(out, "  {name}: {}", program.cost());
+        if let Some(cost) = equations.cost_of(*what) {
+            let _ = writeln!(out, "  {name}: {cost}");
+        }
     }
     if let Some(program) = equations.program(Quantity::Derivative) {
         let declared = program.cost().total();

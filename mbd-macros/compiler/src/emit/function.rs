@@ -59,7 +59,7 @@ pub fn solution(equations: &SceneEquations, solution: &Solution) -> TokenStream 
     document(&mut out, &format!(" {}.", solution.program.cost()));
     out.push_str("#[inline(always)] fn solution<T: ::mbd_runtime::Real>(");
     let lists = ProgramArguments::of(&solution.program, layout).0;
-    taken(equations, &lists, &mut out);
+    taken((equations, &solution.program), &lists, &mut out);
     let members = solution.members.iter().zip(&names);
     let given: Vec<String> = members
         .clone()
@@ -93,12 +93,12 @@ fn member(
     out: &mut String,
 ) {
     let own = ProgramArguments::of(program, &equations.layout);
-    taken(equations, &own.0, out);
+    taken((equations, program), &own.0, out);
     let all = ProgramArguments::of(&solution.program, &equations.layout);
     let passed = |&group: &NumberList| match group {
         group if own.reads(group) => group.name().to_owned(),
         NumberList::Time => "T::zero()".to_owned(),
-        group => format!("&[T::zero(); {}]", group.len(equations)),
+        group => format!("&[T::zero(); {}]", group.len(equations, None)),
     };
     let passed = all.0.iter().map(passed);
     let written = solution.members.iter().enumerate();
@@ -120,14 +120,18 @@ pub fn tokens(text: &str) -> TokenStream {
 }
 
 /// The lists a function takes, as arguments.
-pub fn taken(equations: &SceneEquations, lists: &[NumberList], out: &mut String) {
+pub fn taken(
+    (equations, program): (&SceneEquations, &Program),
+    lists: &[NumberList],
+    out: &mut String,
+) {
     for &group in lists {
         out.push_str(group.name());
         if group == NumberList::Time {
             out.push_str(": T, ");
         } else {
             out.push_str(": &[T; ");
-            digits(out, group.len(equations));
+            digits(out, group.len(equations, Some(program)));
             out.push_str("], ");
         }
     }
@@ -135,11 +139,12 @@ pub fn taken(equations: &SceneEquations, lists: &[NumberList], out: &mut String)
 
 fn flat(equations: &SceneEquations, program: &Program, out: &mut String) {
     let arguments = ProgramArguments::of(program, &equations.layout);
-    taken(equations, &arguments.0, out);
+    taken((equations, program), &arguments.0, out);
     out.push_str("out: &mut [T; ");
     digits(out, program.len);
     out.push_str("]) {\n");
-    let parts: Vec<(usize, Quantity)> = program.what.map(|what| (0, what)).into_iter().collect();
+    let whole = program.what.filter(|_| program.directions.is_none());
+    let parts: Vec<(usize, Quantity)> = whole.map(|what| (0, what)).into_iter().collect();
     let terms = body(equations, program, &parts, out);
     returned(program, &terms, out);
     out.push('}');
@@ -200,7 +205,7 @@ fn list(
     names: &[String],
     out: &mut String,
 ) {
-    let mut pattern = vec!["_"; group.len(equations)];
+    let mut pattern = vec!["_"; group.len(equations, Some(program))];
     for (&slot, name) in program.slots.iter().zip(names) {
         let (of, place) = NumberList::of(slot, &equations.layout);
         if of == group

@@ -173,7 +173,11 @@ pub fn driver(
 ) {
     let program = driver.program(program);
     let lists: Vec<NumberList> = driver.lists.iter().map(|&(group, _)| group).collect();
-    taken(equations, &lists, out);
+    let taken_lists: Vec<NumberList> = lists
+        .into_iter()
+        .filter(|list| !list.is_in_place())
+        .collect();
+    taken((equations, program), &taken_lists, out);
     out.push_str("work: &mut [T], out: &mut [T; ");
     digits(out, program.len);
     out.push_str(&format!(
@@ -182,7 +186,11 @@ pub fn driver(
         driver.work
     ));
     let mut steps = Steps::default();
-    for &(group, at) in &driver.lists {
+    let entered = driver
+        .lists
+        .iter()
+        .filter(|(group, _)| !group.is_in_place());
+    for &(group, at) in entered {
         let list = match group {
             NumberList::Time => format!("&[{}]", group.name()),
             _ => group.name().to_owned(),

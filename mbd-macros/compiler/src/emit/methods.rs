@@ -88,7 +88,7 @@ fn signature(context: &EmitContext, what: Quantity, program: Option<&Program>) -
         None => ProgramArguments(
             NumberList::ALL
                 .into_iter()
-                .filter(|g| g.len(equations) > 0)
+                .filter(|g| g.len(equations, None) > 0)
                 .collect(),
         ),
     };
@@ -119,7 +119,7 @@ fn signature(context: &EmitContext, what: Quantity, program: Option<&Program>) -
         if reads.reads(group) {
             let (list, len) = (
                 format_ident!("{}", group.name()),
-                whole(group.len(equations)),
+                whole(group.len(equations, program)),
             );
             taken.push(quote!(#list: &[#t; #len]));
         }
@@ -143,7 +143,7 @@ fn signature(context: &EmitContext, what: Quantity, program: Option<&Program>) -
     // A state that is typed is one in the world, its angles in (−π, π].
     for group in [NumberList::Turns, NumberList::Origin] {
         if reads.reads(group) {
-            let (zero, len) = (context.zero(), whole(group.len(equations)));
+            let (zero, len) = (context.zero(), whole(group.len(equations, program)));
             let list = format_ident!("{}", group.name());
             prepared.extend(quote!(let #list = &[#zero; #len];));
         }

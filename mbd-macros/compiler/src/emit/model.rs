@@ -15,6 +15,7 @@ use super::quantity;
 use crate::equations::is_matrix;
 use crate::lists::{NumberList, ProgramArguments};
 use crate::program::Program;
+use crate::titles::{DERIVED, KINEMATICS, values_of};
 
 /// The struct, its implementations and, hidden, its equations.
 pub fn model(context: &EmitContext) -> TokenStream {
@@ -69,6 +70,9 @@ fn hidden(context: &EmitContext) -> TokenStream {
         .map(|(index, (what, program))| {
             let name = quantity::name(&equations.scene, &equations.layout, *what);
             let mut text = quantity::documentation(&equations.layout, *what).to_vec();
+            if let Some(directions) = &program.directions {
+                text.push(format!("One column at a time, of {}: the derivative in the direction that `work` begins with.", directions.columns.len()));
+            }
             text.push(format!("{}.", program.cost()));
             let text: Vec<String> = text.into_iter().map(|line| format!(" {line}")).collect();
             function(equations, kernels, (index, program), &name, &text)
@@ -77,7 +81,7 @@ fn hidden(context: &EmitContext) -> TokenStream {
         equations,
         kernels,
         (equations.programs.len(), &equations.derived),
-        "derived",
+        DERIVED,
         &[" Terms of the parameters alone, computed once.".to_owned()],
     );
     let kinematics = equations.kinematics.as_ref().map(|program| {
@@ -86,10 +90,29 @@ fn hidden(context: &EmitContext) -> TokenStream {
             equations,
             kernels,
             (equations.programs.len() + 1, program),
-            "kinematics",
+            KINEMATICS,
             &[text, format!(" {}.", program.cost())],
         )
     });
+    let first = equations.programs.len() + 1 + usize::from(equations.kinematics.is_some());
+    let values = equations
+        .values
+        .iter()
+        .enumerate()
+        .map(|(k, (what, program))| {
+            let column = quantity::name(&equations.scene, &equations.layout, *what);
+            let text = [
+                format!(" What of the columns of [`{column}`] does not depend on the direction."),
+                format!(" {}.", program.cost()),
+            ];
+            function(
+                equations,
+                kernels,
+                (first + k, program),
+                &values_of(&column),
+                &text,
+            )
+        });
     let (constants, construction, methods, model) = (
         constants(context),
         construction(context),
@@ -102,6 +125,7 @@ fn hidden(context: &EmitContext) -> TokenStream {
         #constants
         #model
         #(#functions)*
+        #(#values)*
         #solution
         #kinematics
         #derived
@@ -148,9 +172,10 @@ fn constants(context: &EmitContext) -> TokenStream {
             }
         }
     });
-    let costs = equations.programs.iter().map(|(what, program)| {
-        let (name, cost) = (quantity::name(scene, layout, *what), cost(program.cost()));
-        quote!((#name, #cost))
+    let costs = equations.programs.iter().filter_map(|(what, _)| {
+        let name = quantity::name(scene, layout, *what);
+        let cost = cost(equations.cost_of(*what)?);
+        Some(quote!((#name, #cost)))
     });
     let matrices = layout
         .quantities()
@@ -195,9 +220,21 @@ fn sparsity(context: &EmitContext, what: Quantity, program: Option<&Program>) ->
     let quantity = quantity::name(scene, layout, what);
     let name = format_ident!("{}_SPARSITY", quantity.to_uppercase());
     let columns = layout.columns_of(what).max(1);
-    let outputs = program.map_or(&[][..], |program| &program.outputs);
-    let places = outputs.iter().map(|(at, _)| {
-        let (row, column) = (whole(at / columns), whole(at % columns));
+    let places: Vec<(usize, usize)> = match program {
+        Some(Program {
+            directions: Some(directions),
+            ..
+        }) => directions.pattern.clone(),
+        Some(program) => {
+            let outputs = program.outputs.iter();
+            outputs
+                .map(|(at, _)| (at / columns, at % columns))
+                .collect()
+        }
+        None => Vec::new(),
+    };
+    let places = places.into_iter().map(|(row, column)| {
+        let (row, column) = (whole(row), whole(column));
         quote!((#row, #column))
     });
     let doc = format!(

@@ -31,14 +31,18 @@ fn depth(layout: &Layout) -> f64 {
     depths.sum::<usize>() as f64 / tree.links.len().max(1) as f64
 }
 
+/// A factor of M of more operations than this, the terms of M not counted, is long to write out: it grows with the cube of the length, what articulated bodies take
+/// with the length.
+const LONG_FACTOR: usize = 3000;
+
 /// Whether as many solutions as there are derivatives by the state take fewer operations by articulated bodies than by the factor of M, which has a
-/// number for every speed that moves what another one moves.
+/// number for every speed that moves what another one moves; or the factor is long.
 fn solves_by_articulated_bodies(layout: &Layout) -> bool {
     let Some(tree) = layout.tree.as_ref().filter(|_| layout.nc == 0) else {
         return false;
     };
     let planar = layout.directions.plane.is_some();
-    let (mut dense, mut articulated) = (0, 0);
+    let (mut dense, mut articulated, mut factor) = (0, 0, 0);
     for (index, link) in tree.links.iter().enumerate() {
         let inboard = tree.path(index).skip(1).map(|link| tree.links[link].speeds);
         let inboard: usize = inboard.sum();
@@ -46,6 +50,7 @@ fn solves_by_articulated_bodies(layout: &Layout) -> bool {
         for own in 0..link.speeds {
             let moves = inboard + own;
             dense += 4 * moves * solutions + moves * moves;
+            factor += moves * moves;
         }
         // A column of a plane moves two forces and a couple, one of space six; an offset likewise. The factor takes what ten solutions do.
         let (column, offset) = match planar || link.parallel {
@@ -54,7 +59,7 @@ fn solves_by_articulated_bodies(layout: &Layout) -> bool {
         };
         articulated += (offset + column * link.speeds) * (solutions + 10);
     }
-    articulated < dense
+    articulated < dense || factor > LONG_FACTOR
 }
 
 /// The speeds that the row of a coupling is over; `None` where it stays in the system: not all are speeds of the tree, or it may be detached.

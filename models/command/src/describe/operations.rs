@@ -33,8 +33,10 @@ pub fn operations(equations: &SceneEquations) -> ReportTable {
         "terms of the params alone, once".to_string(),
         equations.derived.cost(),
     );
-    for (what, program) in &equations.programs {
-        add(what.to_string(), program.cost());
+    for (what, _) in &equations.programs {
+        if let Some(cost) = equations.cost_of(*what) {
+            add(what.to_string(), cost);
+        }
     }
     table
 }

@@ -129,12 +129,25 @@ fn what_derivatives_are_made_of_is_the_same_interpreted_and_by_the_laws() {
     }
 }
 
-/// Operations of the whole Jacobian by the state, over those of as many state derivatives as it has columns; and of what is emitted for it.
+/// Columns that the registers of every processor of 64 bits hold beside each other.
+const BESIDE: usize = 2;
+
+/// Operations of the whole Jacobian by the state, over those of as many state derivatives as it has columns; and of what is emitted for it. One on columns
+/// beside each other in a register counts once.
 fn cost(scene: &Scene) -> (f64, usize) {
     let equations = SceneEquations::trace_with_derivatives(scene);
     let count = |what: Quantity| {
         let program = equations.program(what);
-        program.map_or(0, |program| program.cost().total())
+        let Some(program) = program else { return 0 };
+        let own = program.cost().total();
+        let before = equations.values(what);
+        match (&program.directions, before) {
+            (Some(directions), Some(before)) => {
+                let rounds = directions.columns.len().div_ceil(BESIDE);
+                before.cost().total() + rounds * own
+            }
+            _ => own,
+        }
     };
     let layout = &equations.layout;
     let columns = layout.variables(Variable::State);
@@ -147,13 +160,20 @@ fn cost(scene: &Scene) -> (f64, usize) {
     };
     // A column in which nothing of the balances and rows changes is not solved for.
     let through = equations.program(Quantity::Partial(Differentiated::Residual, Variable::State));
-    let outputs = through.map_or(&[][..], |program| &program.outputs);
-    let solved = outputs
-        .iter()
-        .map(|(place, _)| (place / columns, place % columns));
+    let places = through.map_or_else(Vec::new, |program| match &program.directions {
+        Some(directions) => directions.pattern.clone(),
+        None => {
+            let outputs = program.outputs.iter();
+            outputs
+                .map(|(place, _)| (place / columns, place % columns))
+                .collect()
+        }
+    });
+    let solved = places.iter();
     let solved = solved.filter(|(row, _)| !(0..layout.nq).contains(row));
-    let solved: BTreeSet<usize> = solved.map(|(_, column)| column).collect();
-    let each = solved.len().saturating_sub(1) * count(Quantity::Solve);
+    let solved: BTreeSet<usize> = solved.map(|&(_, column)| column).collect();
+    let rounds = solved.len().div_ceil(BESIDE).saturating_sub(1);
+    let each = rounds * count(Quantity::Solve);
     let whole = count(Quantity::Derivative) * columns;
     ((emitted + each) as f64 / whole as f64, emitted)
 }

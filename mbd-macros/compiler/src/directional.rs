@@ -1,0 +1,165 @@
+//! Derivatives in one direction at a time, where all of a matrix would be long to write out: one sweep over the terms for every direction, in place of one for every
+//! variable.
+//!
+//! ```text
+//! ṙ = Σ_j ∂r/∂x_j ẋ_j                                        for a direction ẋ that is given; a column of ∂r/∂x where ẋ is a unit vector
+//! ```
+//!
+//! In a chain in relative coordinates everything outboard of a joint follows from its coordinate: the terms of all columns grow with the square of the
+//! length, those of a sweep with the length. What does not depend on the direction is computed before, once for all columns: the [*values*](Slot::Value).
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use mbd_scene::Layout;
+
+use crate::differentiate::{DerivativeVariable, Users, reachable, tangent};
+use crate::expression::{Expr, Slot, Term, TermKind, recorded};
+use crate::operation::Op;
+
+/// Sweeps of more terms than this, all variables together, are long to write out.
+const LONG: usize = 8000;
+/// One in so many numbers of all directions times all terms may depend: where fewer do, sweeps over what depends are shorter by more than a register is wide.
+const DENSE: usize = 4;
+
+/// What a program that differentiates in one direction at a time belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Directions {
+    /// The columns of the matrix in which something depends: a direction each.
+    pub columns: Vec<usize>,
+    /// How many columns the matrix has.
+    pub width: usize,
+    /// How many numbers it reads that do not depend on the direction.
+    pub values: usize,
+    /// Row and column of everything in the matrix that is not zero in every state, row by row.
+    pub pattern: Vec<(usize, usize)>,
+}
+
+/// The derivative of outputs in a direction.
+pub struct Directional {
+    /// The structural non-zeros of ṙ, by row.
+    pub outputs: Vec<(usize, Expr)>,
+    /// The terms that were asked for on the way.
+    pub order: Vec<Term>,
+    /// What of it does not depend on the direction and is used by what does.
+    pub values: Vec<Expr>,
+    /// The variables on which something depends: the numbers of a direction.
+    pub columns: Vec<usize>,
+    /// Which row depends on which variable, row by row: nothing else of the matrix is ever other than zero.
+    pub pattern: Vec<(usize, usize)>,
+}
+
+/// Whether the derivatives of outputs are found in one direction at a time: in relative coordinates, where they are many and most of them depend.
+pub fn by_directions(
+    layout: &Layout,
+    outputs: &[(usize, Expr)],
+    by: &[DerivativeVariable],
+) -> bool {
+    if layout.tree.is_none() {
+        return false;
+    }
+    let reached = reachable(outputs.iter().map(|&(_, expr)| expr));
+    let users = Users::new(&reached);
+    let starts: Vec<Expr> = by.iter().filter_map(|own| users.start(own)).collect();
+    let swept = starts.iter().map(|&start| users.dependents(start).len());
+    let swept: usize = swept.sum();
+    swept > LONG && DENSE * swept > starts.len() * reached.len()
+}
+
+/// Differentiates outputs in a direction, whose numbers are [`Slot::Direction`]. `order`: their terms, each with what it belongs to.
+pub fn directional(
+    outputs: &[(usize, Expr)],
+    by: &[DerivativeVariable],
+    order: &[Term],
+) -> Directional {
+    let reached = reachable(outputs.iter().map(|&(_, expr)| expr));
+    let sections: HashMap<Expr, usize> = order.iter().map(|t| (t.expr, t.section)).collect();
+    let pattern = pattern(outputs, by, &reached);
+    let columns: BTreeSet<usize> = pattern.iter().map(|&(_, column)| column).collect();
+    let slots = columns.iter().filter_map(|&column| by.get(column));
+    let seeds: HashMap<Slot, usize> = slots.map(|own| own.slot).zip(0..).collect();
+    let mut tangents: HashMap<Expr, Expr> = HashMap::new();
+    let (found, order) = recorded(|| {
+        for expr in reached {
+            let own = match expr.node() {
+                TermKind::Slot(slot) => seeds
+                    .get(&slot)
+                    .map(|&index| Expr::slot(Slot::Direction(index))),
+                TermKind::Apply(op) => {
+                    if let Some(&section) = sections.get(&expr) {
+                        Expr::in_section(section);
+                    }
+                    tangent(expr, op, |argument| tangents.get(&argument).copied())
+                }
+                TermKind::Constant(_) | TermKind::Truth(_) => None,
+            };
+            if let Some(own) = own.filter(|own| !own.is_structural_zero()) {
+                tangents.insert(expr, own);
+            }
+        }
+        let found = outputs.iter();
+        let found = found.filter_map(|&(row, expr)| Some((row, *tangents.get(&expr)?)));
+        found.collect::<Vec<_>>()
+    });
+    Directional {
+        values: values(&found),
+        outputs: found,
+        order,
+        columns: columns.into_iter().collect(),
+        pattern,
+    }
+}
+
+/// Row and column of everything that depends.
+fn pattern(
+    outputs: &[(usize, Expr)],
+    by: &[DerivativeVariable],
+    reached: &[Expr],
+) -> Vec<(usize, usize)> {
+    let users = Users::new(reached);
+    let mut pattern: Vec<(usize, usize)> = Vec::new();
+    for (column, variable) in by.iter().enumerate() {
+        let Some(start) = users.start(variable) else {
+            continue;
+        };
+        let dependents: HashSet<Expr> = users.dependents(start).into_iter().collect();
+        let rows = outputs.iter().filter(|(_, expr)| dependents.contains(expr));
+        pattern.extend(rows.map(|&(row, _)| (row, column)));
+    }
+    pattern.sort_unstable();
+    pattern
+}
+
+/// The terms without direction that terms with one use. A mask is no number: it is compared again where it is used.
+fn values(outputs: &[(usize, Expr)]) -> Vec<Expr> {
+    let reached = reachable(outputs.iter().map(|&(_, expr)| expr));
+    let mut directed: HashSet<Expr> = HashSet::new();
+    for &expr in &reached {
+        let depends = match expr.node() {
+            TermKind::Slot(slot) => matches!(slot, Slot::Direction(_)),
+            TermKind::Apply(op) => op.arguments().any(|a| directed.contains(&a)),
+            TermKind::Constant(_) | TermKind::Truth(_) => false,
+        };
+        if depends {
+            directed.insert(expr);
+        }
+    }
+    let here = |expr: &Expr| {
+        directed.contains(expr) || matches!(expr.node(), TermKind::Apply(Op::Compare(..)))
+    };
+    let number = |expr: &Expr| matches!(expr.node(), TermKind::Slot(_) | TermKind::Apply(_));
+    let mut values: Vec<Expr> = Vec::new();
+    let mut seen: HashSet<Expr> = HashSet::new();
+    let mut open: Vec<Expr> = outputs.iter().map(|&(_, expr)| expr).collect();
+    while let Some(expr) = open.pop() {
+        if !seen.insert(expr) {
+            continue;
+        }
+        if !here(&expr) {
+            values.extend(Some(expr).filter(number));
+        } else if let TermKind::Apply(op) = expr.node() {
+            open.extend(op.arguments());
+        }
+    }
+    values.sort_unstable_by_key(|expr| expr.index());
+    values
+}
