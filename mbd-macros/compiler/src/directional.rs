@@ -18,12 +18,13 @@ use crate::operation::Op;
 
 /// Sweeps of more terms than this, all variables together, are long to write out.
 const LONG: usize = 8000;
-/// One in so many numbers of all directions times all terms may depend: where fewer do, sweeps over what depends are shorter by more than a register is wide.
+/// Where what depends on each variable is less than one part in so many of as many whole sweeps, sweeps over it alone take less time, however many directions stand beside
+/// each other in a register.
 const DENSE: usize = 4;
 
-/// What a program that differentiates in one direction at a time belongs to.
+/// What the columns are that a program finds one at a time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Directions {
+pub struct MatrixColumns {
     /// The columns of the matrix in which something depends: a direction each.
     pub columns: Vec<usize>,
     /// How many columns the matrix has.
@@ -42,10 +43,8 @@ pub struct Directional {
     pub order: Vec<Term>,
     /// What of it does not depend on the direction and is used by what does.
     pub values: Vec<Expr>,
-    /// The variables on which something depends: the numbers of a direction.
-    pub columns: Vec<usize>,
-    /// Which row depends on which variable, row by row: nothing else of the matrix is ever other than zero.
-    pub pattern: Vec<(usize, usize)>,
+    /// The columns of which this is one.
+    pub columns: MatrixColumns,
 }
 
 /// Whether the derivatives of outputs are found in one direction at a time: in relative coordinates, where they are many and most of them depend.
@@ -100,12 +99,17 @@ pub fn directional(
         let found = found.filter_map(|&(row, expr)| Some((row, *tangents.get(&expr)?)));
         found.collect::<Vec<_>>()
     });
+    let values = values(&found);
     Directional {
-        values: values(&found),
+        columns: MatrixColumns {
+            columns: columns.into_iter().collect(),
+            width: by.len(),
+            values: values.len(),
+            pattern,
+        },
+        values,
         outputs: found,
         order,
-        columns: columns.into_iter().collect(),
-        pattern,
     }
 }
 

@@ -6,7 +6,7 @@ use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
 
 use crate::differentiate::{DerivativeVariable, jacobian};
-use crate::directional::{Directions, by_directions, directional};
+use crate::directional::{MatrixColumns, by_directions, directional};
 use crate::expression::{Expr, Graph, Slot, Term, TermKind, recorded, session};
 use crate::names;
 use crate::operation::Op;
@@ -34,20 +34,8 @@ struct Traced {
     what: Quantity,
     outputs: Vec<(usize, Expr)>,
     order: Vec<Term>,
-    /// Of a matrix that is differentiated in one direction at a time.
-    directed: Option<Directed>,
-}
-
-/// What a matrix that is differentiated in one direction at a time needs besides its column.
-struct Directed {
-    /// What does not depend on the direction.
-    values: Vec<Expr>,
-    /// The columns in which something depends.
-    columns: Vec<usize>,
-    /// How many there are altogether.
-    width: usize,
-    /// Row and column of everything that depends.
-    pattern: Vec<(usize, usize)>,
+    /// Of a matrix that is differentiated in one direction at a time what does not depend on the direction, and its columns.
+    by_column: Option<(Vec<Expr>, MatrixColumns)>,
 }
 
 /// Entries of the largest mass matrix that is traced, of 4,096 speeds: no run needs it, and nearly all of it is zero.
@@ -111,13 +99,13 @@ impl SceneEquations {
         for traced in &traced {
             let (what, outputs, order) = (traced.what, &traced.outputs, &traced.order);
             let len = layout.len(what);
-            match &traced.directed {
+            match &traced.by_column {
                 None => {
                     let own = Program::build(&graph, Some(what), outputs, len, order, &places);
                     programs.push((what, own));
                 }
-                Some(directed) => {
-                    let (own, known) = by_column(&graph, traced, directed, (len, &places));
+                Some((read, columns)) => {
+                    let (own, known) = by_column(&graph, traced, (read, columns), (len, &places));
                     programs.push((what, own));
                     values.push((what, known));
                 }
@@ -179,7 +167,7 @@ impl SceneEquations {
     pub fn cost_of(&self, what: Quantity) -> Option<Cost> {
         let program = self.program(what)?;
         let columns = program
-            .directions
+            .by_column
             .as_ref()
             .map_or(1, |own| own.columns.len());
         let before = self.values(what).map_or_else(Cost::default, Program::cost);
@@ -217,29 +205,29 @@ impl SceneEquations {
 fn by_column(
     graph: &Graph,
     traced: &Traced,
-    directed: &Directed,
+    (read, columns): (&[Expr], &MatrixColumns),
     (len, places): (usize, &TermPlaces),
 ) -> (Program, Program) {
-    let values = directed.values.iter().copied().enumerate();
-    let values: Vec<(usize, Expr)> = values.collect();
-    let count = values.len();
-    let mut known = Program::build(graph, None, &values, count, &traced.order, places);
-    let mut order: Vec<(Register, usize)> = known.outputs.iter().map(|&(at, r)| (r, at)).collect();
-    order.sort_unstable();
-    let sorted: Vec<Expr> = order.iter().map(|&(_, at)| directed.values[at]).collect();
-    let registers = order.into_iter().map(|(register, _)| register);
+    let order = &traced.order;
+    let values: Vec<(usize, Expr)> = read.iter().copied().enumerate().collect();
+    let mut known = Program::build(graph, None, &values, values.len(), order, places);
+    let mut computed: Vec<(Register, usize)> = known
+        .outputs
+        .iter()
+        .map(|&(at, register)| (register, at))
+        .collect();
+    computed.sort_unstable();
+    let values: Vec<Expr> = computed.iter().map(|&(_, at)| read[at]).collect();
+    let registers = computed.into_iter().map(|(register, _)| register);
     known.outputs = registers.enumerate().collect();
-    let width = directed.width;
-    let places = TermPlaces::new(graph, &sorted, Slot::Value);
-    let rows = len / width.max(1);
-    let what = Some(traced.what);
-    let mut own = Program::build(graph, what, &traced.outputs, rows, &traced.order, &places);
-    own.directions = Some(Directions {
-        columns: directed.columns.clone(),
-        width,
-        values: count,
-        pattern: directed.pattern.clone(),
-    });
+    let rows = len / columns.width.max(1);
+    let places = TermPlaces::new(graph, &values, Slot::Value);
+    let (what, outputs) = (Some(traced.what), &traced.outputs);
+    let own = Program::build(graph, what, outputs, rows, order, &places);
+    let own = Program {
+        by_column: Some(columns.clone()),
+        ..own
+    };
     (own, known)
 }
 
@@ -334,7 +322,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
             what,
             outputs,
             order,
-            directed: None,
+            by_column: None,
         }
     };
     let mut traced: Vec<Traced> = Vec::new();
@@ -353,7 +341,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
                 what: of.quantity(),
                 outputs: traced[index].outputs.clone(),
                 order: traced[index].order.clone(),
-                directed: None,
+                by_column: None,
             },
         );
         traced.push(partial(scene, layout, what, by, base));
@@ -386,12 +374,7 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
             what,
             outputs: found.outputs,
             order,
-            directed: Some(Directed {
-                values: found.values,
-                columns: found.columns,
-                width: count,
-                pattern: found.pattern,
-            }),
+            by_column: Some((found.values, found.columns)),
         };
     }
     let (entries, swept) = recorded(|| jacobian(&base.outputs, &variables));
@@ -404,7 +387,7 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
         what,
         outputs,
         order,
-        directed: None,
+        by_column: None,
     }
 }
 

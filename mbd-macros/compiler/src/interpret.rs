@@ -52,7 +52,7 @@ impl Program {
             *register = T::from_f64(value);
         }
         let (first, zero) = (self.constants.len(), T::zero());
-        let behind_direction = self.directions.as_ref().map_or(0, |own| own.columns.len());
+        let behind_direction = self.by_column.as_ref().map_or(0, |own| own.columns.len());
         for (register, &slot) in numbers.iter_mut().skip(first).zip(&self.slots) {
             let value = match slot {
                 Slot::Time => Some(&at.time),
@@ -155,8 +155,8 @@ impl<T: Real> Interpreted<T> {
     /// Writes a quantity, as [`Model::evaluate`] does.
     pub fn run(&self, what: Quantity, at: &At<'_, T>, registers: &mut Registers<T>, out: &mut [T]) {
         match self.equations.program(what) {
-            Some(program) if program.directions.is_some() => {
-                self.run_directions(program, at, registers, out);
+            Some(program) if program.by_column.is_some() => {
+                self.run_by_column(program, at, registers, out);
             }
             Some(program) if out.len() == program.len => {
                 program.run(at, &self.params, &self.derived, registers, out);
@@ -179,7 +179,7 @@ impl<T: Real> Interpreted<T> {
     }
 
     /// Writes a matrix column by column: what does not depend on the direction first.
-    fn run_directions(
+    fn run_by_column(
         &self,
         program: &Program,
         at: &At<'_, T>,
@@ -187,18 +187,18 @@ impl<T: Real> Interpreted<T> {
         out: &mut [T],
     ) {
         let values = program.what.and_then(|what| self.equations.values(what));
-        let (Some(values), Some(own)) = (values, &program.directions) else {
+        let (Some(values), Some(own)) = (values, &program.by_column) else {
             return;
         };
         if out.len() != program.len * own.width {
             return;
         }
-        let directions = own.columns.len();
+        let count = own.columns.len();
         let mut numbers = std::mem::take(&mut registers.columns);
         numbers.clear();
-        numbers.resize(directions + own.values + program.len, T::zero());
-        let (rows, column) = numbers.split_at_mut(directions + own.values);
-        let known = &mut rows[directions..];
+        numbers.resize(count + own.values + program.len, T::zero());
+        let (rows, column) = numbers.split_at_mut(count + own.values);
+        let known = &mut rows[count..];
         values.run(at, &self.params, &self.derived, registers, known);
         for (number, to) in own.columns.iter().enumerate() {
             rows[number] = T::one();

@@ -161,8 +161,8 @@ impl Kernels {
         let first = self.drivers.len() - equations.values.len().min(self.drivers.len());
         let values = self.drivers.iter().skip(first).zip(&equations.values);
         let before = values.filter_map(|(driver, (what, _))| {
-            let directions = equations.program(*what)?.directions.as_ref()?;
-            let known = directions.columns.len() + directions.values;
+            let matrix = equations.program(*what)?.by_column.as_ref()?;
+            let known = matrix.columns.len() + matrix.values;
             Some(known + driver.as_ref().map_or(0, |driver| driver.work))
         });
         alone.chain(before).max().unwrap_or_default()
@@ -173,8 +173,8 @@ impl Kernels {
     pub fn work_beside(&self, equations: &SceneEquations) -> usize {
         let programs = equations.programs.iter().zip(&self.drivers);
         let work = programs.filter_map(|((what, program), driver)| {
-            let directions = program.directions.as_ref();
-            let known = directions.map(|own| own.columns.len() + own.values);
+            let matrix = program.by_column.as_ref();
+            let known = matrix.map(|own| own.columns.len() + own.values);
             let solves = *what == Quantity::Solve;
             let own = driver.as_ref().filter(|_| solves || known.is_some());
             own.map(|driver| driver.work).or(known)
@@ -204,7 +204,7 @@ impl Sharing<'_> {
         blocks: Vec<ProgramBlock>,
         shared: &mut Vec<usize>,
     ) -> KernelDriver {
-        let values = program.what.filter(|_| program.directions.is_some());
+        let values = program.what.filter(|_| program.by_column.is_some());
         let values = values.and_then(|what| self.equations.values(what));
         self.of_values = values.map_or_else(Vec::new, |values| self.owners_of(values));
         let layout = &self.equations.layout;

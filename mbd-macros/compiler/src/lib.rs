@@ -39,7 +39,7 @@ mod vocabulary;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};
-pub use directional::Directions;
+pub use directional::MatrixColumns;
 pub use emit::{EmitSettings, NameSpans, emit_model};
 pub use equations::{SceneEquations, is_matrix};
 pub use expression::{Expr, Graph, Label, Mask, Slot, Term, TermKind, recorded, session};

@@ -153,10 +153,10 @@ impl NumberList {
     #[must_use]
     pub fn len(self, equations: &SceneEquations, program: Option<&Program>) -> usize {
         let layout = &equations.layout;
-        let directions = program.and_then(|program| program.directions.as_ref());
+        let columns = program.and_then(|program| program.by_column.as_ref());
         match self {
-            NumberList::Direction => directions.map_or(0, |own| own.columns.len()),
-            NumberList::Values => directions.map_or(0, |own| own.values),
+            NumberList::Direction => columns.map_or(0, |own| own.columns.len()),
+            NumberList::Values => columns.map_or(0, |own| own.values),
             NumberList::Time => 1,
             NumberList::Q => layout.nq,
             NumberList::V => layout.nv,

@@ -108,7 +108,7 @@ pub fn partition_after(
 /// Whether a run spends its time there; rows and their rates are short beside derivative and correction.
 fn is_hot(program: &Program) -> bool {
     // One column after another runs through blocks from body to body.
-    program.directions.is_none()
+    program.by_column.is_none()
         && program.what.is_some_and(|what| {
             !matches!(
                 what,

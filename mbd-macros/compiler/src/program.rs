@@ -2,7 +2,7 @@
 
 use mbd_scene::{Cost, Quantity};
 
-use crate::directional::Directions;
+use crate::directional::MatrixColumns;
 use crate::expression::{Expr, Graph, Label, Slot, Term, TermKind};
 use crate::hash::FastMap;
 use crate::operation::{Binary, Comparison, Op, Unary};
@@ -55,7 +55,7 @@ pub struct Program {
     /// Length of the result.
     pub len: usize,
     /// Of one that has a matrix column by column, what it is the columns of.
-    pub directions: Option<Directions>,
+    pub by_column: Option<MatrixColumns>,
     /// Names of bodies, lines, nodes and variables.
     pub sections: Vec<String>,
     /// The instructions once more, for the interpreter.
@@ -240,7 +240,7 @@ impl Program {
             instructions,
             outputs,
             len,
-            directions: None,
+            by_column: None,
             sections: graph.sections().to_vec(),
         }
     }
@@ -303,7 +303,7 @@ impl Program {
             instructions,
             outputs,
             len,
-            directions: None,
+            by_column: None,
             // Sections are those of the graph, the same for all.
             sections: first.map_or_else(Vec::new, |program| program.sections.clone()),
         };

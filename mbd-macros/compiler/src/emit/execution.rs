@@ -4,13 +4,12 @@ use mbd_scene::Quantity;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
+use super::columns::{by_column, solutions};
 use super::context::EmitContext;
 use super::literal::whole;
 use super::quantity;
 use crate::equations::of_origin;
 use crate::lists::{NumberList, ProgramArguments};
-use crate::program::Program;
-use crate::titles::values_of;
 
 /// `impl Model`.
 pub fn implementation(context: &EmitContext) -> TokenStream {
@@ -38,14 +37,14 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
                 let name = quantity::name(&equations.scene, &equations.layout, *what);
                 let function = format_ident!("{name}");
                 let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
-                let call = match (values, &program.directions) {
+                let call = match (values, &program.by_column) {
                     (Some(values), Some(_)) => {
                         by_column(context, (index, program), (values, &passed), &name)
                     }
                     _ => context.call(index, &function, &passed, Some(quote!(work)), &quote!(out)),
                 };
                 if *what == Quantity::Solve {
-                    return columns(context, (index, reads), &call);
+                    return solutions(context, (index, reads), &call);
                 }
                 let state = [
                     NumberList::Q,
@@ -116,7 +115,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
                         #states
                     }
                 });
-                if program.directions.is_none() {
+                if program.by_column.is_none() {
                     names.push(quote!(out));
                     values.push(quote!(::mbd_runtime::__private::fixed_mut(out)));
                 }
@@ -238,97 +237,6 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             ) {
                 #evaluate
             }
-        }
-    }
-}
-
-/// The solution by the factor, for as many right-hand sides as there are: four beside each other where the scalar is one number.
-fn columns(
-    context: &EmitContext,
-    (index, reads): (usize, ProgramArguments),
-    call: &TokenStream,
-) -> TokenStream {
-    let layout = &context.equations.layout;
-    let (factor, unknowns) = (
-        whole(layout.len(Quantity::Factor)),
-        whole(layout.len(Quantity::Solve)),
-    );
-    let t = context.scalar();
-    let names = [NumberList::Factored, NumberList::Right].map(|list| {
-        let name = format_ident!("{}", list.name());
-        match reads.reads(list) {
-            true => name,
-            false => format_ident!("_{name}"),
-        }
-    });
-    let each = |t: &TokenStream, room: Option<TokenStream>| {
-        let [factored, right] = &names;
-        quote!(|#factored: &[#t; #factor], #right: &[#t; #unknowns], out: &mut [#t; #unknowns]| { #room #call })
-    };
-    let alone = each(&quote!(#t), None);
-    let lists = [NumberList::Factored, NumberList::Right];
-    let alone_reads = reads.0.iter().all(|list| lists.contains(list));
-    let solve = match alone_reads && !context.settings.generic {
-        true => {
-            let room = (!context.is_whole(index)).then(|| quote!(let work = &mut *beside;));
-            let beside = each(&quote!(::mbd_runtime::Lanes4), room);
-            quote!(solve_beside(at.rows, out, #alone, #beside))
-        }
-        false => quote!(solve_columns(at.rows, out, #alone)),
-    };
-    quote!(::mbd_runtime::Quantity::Solve => ::mbd_runtime::__private::#solve,)
-}
-
-/// A matrix column by column: four beside each other where the scalar is one number. `values`: which of [`SceneEquations::values`] it is, and the lists
-/// that this reads.
-///
-/// [`SceneEquations::values`]: crate::equations::SceneEquations::values
-fn by_column(
-    context: &EmitContext,
-    (index, program): (usize, &Program),
-    (values, passed): (usize, &[TokenStream]),
-    name: &str,
-) -> TokenStream {
-    let equations = context.equations;
-    let Some(directions) = &program.directions else {
-        return TokenStream::new();
-    };
-    let (count, known) = (whole(directions.columns.len()), whole(directions.values));
-    let columns = directions.columns.iter().map(|&column| whole(column));
-    let columns = quote!(&[#(#columns),*]);
-    let width = whole(directions.width);
-    let rows = whole(program.len);
-    let first = equations.programs.len() + 1 + usize::from(equations.kinematics.is_some());
-    let work = Some(quote!(work));
-    let function = format_ident!("{}", values_of(name));
-    let before = context.call(first + values, &function, passed, work, &quote!(values));
-    let function = format_ident!("{name}");
-    let column = if context.is_whole(index) {
-        let reads = ProgramArguments::of(program, &equations.layout);
-        let lists = reads.0.iter().map(|list| format_ident!("{}", list.name()));
-        quote! {
-            if let (::core::option::Option::Some(direction), ::core::option::Option::Some(values)) = (
-                ::mbd_runtime::__private::window(work, 0),
-                ::mbd_runtime::__private::window(work, #count),
-            ) {
-                let (direction, values): (&[_; #count], &[_; #known]) = (direction, values);
-                #function(#(#lists,)* out);
-            }
-        }
-    } else {
-        quote!(let _ = #function(work, out);)
-    };
-    let t = context.scalar();
-    let each = |t: &TokenStream| quote!(|work: &mut [#t], out: &mut [#t; #rows]| { #column });
-    let alone = each(&t);
-    let before = quote!(|values: &mut [#t; #known], work: &mut [#t]| { #before });
-    match context.settings.generic {
-        true => {
-            quote!(::mbd_runtime::__private::columns::<_, #count, #known, #rows>(work, (#columns, #width), out, #before, #alone);)
-        }
-        false => {
-            let beside = each(&quote!(::mbd_runtime::Lanes4));
-            quote!(::mbd_runtime::__private::columns_beside::<#count, #known, #rows>((work, beside), (#columns, #width), out, #before, #beside);)
         }
     }
 }

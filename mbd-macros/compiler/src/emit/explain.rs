@@ -45,8 +45,8 @@ pub fn summary(context: &EmitContext) -> String {
             true => format!("`{name}`"),
             false => format!("[`{name}`](Self::{name})"),
         };
-        let (written, len) = match &program.directions {
-            Some(directions) => (directions.pattern.len(), program.len * directions.width),
+        let (written, len) = match &program.by_column {
+            Some(columns) => (columns.pattern.len(), program.len * columns.width),
             None => (program.outputs.len(), program.len),
         };
         let cost = equations.cost_of(*what).unwrap_or_default().total();

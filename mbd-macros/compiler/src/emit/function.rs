@@ -143,7 +143,7 @@ fn flat(equations: &SceneEquations, program: &Program, out: &mut String) {
     out.push_str("out: &mut [T; ");
     digits(out, program.len);
     out.push_str("]) {\n");
-    let whole = program.what.filter(|_| program.directions.is_none());
+    let whole = program.what.filter(|_| program.by_column.is_none());
     let parts: Vec<(usize, Quantity)> = whole.map(|what| (0, what)).into_iter().collect();
     let terms = body(equations, program, &parts, out);
     returned(program, &terms, out);

@@ -4,8 +4,10 @@
 //!   `naming` and `wording` name that.
 //! - `interface` writes parameters, state and outputs, `inputs` what the caller supplies, `coordinates` what joints measure, `methods` the typed methods, `model` the struct, `execution` the
 //!   trait.
+//! - `columns` finds several columns of a matrix beside each other.
 //! - `explain` says in words what was made.
 
+mod columns;
 mod context;
 mod coordinates;
 mod execution;

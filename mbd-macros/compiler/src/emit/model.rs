@@ -70,8 +70,8 @@ fn hidden(context: &EmitContext) -> TokenStream {
         .map(|(index, (what, program))| {
             let name = quantity::name(&equations.scene, &equations.layout, *what);
             let mut text = quantity::documentation(&equations.layout, *what).to_vec();
-            if let Some(directions) = &program.directions {
-                text.push(format!("One column at a time, of {}: the derivative in the direction that `work` begins with.", directions.columns.len()));
+            if let Some(columns) = &program.by_column {
+                text.push(format!("One column at a time, of {}: the derivative in the direction that `work` begins with.", columns.columns.len()));
             }
             text.push(format!("{}.", program.cost()));
             let text: Vec<String> = text.into_iter().map(|line| format!(" {line}")).collect();
@@ -222,9 +222,9 @@ fn sparsity(context: &EmitContext, what: Quantity, program: Option<&Program>) ->
     let columns = layout.columns_of(what).max(1);
     let places: Vec<(usize, usize)> = match program {
         Some(Program {
-            directions: Some(directions),
+            by_column: Some(columns),
             ..
-        }) => directions.pattern.clone(),
+        }) => columns.pattern.clone(),
         Some(program) => {
             let outputs = program.outputs.iter();
             outputs

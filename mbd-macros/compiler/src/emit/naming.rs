@@ -105,7 +105,7 @@ pub fn kernel_names(
     for name in ["numbers", "own"] {
         unique.take(name);
     }
-    let whole = program.what.filter(|_| program.directions.is_none());
+    let whole = program.what.filter(|_| program.by_column.is_none());
     let whole: Vec<(usize, Quantity)> = whole.map(|what| (0, what)).into_iter().collect();
     let law = ValueNames::new(equations, program, &whole);
     let given = block.given.iter();

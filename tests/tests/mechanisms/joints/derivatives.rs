@@ -141,9 +141,9 @@ fn cost(scene: &Scene) -> (f64, usize) {
         let Some(program) = program else { return 0 };
         let own = program.cost().total();
         let before = equations.values(what);
-        match (&program.directions, before) {
-            (Some(directions), Some(before)) => {
-                let rounds = directions.columns.len().div_ceil(BESIDE);
+        match (&program.by_column, before) {
+            (Some(matrix), Some(before)) => {
+                let rounds = matrix.columns.len().div_ceil(BESIDE);
                 before.cost().total() + rounds * own
             }
             _ => own,
@@ -160,8 +160,8 @@ fn cost(scene: &Scene) -> (f64, usize) {
     };
     // A column in which nothing of the balances and rows changes is not solved for.
     let through = equations.program(Quantity::Partial(Differentiated::Residual, Variable::State));
-    let places = through.map_or_else(Vec::new, |program| match &program.directions {
-        Some(directions) => directions.pattern.clone(),
+    let places = through.map_or_else(Vec::new, |program| match &program.by_column {
+        Some(matrix) => matrix.pattern.clone(),
         None => {
             let outputs = program.outputs.iter();
             outputs

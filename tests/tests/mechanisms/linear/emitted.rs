@@ -128,7 +128,7 @@ fn derivatives_in_one_direction_at_a_time_are_those_of_the_laws_four_beside_each
     let what = Quantity::Partial(Differentiated::Residual, Variable::State);
     let program = equations.program(what).expect("traced");
     assert!(
-        program.directions.is_some(),
+        program.by_column.is_some(),
         "a scene that is too short for this test"
     );
     let interpreted = Interpreted::from_equations(equations, &params).expect("defaults");
