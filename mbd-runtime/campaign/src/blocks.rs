@@ -101,6 +101,8 @@ pub struct Done {
     pub failed: u64,
     /// Those that did, where a metric or an output is no finite number.
     pub not_finite: u64,
+    /// Those that did, where a metric is not resolved.
+    pub unresolved: u64,
     /// Cases that were there already.
     pub skipped: u64,
     /// Steps that were tried.
@@ -221,6 +223,7 @@ impl Done {
         self.cases += 1;
         self.failed += u64::from(!flown.row.reached_end());
         self.not_finite += u64::from(flown.row.status == CaseRow::NOT_FINITE);
+        self.unresolved += u64::from(flown.row.status == CaseRow::UNRESOLVED);
         self.steps += steps;
         self.beside += beside;
     }

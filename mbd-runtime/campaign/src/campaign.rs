@@ -62,6 +62,8 @@ struct Judged {
     metrics: Vec<f64>,
     /// What is no finite number where it has to be one.
     not_finite: Vec<String>,
+    /// Which metrics are not resolved.
+    unresolved: Vec<String>,
     /// Of the envelopes.
     numbers: Vec<f64>,
 }
@@ -394,6 +396,7 @@ impl Campaign {
             end,
             metrics: self.metrics.read(history),
             not_finite,
+            unresolved: self.metrics.unresolved(history),
             numbers: envelopes.map_or(Vec::new(), |envelopes| envelopes.read(history)),
         }
     }
@@ -407,12 +410,10 @@ impl Campaign {
             ..
         } = finished;
         let (result, numbers) = match result {
-            Ok(Judged {
-                end,
-                metrics,
-                not_finite,
-                numbers,
-            }) => (Ok((end, metrics, not_finite)), Some(numbers)),
+            Ok(mut judged) => {
+                let numbers = std::mem::take(&mut judged.numbers);
+                (Ok(judged), Some(numbers))
+            }
             Err(failed) => (Err(failed), None),
         };
         let tried = statistics.steps + statistics.rejected + statistics.redone;
@@ -425,23 +426,27 @@ impl Campaign {
         }
     }
 
-    fn row(&self, case: u64, result: Result<(f64, Vec<f64>, Vec<String>), FailedCase>) -> CaseRow {
+    fn row(&self, case: u64, result: Result<Judged, FailedCase>) -> CaseRow {
         // Where nothing was drawn there is nothing to tell.
         let nothing = || vec![f64::NAN; self.dispersions.varied.len()];
         let values = self.dispersions.values(case).unwrap_or_else(|_| nothing());
         let values = self.dispersions.in_units(&values);
         match result {
-            Ok((time, metrics, not_finite)) => CaseRow {
-                case,
-                status: match not_finite.is_empty() {
-                    true => CaseRow::OK.to_owned(),
-                    false => CaseRow::NOT_FINITE.to_owned(),
-                },
-                time,
-                values,
-                metrics,
-                why: not_finite.join("; "),
-            },
+            Ok(judged) => {
+                let status = match (judged.not_finite.is_empty(), judged.unresolved.is_empty()) {
+                    (false, _) => CaseRow::NOT_FINITE,
+                    (true, false) => CaseRow::UNRESOLVED,
+                    (true, true) => CaseRow::OK,
+                };
+                CaseRow {
+                    case,
+                    status: status.to_owned(),
+                    time: judged.end,
+                    values,
+                    metrics: judged.metrics,
+                    why: [judged.not_finite, judged.unresolved].concat().join("; "),
+                }
+            }
             Err(failed) => CaseRow {
                 case,
                 status: failed.why.status().to_owned(),

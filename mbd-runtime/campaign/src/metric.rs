@@ -13,6 +13,7 @@ use toml::Value;
 
 use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
+use crate::results::LARGE;
 use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
 
@@ -158,6 +159,25 @@ impl Metrics {
             missing
                 .is_not_finite()
                 .then(|| format!("`{name}` has no value: {missing}"))
+        });
+        told.collect()
+    }
+}
+
+impl Metrics {
+    /// A sentence on each that measures what changes faster than it can be followed, so that parts of it stay open.
+    #[must_use]
+    pub fn unresolved(&self, history: &Trajectory) -> Vec<String> {
+        let told = self.list.iter().filter_map(|metric| {
+            let [value, open] = history.measured(&metric.reader).ok()?;
+            let part = open / value.abs();
+            (part > LARGE && value != 0.0).then(|| {
+                format!(
+                    "`{}` is off by about {:.1} % of its value: what it measures changes faster than it can be followed inside a step, or is noise",
+                    metric.name,
+                    100.0 * part
+                )
+            })
         });
         told.collect()
     }

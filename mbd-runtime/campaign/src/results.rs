@@ -22,7 +22,7 @@ pub struct CaseRow {
     pub values: Vec<f64>,
     /// The metrics, each in its unit; NaN where there is none.
     pub metrics: Vec<f64>,
-    /// Why it failed, or what of it is no finite number.
+    /// Why it failed, or what of it is no finite number or not resolved.
     pub why: String,
 }
 
@@ -44,16 +44,21 @@ pub fn head(manifest: &Manifest) -> String {
     all.join(",")
 }
 
+/// The part of a metric that parts of it may leave open before it is told.
+pub const LARGE: f64 = 0.01;
+
 impl CaseRow {
     /// The status of a case that reached its end.
     pub const OK: &str = "ok";
     /// The status of one that did, where a metric or a column of the envelopes is no finite number: 0/0, a root of a negative number.
     pub const NOT_FINITE: &str = "output_not_finite";
+    /// The status of one that did, where a metric measures what changes faster than it can be followed: its value is off by more than [`LARGE`] of it.
+    pub const UNRESOLVED: &str = "metric_unresolved";
 
     /// Whether its run came to its end.
     #[must_use]
     pub fn reached_end(&self) -> bool {
-        [CaseRow::OK, CaseRow::NOT_FINITE].contains(&self.status.as_str())
+        [CaseRow::OK, CaseRow::NOT_FINITE, CaseRow::UNRESOLVED].contains(&self.status.as_str())
     }
 
     /// It as a line, without its end.

@@ -88,7 +88,7 @@ pub struct RequirementVerdict {
     pub needed: u64,
 }
 
-/// Cases of one kind of failure, those among them that reached their end with what is no finite number.
+/// Cases of one kind of failure, those among them that reached their end with what is no finite number or not resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failures {
     /// Its status.

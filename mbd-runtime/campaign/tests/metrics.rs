@@ -281,3 +281,67 @@ fn a_case_whose_metric_is_no_finite_number_says_so_by_its_status_whoever_flies_i
         );
     }
 }
+
+/// A point that coasts, and something that hums at `pitch`: its mean square is ½ however fast it does.
+const HUM: &str = "model Hum {
+    gravity: none;
+    param pitch = 1 Hz in 0.1 Hz ..= 1e9 Hz;
+    point stone { mass: 1 kg, start at [0, 0, 0] velocity [1 m/s, 0 m/s, 0 m/s] }
+    output hum = sin(2 * pi * pitch * time) * sin(2 * pi * pitch * time);
+    metric loudness = mean hum;
+    metric way = final stone.position.x;
+}";
+
+#[test]
+fn a_case_whose_metric_is_not_resolved_says_so_by_its_status_and_keeps_its_value() {
+    let scene = read_text(HUM).scene.expect("a scene");
+    let model = Interpreted::<f64>::new(scene, &[1.0]).expect("defaults");
+    let folder = Folder::new("metrics_unresolved");
+    let text = "sampling = \"grid\"\n[params]\npitch = { dist = \"grid\", values = [\"1 Hz\", \"10 kHz\", \"100 Hz\"] }\n[run]\nuntil = \"2 s\"\ntolerance = 1e-6\n";
+    let campaign = campaign_of(&folder, model.share(), text).expect("valid");
+    let out = folder.0.join("out");
+    let done = blocks::run(
+        &campaign,
+        &out,
+        (blocks::Shard::WHOLE, false),
+        Resources {
+            threads: 1,
+            lanes: None,
+        },
+        &mut ProgressLine::silent(),
+    );
+    let done = done.expect("it runs");
+    assert_eq!((done.failed, done.not_finite, done.unresolved), (0, 0, 1));
+    blocks::gather(&out, None).expect("all blocks");
+    let results = Results::read(&out).expect("gathered");
+    for row in &results.rows {
+        let [loudness, way] = row.metrics[..] else {
+            panic!("two metrics");
+        };
+        assert!((way - 2.0).abs() < 1e-12);
+        if row.case == 2 {
+            assert_eq!(row.status, "metric_unresolved");
+            assert!(
+                row.why.starts_with("`loudness` is off by about "),
+                "{}",
+                row.why
+            );
+            assert!((loudness - 0.5).abs() < 0.5, "told, and kept: {loudness}");
+        } else {
+            assert_eq!((row.status.as_str(), row.why.as_str()), ("ok", ""));
+            assert!((loudness - 0.5).abs() < 1e-9, "{loudness}");
+        }
+        assert!(row.reached_end());
+    }
+    let summary = CampaignSummary::of(&results);
+    assert_eq!(
+        summary.metrics[0].sorted.len(),
+        3,
+        "it counts with the others"
+    );
+    let told = mbd_campaign::text(&results, &summary);
+    assert!(
+        told.contains("1 × metric_unresolved: case 2: `loudness`"),
+        "{told}"
+    );
+}

@@ -538,6 +538,15 @@ pub fn unknown_unit(at: Region, word: &str) -> LexemeMessage {
             };
             format!("unknown unit `{word}`; a {what} is written `{product}`")
         }
+        None if let Some(unit) = crate::units::of_quantity(word) => {
+            let unit = match unit.text.as_str() {
+                "" => "1",
+                text => text,
+            };
+            format!(
+                "unknown unit `{word}`: it names a quantity, in `{unit}`; as the kind of an input or a state it stands alone, `{word}`, and of three numbers in brackets, `[{word}; 3]`"
+            )
+        }
         None => format!(
             "unknown unit `{word}`{} known: {}, combined with * / ^ ( )",
             ended(unit_meant(word)),

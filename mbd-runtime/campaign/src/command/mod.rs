@@ -94,7 +94,7 @@ pub fn campaign(
         "{} cases run, {} of them did not reach their end{}, {} were there; written to {}\n{}",
         done.cases,
         done.failed,
-        not_finite(done.not_finite),
+        doubtful(&done),
         done.skipped,
         folder.display(),
         in_lanes(&done, args.lanes, has_lanes)
@@ -119,14 +119,21 @@ fn all_cores() -> usize {
     available_parallelism().map_or(1, usize::from)
 }
 
-/// How many cases have what is no finite number, where some do.
-fn not_finite(cases: u64) -> String {
-    match cases {
-        0 => String::new(),
-        cases => {
-            format!(", {cases} reached it with a metric or an output that is no finite number")
-        }
-    }
+/// How many cases have what is no finite number, or a metric that is not resolved, where some do.
+fn doubtful(done: &Done) -> String {
+    let told = [
+        (
+            done.not_finite,
+            "a metric or an output that is no finite number",
+        ),
+        (
+            done.unresolved,
+            "a metric that is not resolved (`why` in cases.csv)",
+        ),
+    ];
+    let told = told.into_iter().filter(|(cases, _)| *cases > 0);
+    told.map(|(cases, what)| format!(", {cases} reached it with {what}"))
+        .collect()
 }
 
 /// What became of lanes that were asked for.

@@ -145,24 +145,33 @@ fn footprints(report: Report, results: &Results) -> Report {
 }
 
 fn opening(summary: &CampaignSummary) -> String {
-    let count = |not_finite: bool| -> usize {
+    let told = [CaseRow::NOT_FINITE, CaseRow::UNRESOLVED];
+    let count = |is_one: &dyn Fn(&str) -> bool| -> usize {
         let kinds = summary.failures.iter();
-        let own = kinds.filter(|kind| (kind.status == CaseRow::NOT_FINITE) == not_finite);
+        let own = kinds.filter(|kind| is_one(&kind.status));
         own.map(|kind| kind.cases.iter().filter(|case| **case > 0).count())
             .sum()
     };
-    let failed = count(false);
+    let failed = count(&|status| !told.contains(&status));
     let failures = match failed {
         0 => "all of them reached their end".to_owned(),
         1 => "1 of them did not reach its end".to_owned(),
         n => format!("{n} of them did not reach their end"),
     };
-    let not_finite = match count(true) {
-        0 => String::new(),
-        n => format!("; in {n} a metric or an output is no finite number"),
-    };
+    let said = [
+        "a metric or an output is no finite number",
+        "a metric is not resolved",
+    ];
+    let doubtful =
+        told.into_iter()
+            .zip(said)
+            .map(|(status, text)| match count(&|own| own == status) {
+                0 => String::new(),
+                n => format!("; in {n} {text}"),
+            });
+    let doubtful: String = doubtful.collect();
     format!(
-        "{} cases beside the nominal; {failures}{not_finite}.",
+        "{} cases beside the nominal; {failures}{doubtful}.",
         summary.cases
     )
 }

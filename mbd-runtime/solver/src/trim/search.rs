@@ -38,17 +38,35 @@ struct Search {
 }
 
 /// What [`Trim::solve`] does: a search in the coordinates of the linear system, and where that finds nothing in those that have the attitude of
-/// every body among them.
+/// every body among them, or, of coordinates that were asked for, in others: one of a loop turns back on the way where the loop is stretched.
 pub(crate) fn find<T: Scalar>(
     model: &dyn Model<T>,
     asked: &TrimProblem,
 ) -> Result<Trimmed, TrimError> {
-    match find_along(model, asked, ChartOrder::Places) {
-        Err(first @ TrimError::Unbalanced { .. }) => {
-            find_along(model, asked, ChartOrder::Bodies).map_err(|_| first)
-        }
-        found => found,
+    let first = match find_along(model, asked, ChartOrder::Places) {
+        Err(first @ TrimError::Unbalanced { .. }) => first,
+        found => return found,
+    };
+    if asked.along.is_empty() {
+        return find_along(model, asked, ChartOrder::Bodies).map_err(|_| first);
     }
+    let along = asked.along.clone();
+    let any = TrimProblem {
+        along: Vec::new(),
+        ..asked.clone()
+    };
+    let rest = find(model, &any).map_err(|_| first)?;
+    let there = TrimProblem {
+        along,
+        state: Some(rest.state),
+        nodes: Some(rest.nodes),
+        given: Some(rest.inputs),
+        inputs: Vec::new(),
+        guesses: Vec::new(),
+        remembered: Some(rest.remembered),
+        ..any
+    };
+    find_along(model, &there, ChartOrder::Places)
 }
 
 /// A search in coordinates that are chosen in an order.

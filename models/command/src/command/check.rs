@@ -33,13 +33,16 @@ pub fn check(args: &CheckArgs) -> Result<String, CommandFailure> {
         let phases = Phases::of(file, &args.scene)?;
         phases.check_settings()?;
         let remarks = phases.remarks();
+        let start = phases.start_warning();
         let first = phases.files.into_iter().next();
         let first = first.map(|mut file| {
-            file.remarks.extend(remarks.iter().cloned());
-            let notes = remarks
-                .iter()
-                .map(|note| note.trim_start_matches("note: ").to_owned());
-            file.reading.notes.extend(notes);
+            let remarks = remarks.into_iter().chain(start);
+            for remark in remarks {
+                let note = remark.trim_start_matches("note: ");
+                let note = note.trim_start_matches("warning: ");
+                file.reading.notes.push(note.to_owned());
+                file.remarks.push(remark);
+            }
             file
         });
         first.ok_or_else(|| CommandFailure::Usage("no scene was read".into()))

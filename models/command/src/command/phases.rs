@@ -9,7 +9,7 @@ use super::campaign::nominal;
 use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::SceneFile;
-use crate::run::{PlanError, Settings};
+use crate::run::{PlanError, Settings, warning_before};
 
 /// More files than this are no run.
 pub const MOST: usize = 64;
@@ -132,6 +132,18 @@ impl Phases {
         let settings = self.settings(&first.settings, &GivenSettings::default());
         let mut files = self.files.iter().zip(&settings).enumerate();
         files.try_for_each(|(place, (file, settings))| file.check_settings(settings, place == 0))
+    }
+
+    /// What a run of the first scene will say of its start; `None` where it starts as it was asked to.
+    pub fn start_warning(&self) -> Option<String> {
+        let first = self.files.first()?;
+        let mut settings = self
+            .settings(&first.settings, &GivenSettings::default())
+            .into_iter()
+            .next()?;
+        settings.until.get_or_insert(1.0.into());
+        let plan = RunPlan::new(&first.scene, &settings).ok()?;
+        warning_before(&first.scene, &plan)
     }
 
     /// One sentence a param that was given by `--set` and that the map of an event decides.

@@ -141,7 +141,12 @@ fn fly(args: &RunArgs, file: SceneFile) -> Result<FinishedRun, CommandFailure> {
             (plan, None)
         }
     };
-    let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
+    let model = file
+        .model(&plan.params)
+        .map_err(|error| match args.campaign {
+            Some(_) => invalid(&error),
+            None => file.misparam(&error, &names(&args.set)),
+        })?;
     let outcome = fly_measuring(&*model, &plan, metrics.as_ref(), &mut ProgressLine::new());
     Ok(FinishedRun {
         scene: file.scene,

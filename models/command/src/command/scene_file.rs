@@ -171,10 +171,7 @@ impl SceneFile {
                     let told = self.open_start(&plan).filter(|_| begins);
                     told.map(|text| SettingsError { line: None, text })
                 }
-                Err(error) => Some(SettingsError {
-                    line: None,
-                    text: error.to_string(),
-                }),
+                Err(error) => Some(self.of_param(&error, &[])),
             },
             Err(error) => {
                 let line = self.line_of(&error);
@@ -187,6 +184,25 @@ impl SceneFile {
             }
         };
         told.map_or(Ok(()), |told| Err(self.mistake(told)))
+    }
+
+    /// A set of params that the model cannot have, at the line that sets the one that is wrong; `given` were set otherwise.
+    pub fn misparam(&self, error: &ParamError, given: &[String]) -> CommandFailure {
+        self.mistake(self.of_param(error, given))
+    }
+
+    fn of_param(&self, error: &ParamError, given: &[String]) -> SettingsError {
+        let name = match error {
+            ParamError::OutOfRange { param, .. } | ParamError::NotFinite { param, .. } => {
+                Some(param).filter(|param| !given.contains(param))
+            }
+            _ => None,
+        };
+        let line = name.and_then(|name| self.line_of_setting(&format!("params.{name}")));
+        SettingsError {
+            line,
+            text: error.to_string(),
+        }
     }
 
     /// A mistake in the settings of its run.
@@ -228,10 +244,14 @@ impl SceneFile {
 
     /// The line of a setting in this file.
     fn line_of(&self, error: &PlanError) -> Option<usize> {
+        self.line_of_setting(&error.setting)
+    }
+
+    fn line_of_setting(&self, setting: &str) -> Option<usize> {
         if self.compiled.is_some() {
             return None;
         }
-        line_of(&split(&self.source).1, &error.setting)
+        line_of(&split(&self.source).1, setting)
     }
 
     /// The declaration of a compiled scene, read back from its data.

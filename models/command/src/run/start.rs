@@ -1,10 +1,9 @@
 //! Whether a run started where it was asked to.
 
 use mbd_campaign::run::RunPlan;
-use mbd_compiler::Interpreted;
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::scene::{Scene, plain};
-use mbd_runtime::{Layout, Moved, PassedStop, Simulation};
+use mbd_runtime::{Generic, Layout, Moved, PassedStop, Simulation};
 
 use super::outcome::{RunOutcome, begun};
 
@@ -58,8 +57,8 @@ pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<St
 /// The same before any run of a plan; `None` also where it cannot start, which is told where it is run.
 #[must_use]
 pub fn warning_before(scene: &Scene, plan: &RunPlan) -> Option<String> {
-    let model = Interpreted::<f64>::shared(scene.clone(), &plan.params).ok()?;
-    let mut run = begun(&*model, plan).ok()?;
+    let model = Generic::<f64>::new(scene.clone(), &plan.params).ok()?;
+    let mut run = begun(&model, plan).ok()?;
     run.start().ok()?;
     warning_of(&run, plan)
 }

@@ -1,6 +1,6 @@
 //! States and inputs where nothing accelerates, against closed forms.
 
-use mbd_runtime::{TrimError, trim};
+use mbd_runtime::{Model, TrimError, trim};
 use tests::assert_close;
 use tests::declared::read;
 use tests::mechanism::state;
@@ -217,4 +217,79 @@ fn a_satellite_is_trimmed_by_its_own_attitude_and_not_by_the_places_of_its_wheel
         names.contains(&"bus.turn_x") && !names.contains(&"wheel_x.x"),
         "{names:?}"
     );
+}
+
+/// Whichever coordinate the linear system is asked along: on the way from −40 degrees to where it hangs the rocker turns back.
+#[test]
+fn a_linkage_comes_to_one_rest_along_angles_that_turn_back_on_the_way_too() {
+    for coordinates in ["absolute", "relative"] {
+        let model = generic(read(&format!(
+            "model FourBar {{
+                planar: xz;
+                coordinates: {coordinates};
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                world {{ frame far at [0.5, 0.0, 0.0] m }}
+                input drive: torque;
+                body crank {{ mass: 1 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2,
+                    frame p at [-0.1, 0.0, 0.0] m, frame o at [0.1, 0.0, 0.0] m }}
+                body rod {{ mass: 1 kg, inertia: diag(0.03, 0.03, 0.03) kg*m^2,
+                    frame p at [-0.25, 0.0, 0.0] m, frame o at [0.25, 0.0, 0.0] m }}
+                body rocker {{ mass: 1 kg, inertia: diag(0.02, 0.02, 0.02) kg*m^2,
+                    frame p at [-0.2, 0.0, 0.0] m, frame o at [0.2, 0.0, 0.0] m }}
+                joint a: hinge from world to crank.p {{ axis: y, damping: 0.3 N*m*s, start: -40 deg, force: drive + lag }}
+                joint b: hinge from crank.o to rod.p {{ axis: y, damping: 0.1 N*m*s }}
+                joint c: hinge from rod.o to rocker.o {{ axis: y }}
+                joint d: hinge from world.far to rocker.p {{ axis: y, damping: 0.1 N*m*s }}
+                state lag = 0 N*m {{ rate: (drive - lag) / (50 ms) }}
+            }}"
+        )));
+        let rests = ["a.angle", "b.angle", "d.angle"].map(|along| {
+            let found = trim(&model).along(along).solve();
+            found.unwrap_or_else(|error| panic!("{coordinates}, {along}: {error}"))
+        });
+        let height = |state: &[f64]| {
+            let at = mbd_scene::Arguments {
+                state: state.to_vec(),
+                inputs: vec![0.0],
+                ..mbd_scene::Arguments::default()
+            };
+            let mut energy = vec![0.0; model.layout().len(mbd_scene::Quantity::Energy)];
+            let mut work = model.work();
+            model.evaluate(
+                mbd_scene::Quantity::Energy,
+                &at.at(),
+                &mut work,
+                &mut energy,
+            );
+            energy[1]
+        };
+        for rest in &rests {
+            assert_close(&rest.state, &rests[0].state, 0.0, 1e-7, coordinates);
+
+            // Eigenvalues do not depend on coordinates.
+            for (own, first) in rest
+                .space
+                .vibrations()
+                .iter()
+                .zip(rests[0].space.vibrations())
+            {
+                let apart = f64::hypot(own.real - first.real, own.imaginary - first.imaginary);
+                assert!(apart < 1e-5, "{coordinates}: {own:?} {first:?}");
+            }
+        }
+        // From there its weight changes with the square of a small move.
+        let there = height(&rests[0].state);
+        let angle = rests[0].value("a.angle").expect("the crank");
+        let [one, other] = [-0.01, 0.01].map(|aside| {
+            let options = mbd_runtime::Options::rk4(1e-3);
+            let mut run = mbd_runtime::Simulation::new(&model, options).expect("options");
+            run.set_joints(&[("a.angle", angle + aside)])
+                .expect("it can be placed");
+            height(run.state()) - there
+        });
+        assert!(
+            one * other > 0.0 && (one - other).abs() < 0.05 * one.abs(),
+            "{coordinates}: {one} {other}"
+        );
+    }
 }

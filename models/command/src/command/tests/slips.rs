@@ -441,3 +441,39 @@ fn a_setting_behind_the_header_of_a_table_is_told_to_stand_before_it() {
         assert!(told.contains(&said), "{told}");
     }
 }
+
+#[test]
+fn a_param_outside_its_range_is_told_at_the_line_that_sets_it() {
+    let folder = Folder::new("range");
+    let file = folder.file(
+        "drop.mbd",
+        "model Drop {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    param mass = 1 kg in 0.5 kg ..= 2 kg;
+    point stone { mass: mass, start at [0.0, 0.0, 1.0] m }
+}
+
+[run]
+until = \"1 s\"
+
+[run.params]
+mass = \"5 kg\"
+",
+    );
+    let out = folder.0.join("out").display().to_string();
+    for command in [&["check", &file][..], &["run", &file, "--out", &out]] {
+        let told = run(command).unwrap_err().to_string();
+        assert!(
+            told.contains("drop.mbd:11: param `mass` is 5 kg, outside its declared range"),
+            "{told}"
+        );
+        assert!(told.contains("mass = \"5 kg\""), "the line itself: {told}");
+    }
+    // What is typed beside the file stands in no line of it.
+    let told = run(&["run", &file, "--set", "mass=7 kg", "--out", &out]);
+    let told = told.unwrap_err().to_string();
+    assert!(
+        told.contains("param `mass` is 7 kg") && !told.contains(":11:"),
+        "{told}"
+    );
+}

@@ -181,6 +181,14 @@ fn a_start_beyond_a_stop_is_told_with_what_the_stop_pushes() {
     ] {
         assert!(beyond.contains(part), "{part}: {beyond}");
     }
+    // What a run says of its start stands beside what a scene contains, too.
+    let checked = run(&["check", &folder.file("leg.mbd", &text("0.5 m"))]).expect("a scene");
+    assert!(
+        checked.contains("warning: `oleo.slide` starts 0.15 m beyond its high stop"),
+        "{checked}"
+    );
+    let checked = run(&["check", &folder.file("leg.mbd", &text("0.2 m"))]).expect("a scene");
+    assert!(!checked.contains("warning"), "{checked}");
     // What rests on a stop is a little beyond it.
     for start in ["0.2 m", "0.351 m"] {
         let resting = told(start);
