@@ -464,7 +464,7 @@ mass = \"5 kg\"
     for command in [&["check", &file][..], &["run", &file, "--out", &out]] {
         let told = run(command).unwrap_err().to_string();
         assert!(
-            told.contains("drop.mbd:11: param `mass` is 5 kg, outside its declared range"),
+            told.contains("drop.mbd:11:1: param `mass` is 5 kg, outside its declared range"),
             "{told}"
         );
         assert!(told.contains("mass = \"5 kg\""), "the line itself: {told}");
