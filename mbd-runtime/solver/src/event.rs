@@ -51,8 +51,16 @@ enum WatchedGuard {
         at: usize,
         direction: Direction,
         acts: bool,
+        /// Whether its guard is of time alone.
+        of_time: bool,
     },
 }
+
+/// The part of what a guard changes between four looks that a parabola may be off by, and of its size that is rounding.
+const UNRESOLVED: f64 = 0.03;
+const ROUNDED: f64 = 1e-9;
+/// Where one of four looks is between two others that are a part apart: no simple fraction of it, so that nothing repeats as they do.
+pub(crate) const BETWEEN: f64 = 0.414;
 
 /// The margins of one scene.
 #[derive(Clone, Debug)]
@@ -75,7 +83,7 @@ pub(crate) struct Margins {
     pub start: Vec<f64>,
     pub before: Vec<f64>,
     pub now: Vec<f64>,
-    /// At the look before these, and room for those of the last look.
+    /// At the look before these, and room for those of another look.
     pub earlier: Vec<f64>,
     latest: Vec<f64>,
     /// Room for those of several looks.
@@ -155,6 +163,7 @@ impl Margins {
                     at: 2 * layout.one_way() + event,
                     direction: declared.direction,
                     acts: declared.actions.changes(),
+                    of_time: scene.is_of_time(&declared.guard),
                 }),
         );
         let count = watched.len();
@@ -322,6 +331,33 @@ impl Margins {
         }
         let at = |list: &[f64]| list.get(index).copied();
         Some([at(&self.earlier)?, at(&self.before)?, at(&self.now)?])
+    }
+
+    /// Whether the margin of a declared event that moves is elsewhere at the last of four looks, a part of [`BETWEEN`] behind the first or the second of three
+    /// that are a part apart, than the parabola through these says, by more than a part of what it changes: a guard that goes up and down between them.
+    pub(crate) fn is_unresolved(&self, behind: f64) -> bool {
+        let at = |list: &[f64], index: usize| list.get(index).copied().unwrap_or_default();
+        let moving = self.watched.iter().enumerate().filter(|(index, watched)| {
+            let declared = matches!(watched, WatchedGuard::Declared { of_time: false, .. });
+            declared && self.held.get(*index).is_none_or(Option::is_none)
+        });
+        let x = behind + BETWEEN;
+        moving.map(|(index, _)| index).any(|index| {
+            let looks = [&self.latest, &self.earlier, &self.before, &self.now];
+            let [start, one, two, between] = looks.map(|list| at(list, index));
+            let all = [start, one, two, between];
+            let most = all.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let least = all.into_iter().fold(f64::INFINITY, f64::min);
+            let ends = (x - 1.0) * (0.5 * (x - 2.0) * start + 0.5 * x * two);
+            let off = (between - ends - x * (2.0 - x) * one).abs();
+            off > UNRESOLVED * (most - least) && off > ROUNDED * most.abs().max(least.abs())
+        })
+    }
+
+    /// The margins at the start of the step as the first of four looks, or else those of the last look.
+    pub(crate) fn begin_looks(&mut self, at_start: bool) {
+        let first = if at_start { &self.start } else { &self.now };
+        self.latest.copy_from_slice(first);
     }
 
     /// Keeps the margins of the last look, and takes them again.

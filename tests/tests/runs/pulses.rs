@@ -156,6 +156,49 @@ fn every_passing_of_a_guard_of_time_is_an_event() {
 }
 
 model! {
+    /// A car that passes a rail with teeth at an even speed, and one that speeds up along one.
+    pub model Rail<T> {
+        gravity: none;
+        param pitch = 7 cm in 0.1 mm ..= 10 m;
+        param push = 0 N;
+        state teeth = 0 { rate: 0 }
+        state back = 0 { rate: 0 }
+        body car { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint rail: prismatic from world to car.com { axis: x, start_rate: 3 m/s, force: push }
+        event tooth = sin(2 * pi * rail.slide / pitch) rises 0.5 { set: teeth = teeth + 1 }
+        event gap = sin(2 * pi * rail.slide / pitch) falls 0.5 { set: back = back + 1 }
+    }
+}
+
+/// Tooth k is passed at (k + 1/12) of the pitch, and left at (k + 5/12).
+#[test]
+fn every_tooth_of_a_rail_is_an_event_however_far_a_step_goes() {
+    for (pitch, push) in [
+        (0.07, 0.0),
+        (0.31, 0.0),
+        (2e-3, 0.0),
+        (0.07, 4.0),
+        (0.011, -2.0),
+    ] {
+        let params = RailParams {
+            pitch,
+            push,
+            ..RailParams::default()
+        };
+        let model = Rail::new(params).expect("params in range");
+        let until = 1.4;
+        let way = 3.0 * until + 0.5 * push * until * until;
+        let passed = |part: f64| (way / pitch - part).floor() + 1.0;
+        for options in methods(1e-6) {
+            let run = flown(&model, options, until);
+            let teeth = &run.state()[run.state().len() - 2..];
+            let want = [passed(1.0 / 12.0), passed(5.0 / 12.0)];
+            assert_eq!(teeth, want, "{pitch} m, {push} N, {options:?}");
+        }
+    }
+}
+
+model! {
     /// A push that has no number for a tenth of a second.
     pub model Broken {
         gravity: none;
