@@ -180,12 +180,7 @@ fn every_tooth_of_a_rail_is_an_event_however_far_a_step_goes() {
         (0.07, 4.0),
         (0.011, -2.0),
     ] {
-        let params = RailParams {
-            pitch,
-            push,
-            ..RailParams::default()
-        };
-        let model = Rail::new(params).expect("params in range");
+        let model = Rail::new(RailParams { pitch, push }).expect("params in range");
         let until = 1.4;
         let way = 3.0 * until + 0.5 * push * until * until;
         let passed = |part: f64| (way / pitch - part).floor() + 1.0;
