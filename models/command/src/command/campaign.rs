@@ -12,6 +12,7 @@ use super::failure::CommandFailure;
 use super::phases::Phases;
 use super::run::above;
 use super::scene_file::SceneFile;
+use crate::describe::warnings_of_reactions;
 use crate::run::{RunPlan, warning_before};
 
 /// The scene of a campaign, and the campaign.
@@ -30,6 +31,9 @@ pub fn campaign(args: &SceneCampaignArgs) -> Result<String, CommandFailure> {
     // The campaign tells what it cannot run.
     let nominal = RunPlan::new(first, &phases.0.settings).ok();
     let moved = above(nominal.and_then(|plan| warning_before(first, &plan)));
+    let many = warnings_of_reactions(first).into_iter();
+    let many = many.map(|text| format!("{text}; what is required of it shows nothing\n"));
+    let moved: String = std::iter::once(moved).chain(many).collect();
     let source = |campaign: &Path| ResultSource {
         command: format!(
             "mbd run {} --campaign {}",

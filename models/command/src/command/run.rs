@@ -15,6 +15,7 @@ use super::failure::CommandFailure;
 use super::list;
 use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
+use crate::describe::warnings_of_reactions;
 use crate::run::{
     Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_measuring, fly_phases, not_finite,
     phases_json, publish, publish_gltf, publish_phases, summary_json, warning, windows,
@@ -207,6 +208,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             &segment.plan,
             &segment.outcome,
         ));
+        warnings.extend(warnings_of_reactions(phase.model.scene()));
         warnings.extend(undefined(&segment.outcome));
         warnings.extend(doubt);
     }
@@ -290,7 +292,8 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
         .then(|| "warning: nothing of this scene has a place: no motion.glb is written".to_owned());
     let warning = warning(&scene, &plan, &outcome);
     let doubt = doubt(&scene, &plan, &outcome);
-    let warning = warning.into_iter().chain(undefined(&outcome));
+    let many = warnings_of_reactions(&scene);
+    let warning = warning.into_iter().chain(many).chain(undefined(&outcome));
     let warning = warning.chain(doubt.clone()).chain(unmoved);
     // An event may have ended it before.
     let end = plan.until.min(outcome.time);

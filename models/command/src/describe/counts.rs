@@ -95,11 +95,33 @@ fn freedoms(scene: &Scene, layout: &Layout) -> String {
     text
 }
 
-/// Outputs and events that ask for reactions of which there are many.
+/// A warning for each output, metric and event that asks for a reaction of which there are many.
 #[must_use]
-pub fn ambiguous(scene: &Scene, layout: &Layout) -> Vec<String> {
+pub fn warnings_of_reactions(scene: &Scene) -> Vec<String> {
+    let reaction =
+        |part: &Formula| matches!(part, Formula::ReactionForce(_) | Formula::ReactionTorque(_));
+    let outputs = scene.outputs.iter().map(|output| &output.value);
+    let mut asked = outputs.chain(scene.events.iter().map(|event| &event.guard));
+    // Which rows repeat others takes a search, and most scenes ask for no reaction.
+    if !asked.any(|formula| scene.contains(formula, reaction)) {
+        return Vec::new();
+    }
+    let told = ambiguous(scene, &Layout::new(scene)).into_iter();
+    told.map(|text| format!("warning: {text}")).collect()
+}
+
+/// Outputs and events that ask for reactions of which there are many.
+fn ambiguous(scene: &Scene, layout: &Layout) -> Vec<String> {
     let outputs = scene.outputs.iter();
-    let outputs = outputs.map(|output| ("output", &output.name, &output.value));
+    let metric = |name: &String| scene.runs.metrics.iter().any(|metric| metric.name == *name);
+    let outputs = outputs.map(|output| {
+        let kind = if metric(&output.name) {
+            "metric"
+        } else {
+            "output"
+        };
+        (kind, &output.name, &output.value)
+    });
     let events = scene.events.iter();
     let events = events.map(|event| ("event", &event.name, &event.guard));
     let mut told = Vec::new();

@@ -5,7 +5,7 @@ mod metrics;
 mod operations;
 mod things;
 
-pub use counts::{ambiguous, counts};
+pub use counts::{counts, warnings_of_reactions};
 pub use metrics::{metric_json, metrics};
 pub use operations::operations;
 pub use things::{factor, node_model, params, things};

@@ -477,3 +477,36 @@ mass = \"5 kg\"
         "{told}"
     );
 }
+
+/// A beam on three supports in a line: which of two carries it is one choice of many, and follows from the order in which they are declared.
+#[test]
+fn what_is_asked_of_a_reaction_that_is_not_unique_is_told_where_it_is_run() {
+    let folder = Folder::new("supports");
+    let out = folder.0.join("out").display().to_string();
+    let scene = folder.file(
+        "beam.mbd",
+        "model Beam {
+    gravity: [0, 0, -9.81] m/s^2;
+    world { frame l at [-1, 0, 0] m, frame m at [0.5, 0, 0] m, frame r at [1, 0, 0] m }
+    param P = 100 N in 0 N ..= 300 N;
+    body beam { mass: 10 kg, inertia: diag(1, 1, 1) kg*m^2,
+        frame l at [-1, 0, 0] m, frame m at [0.5, 0, 0] m, frame r at [1, 0, 0] m }
+    joint jl: prismatic from world.l to beam.l { axis: x }
+    joint jr: point_on_plane from world.r to beam.r { axis: z }
+    joint jm: point_on_plane from world.m to beam.m { axis: z }
+    load p on beam = [0 N, 0 N, -P];
+    output mid = jm.force.z;
+    metric reaction = max mid;
+}
+[run]
+until = \"10 ms\"
+",
+    );
+    let told = run(&["run", &scene, "--out", &out]);
+    let told = told.unwrap_or_else(|failure| failure.to_string());
+    println!("{told}");
+    assert!(
+        told.contains("warning: output `mid` asks for the reaction of `jm`, which is not unique"),
+        "{told}"
+    );
+}
