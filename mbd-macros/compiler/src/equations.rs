@@ -25,7 +25,7 @@ pub struct SceneEquations {
     pub kinematics: Option<Program>,
     /// One program a quantity, in the order of [`Layout::quantities`].
     pub programs: Vec<(Quantity, Program)>,
-    /// For each matrix that is differentiated in one direction at a time ([`Program::directions`]), what does not depend on the direction.
+    /// For each matrix that is differentiated in one direction at a time ([`Program::by_column`]), what does not depend on the direction.
     pub values: Vec<(Quantity, Program)>,
 }
 
