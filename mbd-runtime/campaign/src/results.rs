@@ -52,7 +52,7 @@ impl CaseRow {
     pub const OK: &str = "ok";
     /// The status of one that did, where a metric or a column of the envelopes is no finite number: 0/0, a root of a negative number.
     pub const NOT_FINITE: &str = "output_not_finite";
-    /// The status of one that did, where a metric measures what changes faster than it can be followed: its value is off by more than [`LARGE`] of it.
+    /// The status of one that did, where a metric measures what changes faster than it can be followed: its value is off by more than a hundredth of it.
     pub const UNRESOLVED: &str = "metric_unresolved";
 
     /// Whether its run came to its end.
