@@ -8,7 +8,7 @@
 //! In a chain in relative coordinates everything outboard of a joint follows from its coordinate: the terms of all columns grow with the square of the
 //! length, those of a sweep with the length. What does not depend on the direction is computed before, once for all columns: the [*values*](Slot::Value).
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 use mbd_scene::Layout;
 
@@ -47,33 +47,25 @@ pub struct Directional {
     pub columns: MatrixColumns,
 }
 
-/// Whether the derivatives of outputs are found in one direction at a time: in relative coordinates, where they are many and most of them depend.
-pub fn by_directions(
+/// Differentiates outputs in a direction, whose numbers are [`Slot::Direction`], in relative coordinates where all derivatives together are long and most
+/// terms depend; `None` elsewhere. `order`: the terms of the outputs, each with what it belongs to.
+pub fn directional(
     layout: &Layout,
     outputs: &[(usize, Expr)],
     by: &[DerivativeVariable],
-) -> bool {
-    if layout.tree.is_none() {
-        return false;
-    }
-    let reached = reachable(outputs.iter().map(|&(_, expr)| expr));
-    let users = Users::new(&reached);
-    let starts: Vec<Expr> = by.iter().filter_map(|own| users.start(own)).collect();
-    let swept = starts.iter().map(|&start| users.dependents(start).len());
-    let swept: usize = swept.sum();
-    swept > LONG && DENSE * swept > starts.len() * reached.len()
-}
-
-/// Differentiates outputs in a direction, whose numbers are [`Slot::Direction`]. `order`: their terms, each with what it belongs to.
-pub fn directional(
-    outputs: &[(usize, Expr)],
-    by: &[DerivativeVariable],
     order: &[Term],
-) -> Directional {
+) -> Option<Directional> {
+    layout.tree.as_ref()?;
     let reached = reachable(outputs.iter().map(|&(_, expr)| expr));
+    let Dependence {
+        swept,
+        columns,
+        pattern,
+    } = Dependence::of(outputs, by, &reached);
+    if swept <= LONG || DENSE * swept <= columns.len() * reached.len() {
+        return None;
+    }
     let sections: HashMap<Expr, usize> = order.iter().map(|t| (t.expr, t.section)).collect();
-    let pattern = pattern(outputs, by, &reached);
-    let columns: BTreeSet<usize> = pattern.iter().map(|&(_, column)| column).collect();
     let slots = columns.iter().filter_map(|&column| by.get(column));
     let seeds: HashMap<Slot, usize> = slots.map(|own| own.slot).zip(0..).collect();
     let mut tangents: HashMap<Expr, Expr> = HashMap::new();
@@ -100,9 +92,9 @@ pub fn directional(
         found.collect::<Vec<_>>()
     });
     let values = values(&found);
-    Directional {
+    Some(Directional {
         columns: MatrixColumns {
-            columns: columns.into_iter().collect(),
+            columns,
             width: by.len(),
             values: values.len(),
             pattern,
@@ -110,27 +102,41 @@ pub fn directional(
         values,
         outputs: found,
         order,
-    }
+    })
 }
 
-/// Row and column of everything that depends.
-fn pattern(
-    outputs: &[(usize, Expr)],
-    by: &[DerivativeVariable],
-    reached: &[Expr],
-) -> Vec<(usize, usize)> {
-    let users = Users::new(reached);
-    let mut pattern: Vec<(usize, usize)> = Vec::new();
-    for (column, variable) in by.iter().enumerate() {
-        let Some(start) = users.start(variable) else {
-            continue;
-        };
-        let dependents: HashSet<Expr> = users.dependents(start).into_iter().collect();
-        let rows = outputs.iter().filter(|(_, expr)| dependents.contains(expr));
-        pattern.extend(rows.map(|&(row, _)| (row, column)));
+/// What depends on which variable.
+struct Dependence {
+    /// Terms of the sweeps of all variables.
+    swept: usize,
+    /// The variables that something depends on.
+    columns: Vec<usize>,
+    /// Row and column of every output that depends, row by row.
+    pattern: Vec<(usize, usize)>,
+}
+
+impl Dependence {
+    /// Of outputs and the terms that they reach.
+    fn of(outputs: &[(usize, Expr)], by: &[DerivativeVariable], reached: &[Expr]) -> Self {
+        let users = Users::new(reached);
+        let (mut swept, mut columns, mut pattern) = (0, Vec::new(), Vec::new());
+        for (column, variable) in by.iter().enumerate() {
+            let Some(start) = users.start(variable) else {
+                continue;
+            };
+            let dependents: HashSet<Expr> = users.dependents(start).into_iter().collect();
+            let rows = outputs.iter().filter(|(_, expr)| dependents.contains(expr));
+            swept += dependents.len();
+            columns.push(column);
+            pattern.extend(rows.map(|&(row, _)| (row, column)));
+        }
+        pattern.sort_unstable();
+        Dependence {
+            swept,
+            columns,
+            pattern,
+        }
     }
-    pattern.sort_unstable();
-    pattern
 }
 
 /// The terms without direction that terms with one use. A mask is no number: it is compared again where it is used.

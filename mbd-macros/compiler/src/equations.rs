@@ -6,7 +6,7 @@ use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
 
 use crate::differentiate::{DerivativeVariable, jacobian};
-use crate::directional::{MatrixColumns, by_directions, directional};
+use crate::directional::{MatrixColumns, directional};
 use crate::expression::{Expr, Graph, Slot, Term, TermKind, recorded, session};
 use crate::names;
 use crate::operation::Op;
@@ -160,6 +160,12 @@ impl SceneEquations {
         let values = self.values.iter().map(|(_, program)| program);
         let programs = programs.chain([&self.derived]).chain(&self.kinematics);
         programs.chain(values)
+    }
+
+    /// The number of the first of [`SceneEquations::values`] among all programs.
+    #[must_use]
+    pub fn first_of_values(&self) -> usize {
+        self.programs.len() + 1 + usize::from(self.kinematics.is_some())
     }
 
     /// Operations of a quantity: of a matrix that is differentiated in one direction at a time those of all columns.
@@ -367,8 +373,7 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
         })
         .collect();
     let mut order = base.order;
-    if by_directions(layout, &base.outputs, &variables) {
-        let found = directional(&base.outputs, &variables, &order);
+    if let Some(found) = directional(layout, &base.outputs, &variables, &order) {
         order.extend(found.order);
         return Traced {
             what,

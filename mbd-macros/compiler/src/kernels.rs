@@ -158,8 +158,8 @@ impl Kernels {
     pub fn work(&self, equations: &SceneEquations) -> usize {
         let drivers = self.drivers.iter().flatten();
         let alone = drivers.map(|driver| driver.work);
-        let first = self.drivers.len() - equations.values.len().min(self.drivers.len());
-        let values = self.drivers.iter().skip(first).zip(&equations.values);
+        let values = self.drivers.iter().skip(equations.first_of_values());
+        let values = values.zip(&equations.values);
         let before = values.filter_map(|(driver, (what, _))| {
             let matrix = equations.program(*what)?.by_column.as_ref()?;
             let known = matrix.columns.len() + matrix.values;

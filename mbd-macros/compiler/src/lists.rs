@@ -194,6 +194,18 @@ impl ProgramArguments {
         ProgramArguments(used.into_iter().collect())
     }
 
+    /// Whether a number of the state is read.
+    #[must_use]
+    pub fn reads_state(&self) -> bool {
+        let parts = [
+            NumberList::Q,
+            NumberList::V,
+            NumberList::Z,
+            NumberList::States,
+        ];
+        parts.into_iter().any(|part| self.reads(part))
+    }
+
     /// Whether a list is read.
     #[must_use]
     pub fn reads(&self, group: NumberList) -> bool {

@@ -40,7 +40,7 @@ pub use failure::Failure;
 pub use footprint::{Footprint, FootprintStatistics};
 pub use manifest::{Manifest, ResultColumn, ResultOptions};
 pub use metric::{CampaignMetric, Metrics, Requirement};
-pub use results::{CaseRow, Results};
+pub use results::{CaseRow, LARGE_ERROR, Results};
 pub use summary::{
     CONFIDENCE, CampaignSummary, Failures, MetricDriver, PARTS, RequirementVerdict, Told,
 };

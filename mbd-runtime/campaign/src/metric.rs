@@ -13,7 +13,7 @@ use toml::Value;
 
 use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
-use crate::results::LARGE;
+use crate::results::LARGE_ERROR;
 use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
 
@@ -136,16 +136,16 @@ impl Metrics {
     pub fn besides(&self, scene: &Scene, history: &Trajectory) -> Vec<MetricValue> {
         let declared = |name: &str| scene.runs.metrics.iter().any(|it| it.name == name);
         let others = self.list.iter().filter(|metric| !declared(&metric.name));
-        let told = others.map(|metric| {
-            let read = history.measured(&metric.reader);
-            MetricValue {
-                name: metric.name.clone(),
-                doc: String::new(),
-                take: metric.reader.take,
-                unit: metric.unit.clone(),
-                unresolved: read.as_ref().map_or(0.0, |[_, unresolved]| *unresolved),
-                value: read.map(|[value, _]| value),
-            }
+        others.map(|metric| metric.value_in(history)).collect()
+    }
+
+    /// A sentence on each that measures what changes faster than it can be followed, so that more than a hundredth of it stays open.
+    #[must_use]
+    pub fn unresolved(&self, history: &Trajectory) -> Vec<String> {
+        let values = self.list.iter().map(|metric| metric.value_in(history));
+        let told = values.filter_map(|value| {
+            let part = value.unresolved_part().filter(|part| *part > LARGE_ERROR)?;
+            Some(value.off_by(part))
         });
         told.collect()
     }
@@ -159,25 +159,6 @@ impl Metrics {
             missing
                 .is_not_finite()
                 .then(|| format!("`{name}` has no value: {missing}"))
-        });
-        told.collect()
-    }
-}
-
-impl Metrics {
-    /// A sentence on each that measures what changes faster than it can be followed, so that parts of it stay open.
-    #[must_use]
-    pub fn unresolved(&self, history: &Trajectory) -> Vec<String> {
-        let told = self.list.iter().filter_map(|metric| {
-            let [value, open] = history.measured(&metric.reader).ok()?;
-            let part = open / value.abs();
-            (part > LARGE && value != 0.0).then(|| {
-                format!(
-                    "`{}` is off by about {:.1} % of its value: what it measures changes faster than it can be followed inside a step, or is noise",
-                    metric.name,
-                    100.0 * part
-                )
-            })
         });
         told.collect()
     }
@@ -425,6 +406,19 @@ impl CampaignMetric {
             Take::Value | Take::TimeOf => format!("`{}` did not happen", self.reader.event),
             Take::FirstAbove => "the level was not passed".to_owned(),
             _ => String::new(),
+        }
+    }
+
+    /// It with its value in a history that measured it, as a run tells those of its scene.
+    fn value_in(&self, history: &Trajectory) -> MetricValue {
+        let read = history.measured(&self.reader);
+        MetricValue {
+            name: self.name.clone(),
+            doc: String::new(),
+            take: self.reader.take,
+            unit: self.unit.clone(),
+            unresolved: read.as_ref().map_or(0.0, |[_, unresolved]| *unresolved),
+            value: read.map(|[value, _]| value),
         }
     }
 

@@ -44,8 +44,8 @@ pub fn head(manifest: &Manifest) -> String {
     all.join(",")
 }
 
-/// The part of a metric that parts of it may leave open before it is told.
-pub const LARGE: f64 = 0.01;
+/// An error beyond this part of the size of what it is an error of is told.
+pub const LARGE_ERROR: f64 = 0.01;
 
 impl CaseRow {
     /// The status of a case that reached its end.

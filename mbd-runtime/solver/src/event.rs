@@ -354,6 +354,12 @@ impl Margins {
         })
     }
 
+    /// Whether a watched margin is of a guard of time alone.
+    pub(crate) fn is_of_time(&self, index: usize) -> bool {
+        let watched = self.watched.get(index);
+        matches!(watched, Some(WatchedGuard::Declared { of_time: true, .. }))
+    }
+
     /// The margins at the start of the step as the first of four looks, or else those of the last look.
     pub(crate) fn begin_looks(&mut self, at_start: bool) {
         let first = if at_start { &self.start } else { &self.now };

@@ -46,6 +46,7 @@ mod origin;
 mod parts;
 mod projection;
 mod rearm;
+mod resolving_looks;
 mod rounding;
 mod row;
 mod simulation;

@@ -5,7 +5,7 @@ use mbd_scene::{Float, Quantity};
 
 use crate::chatter::MOST_SWITCHES;
 use crate::error::{Collapse, StepError};
-use crate::event::{BETWEEN, Happening};
+use crate::event::Happening;
 use crate::integrate::Rates;
 use crate::simulation::Simulation;
 use crate::unilateral::{Mode, name};
@@ -15,9 +15,6 @@ const LOOKS: u32 = 16;
 /// Interior looks at a step where events are told that do not act, of adaptive and of fixed steps: what lies between is found by `dip`.
 const FEW_LOOKS: u32 = 4;
 const FEWEST_LOOKS: u32 = 2;
-/// The most looks at a step, and how many more there are where a guard is not resolved.
-const MOST_LOOKS: u32 = 1 << 16;
-const FINER: u32 = 4;
 /// The part of a step behind which a guard that has just passed passes again, if it does.
 const BEHIND: f64 = 1e-9;
 /// Looks for an excursion of a margin that starts a step at zero.
@@ -122,72 +119,6 @@ impl<T: Float> Simulation<T> {
         }
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(None)
-    }
-
-    /// At least so many looks, and as many as the guards of declared events take that go up and down along the step, as those of a toothed rail that is passed.
-    /// Where the error of the step says nothing of how far it may go, looks that seem to resolve them must do so with more of them, too.
-    fn resolving_looks(&mut self, least: u32, step: f64) -> Result<u32, StepError> {
-        let mut looks = least;
-        let mut resolved = None;
-        while looks < MOST_LOOKS {
-            match (self.goes_up_and_down(looks, step)?, resolved) {
-                (true, _) => resolved = None,
-                (false, Some(looks)) => return Ok(looks),
-                (false, None) if self.looks == 0 => return Ok(looks),
-                (false, None) => resolved = Some(looks),
-            }
-            looks *= FINER;
-        }
-        Ok(resolved.unwrap_or(looks))
-    }
-
-    /// Whether guards go up and down between so many looks at the attempted step: at its start, and, as a kink or a jump is in one place, elsewhere.
-    fn goes_up_and_down(&mut self, looks: u32, step: f64) -> Result<bool, StepError> {
-        let places: &[f64] = if self.looks == 0 {
-            &[0.0]
-        } else {
-            &[0.0, 0.31, 0.63]
-        };
-        let mut found = 0;
-        for from in places {
-            found += u32::from(self.goes_up_and_down_behind(*from, looks, step)?);
-        }
-        if self.looks == 0 && found > 0 {
-            found += u32::from(self.goes_up_and_down_behind(0.5, looks, step)?);
-        }
-        Ok(found > 1)
-    }
-
-    fn goes_up_and_down_behind(
-        &mut self,
-        from: f64,
-        looks: u32,
-        step: f64,
-    ) -> Result<bool, StepError> {
-        let part = 1.0 / f64::from(looks.max(8));
-        if from > 0.0 {
-            self.look_roughly(from, step)?;
-        }
-        self.margins.begin_looks(from == 0.0);
-        self.look_roughly(from + part, step)?;
-        self.margins.earlier.copy_from_slice(&self.margins.now);
-        self.look_roughly(from + 2.0 * part, step)?;
-        self.margins.before.copy_from_slice(&self.margins.now);
-        for behind in [0.0, 1.0] {
-            self.look_roughly(from + (behind + BETWEEN) * part, step)?;
-            if self.margins.is_unresolved(behind) {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    }
-
-    /// Reads the margins at `theta` of the attempted step, as good as its ends tell: that takes no further stages.
-    fn look_roughly(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
-        match self.inside_by_ends(theta, step) {
-            true => self.read_margins(self.time + theta * step, theta * step),
-            false => self.look_inside(theta, step),
-        }
     }
 
     /// Where the first guard of time alone passes inside the attempted step, in parts of it: however often such a guard passes, none is leapt over.
@@ -649,14 +580,10 @@ impl<T: Float> Simulation<T> {
 
     /// The margins of declared events whose guards are of time alone.
     pub(crate) fn clocks(&self) -> Vec<usize> {
-        let scene = self.system.model.scene();
-        let of_time = |index: usize| {
-            let event = self.margins.event_of(index);
-            let event = event.and_then(|event| scene.events.get(event));
-            event.is_some_and(|event| scene.is_of_time(&event.guard))
-        };
         let declared = self.margins.declared().map(|(index, _)| index);
-        declared.filter(|index| of_time(*index)).collect()
+        declared
+            .filter(|index| self.margins.is_of_time(*index))
+            .collect()
     }
 
     /// Evaluates the first stage a little later, where events start at their value, or a step ended on it to the last digit: what jumps there,

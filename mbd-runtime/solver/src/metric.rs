@@ -213,6 +213,25 @@ impl MetricValue {
     }
 }
 
+impl MetricValue {
+    /// The part of its value that it may be off by [1]; `None` where it has none, or is zero.
+    #[must_use]
+    pub fn unresolved_part(&self) -> Option<f64> {
+        let value = self.value.ok().filter(|value| *value != 0.0)?;
+        Some(self.unresolved / value.abs())
+    }
+
+    /// What to say of one that is off by a part of its value [1].
+    #[must_use]
+    pub fn off_by(&self, part: f64) -> String {
+        format!(
+            "`{}` is off by about {:.1} % of its value: what it measures changes faster than it can be followed inside a step, or is noise",
+            self.name,
+            100.0 * part
+        )
+    }
+}
+
 /// How a metric is measured in histories with the same columns: [`Trajectory::measure`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct MetricReader {

@@ -66,10 +66,15 @@ pub fn by_column(
     let columns = quote!(&[#(#columns),*]);
     let width = whole(matrix.width);
     let rows = whole(program.len);
-    let first = equations.programs.len() + 1 + usize::from(equations.kinematics.is_some());
     let work = Some(quote!(work));
     let function = format_ident!("{}", values_of(name));
-    let before = context.call(first + values, &function, passed, work, &quote!(values));
+    let before = context.call(
+        equations.first_of_values() + values,
+        &function,
+        passed,
+        work,
+        &quote!(values),
+    );
     let function = format_ident!("{name}");
     let column = if context.is_whole(index) {
         let reads = ProgramArguments::of(program, &equations.layout);

@@ -10,6 +10,7 @@ use super::literal::whole;
 use super::quantity;
 use crate::equations::of_origin;
 use crate::lists::{NumberList, ProgramArguments};
+use crate::program::Program;
 
 /// `impl Model`.
 pub fn implementation(context: &EmitContext) -> TokenStream {
@@ -25,109 +26,9 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
         whole(context.kernels.work(equations)),
     );
     let programs = equations.programs.iter().enumerate();
-    let arms =
-        programs
-            .filter(|(_, (_, p))| !p.outputs.is_empty())
-            .map(|(index, (what, program))| {
-                let values = equations.values.iter().position(|(known, _)| known == what);
-                let read = values.and_then(|index| equations.values.get(index));
-                let read = read.map_or(program, |(_, values)| values);
-                let reads = ProgramArguments::of(read, &equations.layout);
-                let pattern = quantity_path(*what);
-                let name = quantity::name(&equations.scene, &equations.layout, *what);
-                let function = format_ident!("{name}");
-                let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
-                let call = match (values, &program.by_column) {
-                    (Some(values), Some(_)) => {
-                        by_column(context, (index, program), (values, &passed), &name)
-                    }
-                    _ => context.call(index, &function, &passed, Some(quote!(work)), &quote!(out)),
-                };
-                if *what == Quantity::Solve {
-                    return solutions(context, (index, reads), &call);
-                }
-                let state = [
-                    NumberList::Q,
-                    NumberList::V,
-                    NumberList::Z,
-                    NumberList::States,
-                ]
-                .iter()
-                .any(|&g| reads.reads(g));
-                let own = equations.layout.ns > 0;
-                let mut names = Vec::new();
-                let mut values = Vec::new();
-                if state && own {
-                    names.push(quote!((q, v, z, states)));
-                    values.push(quote!(::mbd_runtime::__private::split_with_states(
-                        at.state
-                    )));
-                } else if state {
-                    names.push(quote!((q, v, z)));
-                    values.push(quote!(::mbd_runtime::__private::split(at.state)));
-                }
-                // Turns, and how the origin moves, stand behind the modes.
-                let layout = &equations.layout;
-                let more = of_origin(&equations.scene) + layout.turns.len() > 0;
-                for group in [
-                    NumberList::Nodes,
-                    NumberList::Effective,
-                    NumberList::Hold,
-                    NumberList::Ends,
-                    NumberList::Inputs,
-                    NumberList::Rows,
-                    NumberList::Motion,
-                ] {
-                    if reads.reads(group) {
-                        let list = format_ident!("{}", group.name());
-                        let given = format_ident!("{}", group.argument());
-                        names.push(quote!(#list));
-                        values.push(match group {
-                            NumberList::Hold if more => quote!(at.hold.first_chunk()),
-                            _ => quote!(::mbd_runtime::__private::fixed(at.#given)),
-                        });
-                    }
-                }
-                for (group, place) in [
-                    (NumberList::Turns, layout.holds()),
-                    (NumberList::Origin, layout.origin_at()),
-                ] {
-                    if reads.reads(group) {
-                        let (list, place) = (format_ident!("{}", group.name()), whole(place));
-                        names.push(quote!(#list));
-                        values.push(quote! {
-                            ::core::option::Option::Some(&::mbd_runtime::__private::leading(
-                                at.hold.get(#place..).unwrap_or_default()
-                            ))
-                        });
-                    }
-                }
-                // The lengths of lists that are not read follow from the sizes of this model.
-                let sizes = state.then(|| {
-                    let layout = &equations.layout;
-                    let (nq, nv, nz) = (whole(layout.nq), whole(layout.nv), whole(layout.nz));
-                    let ns = whole(layout.ns);
-                    let states = own.then(|| quote!(let states: &[#t; #ns] = states;));
-                    quote! {
-                        let q: &[#t; #nq] = q;
-                        let v: &[#t; #nv] = v;
-                        let z: &[#t; #nz] = z;
-                        #states
-                    }
-                });
-                if program.by_column.is_none() {
-                    names.push(quote!(out));
-                    values.push(quote!(::mbd_runtime::__private::fixed_mut(out)));
-                }
-                quote! {
-                    #pattern => {
-                        if let (#(::core::option::Option::Some(#names)),*) = (#(#values),*) {
-                            #sizes
-                            #call
-                        }
-                    }
-                }
-            });
+    let arms = programs
+        .filter(|(_, (_, program))| !program.outputs.is_empty())
+        .map(|(index, (what, program))| arm(context, index, *what, program));
     let layout = &equations.layout;
     let on_numbers: Vec<TokenStream> = layout
         .quantities()
@@ -236,6 +137,103 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
                 out: &mut [#t],
             ) {
                 #evaluate
+            }
+        }
+    }
+}
+
+/// The arm of `evaluate` for a quantity, whose program is number `index`.
+fn arm(context: &EmitContext, index: usize, what: Quantity, program: &Program) -> TokenStream {
+    let (equations, t) = (context.equations, context.scalar());
+    let values = equations
+        .values
+        .iter()
+        .position(|(known, _)| *known == what);
+    let read = values.and_then(|index| equations.values.get(index));
+    let read = read.map_or(program, |(_, values)| values);
+    let reads = ProgramArguments::of(read, &equations.layout);
+    let pattern = quantity_path(what);
+    let name = quantity::name(&equations.scene, &equations.layout, what);
+    let function = format_ident!("{name}");
+    let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
+    let call = match (values, &program.by_column) {
+        (Some(values), Some(_)) => by_column(context, (index, program), (values, &passed), &name),
+        _ => context.call(index, &function, &passed, Some(quote!(work)), &quote!(out)),
+    };
+    if what == Quantity::Solve {
+        return solutions(context, (index, reads), &call);
+    }
+    let state = reads.reads_state();
+    let own = equations.layout.ns > 0;
+    let mut names = Vec::new();
+    let mut values = Vec::new();
+    if state && own {
+        names.push(quote!((q, v, z, states)));
+        values.push(quote!(::mbd_runtime::__private::split_with_states(
+            at.state
+        )));
+    } else if state {
+        names.push(quote!((q, v, z)));
+        values.push(quote!(::mbd_runtime::__private::split(at.state)));
+    }
+    // Turns, and how the origin moves, stand behind the modes.
+    let layout = &equations.layout;
+    let more = of_origin(&equations.scene) + layout.turns.len() > 0;
+    for group in [
+        NumberList::Nodes,
+        NumberList::Effective,
+        NumberList::Hold,
+        NumberList::Ends,
+        NumberList::Inputs,
+        NumberList::Rows,
+        NumberList::Motion,
+    ] {
+        if reads.reads(group) {
+            let list = format_ident!("{}", group.name());
+            let given = format_ident!("{}", group.argument());
+            names.push(quote!(#list));
+            values.push(match group {
+                NumberList::Hold if more => quote!(at.hold.first_chunk()),
+                _ => quote!(::mbd_runtime::__private::fixed(at.#given)),
+            });
+        }
+    }
+    for (group, place) in [
+        (NumberList::Turns, layout.holds()),
+        (NumberList::Origin, layout.origin_at()),
+    ] {
+        if reads.reads(group) {
+            let (list, place) = (format_ident!("{}", group.name()), whole(place));
+            names.push(quote!(#list));
+            values.push(quote! {
+                ::core::option::Option::Some(&::mbd_runtime::__private::leading(
+                    at.hold.get(#place..).unwrap_or_default()
+                ))
+            });
+        }
+    }
+    // The lengths of lists that are not read follow from the sizes of this model.
+    let sizes = state.then(|| {
+        let layout = &equations.layout;
+        let (nq, nv, nz) = (whole(layout.nq), whole(layout.nv), whole(layout.nz));
+        let ns = whole(layout.ns);
+        let states = own.then(|| quote!(let states: &[#t; #ns] = states;));
+        quote! {
+            let q: &[#t; #nq] = q;
+            let v: &[#t; #nv] = v;
+            let z: &[#t; #nz] = z;
+            #states
+        }
+    });
+    if program.by_column.is_none() {
+        names.push(quote!(out));
+        values.push(quote!(::mbd_runtime::__private::fixed_mut(out)));
+    }
+    quote! {
+        #pattern => {
+            if let (#(::core::option::Option::Some(#names)),*) = (#(#values),*) {
+                #sizes
+                #call
             }
         }
     }

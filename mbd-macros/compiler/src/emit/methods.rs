@@ -92,14 +92,7 @@ fn signature(context: &EmitContext, what: Quantity, program: Option<&Program>) -
                 .collect(),
         ),
     };
-    let state_read = [
-        NumberList::Q,
-        NumberList::V,
-        NumberList::Z,
-        NumberList::States,
-    ]
-    .iter()
-    .any(|&g| reads.reads(g));
+    let state_read = reads.reads_state();
     let mut taken = Vec::new();
     let mut prepared = TokenStream::new();
     if reads.reads(NumberList::Time) {

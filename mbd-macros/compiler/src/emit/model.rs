@@ -94,7 +94,7 @@ fn hidden(context: &EmitContext) -> TokenStream {
             &[text, format!(" {}.", program.cost())],
         )
     });
-    let first = equations.programs.len() + 1 + usize::from(equations.kinematics.is_some());
+    let first = equations.first_of_values();
     let values = equations
         .values
         .iter()

@@ -31,9 +31,8 @@ pub struct CheckArgs {
 pub fn check(args: &CheckArgs) -> Result<String, CommandFailure> {
     let read = SceneFile::find(&args.scene).and_then(|file| {
         let phases = Phases::of(file, &args.scene)?;
-        phases.check_settings()?;
+        let start = phases.check_settings()?;
         let remarks = phases.remarks();
-        let start = phases.start_warning();
         let first = phases.files.into_iter().next();
         let first = first.map(|mut file| {
             let remarks = remarks.into_iter().chain(start);

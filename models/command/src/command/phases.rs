@@ -9,7 +9,7 @@ use super::campaign::nominal;
 use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::SceneFile;
-use crate::run::{PlanError, Settings, warning_before};
+use crate::run::{PlanError, Settings};
 
 /// More files than this are no run.
 pub const MOST: usize = 64;
@@ -121,29 +121,20 @@ impl Phases {
         settings_of_all(first, given, &own)
     }
 
-    /// Tells what stands in the settings of any of the files and cannot be used.
+    /// Tells what stands in the settings of any of the files and cannot be used. What a run will say of its start, where it is not as it was asked to be.
     ///
     /// # Errors
     /// The first such setting.
-    pub fn check_settings(&self) -> Result<(), CommandFailure> {
+    pub fn check_settings(&self) -> Result<Option<String>, CommandFailure> {
         let Some(first) = self.files.first() else {
-            return Ok(());
+            return Ok(None);
         };
         let settings = self.settings(&first.settings, &GivenSettings::default());
-        let mut files = self.files.iter().zip(&settings).enumerate();
-        files.try_for_each(|(place, (file, settings))| file.check_settings(settings, place == 0))
-    }
-
-    /// What a run of the first scene will say of its start; `None` where it starts as it was asked to.
-    pub fn start_warning(&self) -> Option<String> {
-        let first = self.files.first()?;
-        let mut settings = self
-            .settings(&first.settings, &GivenSettings::default())
-            .into_iter()
-            .next()?;
-        settings.until.get_or_insert(1.0.into());
-        let plan = RunPlan::new(&first.scene, &settings).ok()?;
-        warning_before(&first.scene, &plan)
+        let files = self.files.iter().zip(&settings).enumerate();
+        let checked =
+            files.map(|(place, (file, settings))| file.check_settings(settings, place == 0));
+        let warnings = checked.collect::<Result<Vec<_>, _>>()?;
+        Ok(warnings.into_iter().flatten().next())
     }
 
     /// One sentence a param that was given by `--set` and that the map of an event decides.

@@ -17,7 +17,8 @@ use super::failure::CommandFailure;
 use super::list::{self, ReadyEntry};
 use super::mistakes::Mistakes;
 use crate::run::{
-    PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table, split, windows,
+    PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table, split, warning_of,
+    windows,
 };
 
 /// A scene that was read without errors.
@@ -158,51 +159,52 @@ impl SceneFile {
     }
 
     /// Tells what stands in the settings that it is run with and cannot be used; what is left out may be given with the command that runs it. A scene that
-    /// goes on from another (`begins` is false) begins where that one is.
+    /// goes on from another (`begins` is false) begins where that one is. What a run of it will say of its start, where it is not as it was asked to be.
     ///
     /// # Errors
     /// The first such setting.
-    pub fn check_settings(&self, settings: &Settings, begins: bool) -> Result<(), CommandFailure> {
+    pub fn check_settings(
+        &self,
+        settings: &Settings,
+        begins: bool,
+    ) -> Result<Option<String>, CommandFailure> {
         let mut settings = settings.clone();
         settings.until.get_or_insert(1.0.into());
-        let told = match RunPlan::new(&self.scene, &settings) {
-            Ok(plan) => match check_params(&self.scene, &plan.params) {
-                Ok(()) => {
-                    let told = self.open_start(&plan).filter(|_| begins);
-                    told.map(|text| SettingsError { line: None, text })
-                }
-                Err(error) => Some(self.of_param(&error, &[])),
-            },
+        let plan = match RunPlan::new(&self.scene, &settings) {
+            Ok(plan) => plan,
             Err(error) => {
                 let line = self.line_of(&error);
+                let text = error.to_string();
                 // What the declaration says of its start stands in no setting.
-                let told = line.is_some() || error.setting == "start";
-                told.then(|| SettingsError {
-                    line,
-                    text: error.to_string(),
-                })
+                return match line.is_some() || error.setting == "start" {
+                    true => Err(self.mistake(SettingsError { line, text })),
+                    false => Ok(None),
+                };
             }
         };
-        told.map_or(Ok(()), |told| Err(self.mistake(told)))
+        if let Err(error) = check_params(&self.scene, &plan.params) {
+            return Err(self.misparam(&error, &[]));
+        }
+        match begins {
+            true => self
+                .start(&plan)
+                .map_err(|text| self.mistake(SettingsError { line: None, text })),
+            false => Ok(None),
+        }
     }
 
     /// A set of params that the model cannot have, at the line that sets the one that is wrong; `given` were set otherwise.
     pub fn misparam(&self, error: &ParamError, given: &[String]) -> CommandFailure {
-        self.mistake(self.of_param(error, given))
-    }
-
-    fn of_param(&self, error: &ParamError, given: &[String]) -> SettingsError {
         let name = match error {
             ParamError::OutOfRange { param, .. } | ParamError::NotFinite { param, .. } => {
                 Some(param).filter(|param| !given.contains(param))
             }
             _ => None,
         };
-        let line = name.and_then(|name| self.line_of_setting(&format!("params.{name}")));
-        SettingsError {
-            line,
+        self.mistake(SettingsError {
+            line: name.and_then(|name| self.line_of_setting(&format!("params.{name}"))),
             text: error.to_string(),
-        }
+        })
     }
 
     /// A mistake in the settings of its run.
@@ -215,25 +217,33 @@ impl SceneFile {
         })
     }
 
-    /// What a run says of joints that cannot hold where it begins, and of springs without a direction there; `None` where there are none, or where
-    /// something else keeps it from beginning.
-    fn open_start(&self, plan: &RunPlan) -> Option<String> {
-        let springs = self.scene.lines.iter();
-        let springs = springs.filter(|line| !line.kind.is_unilateral());
-        if self.scene.joints.is_empty() && springs.count() == 0 {
-            return None;
-        }
-        let model = Generic::<f64>::new(self.scene.clone(), &plan.params).ok()?;
-        let mut run = Simulation::new(&model, plan.options).ok()?;
-        plan.begin(&mut run).ok()?;
-        let cause = run.start().err()?.cause;
+    /// What a run says of its start where it is not as it was asked to be; `None` also where something else keeps it from beginning.
+    ///
+    /// # Errors
+    /// What it says of joints that cannot hold where it begins, and of springs without a direction there.
+    fn start(&self, plan: &RunPlan) -> Result<Option<String>, String> {
+        let model = Generic::<f64>::new(self.scene.clone(), &plan.params);
+        let begun = model.ok().and_then(|model| {
+            let mut run = Simulation::new(&model, plan.options).ok()?;
+            plan.begin(&mut run).ok().map(|()| run)
+        });
+        let Some(mut run) = begun else {
+            return Ok(None);
+        };
+        let Err(error) = run.start() else {
+            return Ok(warning_of(&run, plan));
+        };
+        let cause = error.cause;
         let opens = matches!(
             cause,
             StepError::InconsistentStart { .. }
                 | StepError::WrongBranch { .. }
                 | StepError::NoDirection { .. }
         );
-        opens.then(|| format!("{cause}; {}", cause.advice()))
+        match opens {
+            true => Err(format!("{cause}; {}", cause.advice())),
+            false => Ok(None),
+        }
     }
 
     /// What is said of metrics that count beyond the end of the run that the file sets.

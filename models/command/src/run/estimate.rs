@@ -1,9 +1,10 @@
 //! The error of a run: by a second, finer one, and by the energy that it made or lost.
 
+use mbd_campaign::LARGE_ERROR;
 use mbd_campaign::run::RunPlan;
 use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::{Formula, Function, Scene, plain};
-use mbd_runtime::{Deviation, Model, Sampling, Simulation, Trajectory};
+use mbd_runtime::{Deviation, MetricValue, Model, Sampling, Simulation, Trajectory};
 
 use super::outcome::{CONTENT, RunOutcome};
 
@@ -15,8 +16,6 @@ const NOTHING: f64 = 1e-9;
 const SMALL_PART: f64 = 1e-6;
 /// An error of the steps below this part of what they made of the energy does not explain it.
 const UNEXPLAINED: f64 = 1e-3;
-/// An error beyond this part of the size of what it is an error of is told.
-const LARGE: f64 = 0.01;
 
 /// The error of the quantity that is off most, of its own size.
 #[derive(Clone, Debug, PartialEq)]
@@ -227,12 +226,12 @@ fn rows(history: &Trajectory) -> Vec<usize> {
 }
 
 /// The metric that is resolved worst, with the part of its size that it may be off by, where that is large.
-fn unresolved(scene: &Scene, run: &Trajectory) -> Option<(String, f64)> {
+fn unresolved(scene: &Scene, run: &Trajectory) -> Option<(MetricValue, f64)> {
     let sizes = Sizes::of_run(run);
     let parts = run.metrics(scene).into_iter().filter_map(|metric| {
         let scale = sizes.scale(&metric.unit, metric.value.ok()?.abs());
         let part = metric.unresolved / scale;
-        (scale > NOTHING && part > LARGE).then_some((metric.name, part))
+        (scale > NOTHING && part > LARGE_ERROR).then_some((metric, part))
     });
     parts.max_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -247,12 +246,15 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
     let by_energy = outcome
         .imbalance
         .map(|it| it.relative())
-        .filter(|part| *part > LARGE);
+        .filter(|part| *part > LARGE_ERROR);
     let by_momentum = outcome
         .momentum
         .map(|it| it.relative())
-        .filter(|part| *part > LARGE);
-    let by_estimate = outcome.estimate.as_ref().filter(|it| it.relative > LARGE);
+        .filter(|part| *part > LARGE_ERROR);
+    let by_estimate = outcome
+        .estimate
+        .as_ref()
+        .filter(|it| it.relative > LARGE_ERROR);
     let rough = unresolved(scene, &outcome.trajectory);
     let by_rounding = Some(outcome.rounding).filter(|part| *part > 1e-3);
     let doubts = [
@@ -276,8 +278,8 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
                 plain(time, 9)
             )
         }),
-        rough.map(|(name, part)| {
-            format!("`{name}` is off by about {:.1} % of its value: what it measures changes faster than it can be followed inside a step, or is noise; take shorter steps (`--dt`)", 100.0 * part)
+        rough.map(|(metric, part)| {
+            format!("{}; take shorter steps (`--dt`)", metric.off_by(part))
         }),
         by_energy.map(|part| {
             let lost = format!("the run made or lost {:.1} % of the energy that moved", 100.0 * part);

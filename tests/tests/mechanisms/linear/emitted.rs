@@ -43,6 +43,19 @@ mbd_runtime::model! {
     }
 }
 
+/// ẋ by state, inputs and parameters, and outputs by state; nothing of what a scene has not.
+fn derivatives(model: &dyn Model<f64>, at: &mbd_scene::Arguments<f64>) -> [Vec<f64>; 4] {
+    let mut linear = Linearisation::new(model.layout());
+    let found = linear.evaluate(model, &at.at(), &mut model.work());
+    found.expect("a regular position");
+    [
+        linear.state().values().to_vec(),
+        linear.input().values().to_vec(),
+        linear.parameter().values().to_vec(),
+        linear.outputs_by_state().values().to_vec(),
+    ]
+}
+
 #[test]
 fn derivatives_of_emitted_code_are_those_of_the_interpreter_to_the_bit_and_of_the_laws() {
     let crank = Crank::new(CrankParams::default()).expect("defaults");
@@ -58,16 +71,8 @@ fn derivatives_of_emitted_code_are_those_of_the_interpreter_to_the_bit_and_of_th
         inputs: vec![1.5],
         ..mbd_scene::Arguments::default()
     };
-    let found = [&crank as &dyn Model<f64>, &interpreted, &laws].map(|model| {
-        let mut linear = Linearisation::new(model.layout());
-        let found = linear.evaluate(model, &at.at(), &mut model.work());
-        found.expect("a regular position");
-        [
-            linear.state().values().to_vec(),
-            linear.input().values().to_vec(),
-            linear.parameter().values().to_vec(),
-        ]
-    });
+    let models = [&crank as &dyn Model<f64>, &interpreted, &laws];
+    let found = models.map(|model| derivatives(model, &at));
     let [emitted, interpreted, by_laws] = &found;
     for ((emitted, interpreted), by_laws) in emitted.iter().zip(interpreted).zip(by_laws) {
         let size = by_laws.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -145,17 +150,8 @@ fn derivatives_in_one_direction_at_a_time_are_those_of_the_laws_four_beside_each
         inputs: inputs.to_vec(),
         ..mbd_scene::Arguments::default()
     };
-    let found = [&trunk as &dyn Model<f64>, &alone, &interpreted, &laws].map(|model| {
-        let mut linear = Linearisation::new(model.layout());
-        let found = linear.evaluate(model, &at.at(), &mut model.work());
-        found.expect("a regular position");
-        [
-            linear.state().values().to_vec(),
-            linear.input().values().to_vec(),
-            linear.parameter().values().to_vec(),
-            linear.outputs_by_state().values().to_vec(),
-        ]
-    });
+    let models = [&trunk as &dyn Model<f64>, &alone, &interpreted, &laws];
+    let found = models.map(|model| derivatives(model, &at));
     let [beside, alone, interpreted, by_laws] = &found;
     for kind in 0..by_laws.len() {
         let size = by_laws[kind]
