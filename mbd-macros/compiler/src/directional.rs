@@ -57,11 +57,11 @@ pub fn directional(
 ) -> Option<Directional> {
     layout.tree.as_ref()?;
     let reached = reachable(outputs.iter().map(|&(_, expr)| expr));
-    let Dependence {
+    let DependentTerms {
         swept,
         columns,
         pattern,
-    } = Dependence::of(outputs, by, &reached);
+    } = DependentTerms::of(outputs, by, &reached);
     if swept <= LONG || DENSE * swept <= columns.len() * reached.len() {
         return None;
     }
@@ -105,8 +105,8 @@ pub fn directional(
     })
 }
 
-/// What depends on which variable.
-struct Dependence {
+/// Which terms and outputs depend on which variable.
+struct DependentTerms {
     /// Terms of the sweeps of all variables.
     swept: usize,
     /// The variables that something depends on.
@@ -115,7 +115,7 @@ struct Dependence {
     pattern: Vec<(usize, usize)>,
 }
 
-impl Dependence {
+impl DependentTerms {
     /// Of outputs and the terms that they reach.
     fn of(outputs: &[(usize, Expr)], by: &[DerivativeVariable], reached: &[Expr]) -> Self {
         let users = Users::new(reached);
@@ -131,7 +131,7 @@ impl Dependence {
             pattern.extend(rows.map(|&(row, _)| (row, column)));
         }
         pattern.sort_unstable();
-        Dependence {
+        DependentTerms {
             swept,
             columns,
             pattern,
