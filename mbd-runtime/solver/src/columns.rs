@@ -64,6 +64,18 @@ fn body_words(scene: &Scene, layout: &Layout) -> [Vec<&'static str>; 4] {
     ]
 }
 
+/// The unit of the rate of what has this one: `m/s` of `m`, `rad` of `rad*s`.
+pub(crate) fn a_second(unit: &str) -> String {
+    match unit {
+        "" => "1/s".to_owned(),
+        unit => match (unit.strip_suffix("*s"), unit.strip_suffix("/s")) {
+            (Some(of), _) => of.to_owned(),
+            (None, Some(of)) => format!("{of}/s^2"),
+            (None, None) => format!("{unit}/s"),
+        },
+    }
+}
+
 /// The coordinates of the state x = [q | v | z | s], in order: `capsule.x` … `capsule.qz`, `capsule.vx`, `capsule.omega_body_x`, `swivel.x`, ….
 /// In the plane xz: `crank.x`, `crank.z`, `crank.angle` (about y, not periodic), `crank.vx`, `crank.vz`, `crank.omega_y`.
 #[must_use]

@@ -145,7 +145,7 @@ pub use accuracy::{
 };
 pub use compiled::{inverse_dynamics, linearise, linearise_along};
 pub use inverse::Efforts;
-pub use linearise::{Linearisation, LinearisationError, Matrix, StateSpace, Vibration};
+pub use linearise::{Kink, Linearisation, LinearisationError, Matrix, StateSpace, Vibration};
 pub use trim::{Trim, TrimError, Trimmed, trim};
 
 /// What the matrices of [`StateSpace`] are made of, in this version.

@@ -10,10 +10,11 @@
 //! components of a quaternion mean something along unit quaternions.
 //! Everything is finite at every state: where G_y is singular nothing pulls in the missing directions, and y follows its anchors there
 //! (slack rule of `static` and `stepwise`: ∂p/∂p_i = 1/n; rules 3 and 4 of `rate`). Modes, the memory and the velocities of stepwise nodes and the weights of rule 4 stay
-//! fixed; at a switch these are the derivatives on one side.
+//! fixed; at a switch these are the derivatives on one side ([`StateSpace::kinks`] tells them).
 
 pub(crate) mod chart;
 mod jacobian;
+mod kinks;
 mod matrix;
 pub(crate) mod moment;
 mod networks;
@@ -27,6 +28,7 @@ use mbd_scene::similar::near_and_all;
 use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
 pub(crate) use jacobian::Jacobian;
+pub use kinks::Kink;
 pub use matrix::Matrix;
 use networks::NetworkElimination;
 use rows::{Evaluator, ThroughRows};

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use mbd_scene::{At, Float, JointStart, Layout, Model, NodeModel, Quantity, Scene, Variable, Work};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::{Linearisation, LinearisationError};
 use crate::columns::{input_name, state_names};
@@ -84,6 +84,22 @@ impl SceneMoment {
             state: state.to_vec(),
             inputs: inputs.to_vec(),
         })
+    }
+
+    /// The scene beside this moment: moved by these numbers in the state, with these inputs and its nodes in balance.
+    pub(crate) fn beside(
+        &self,
+        moves: &DVector<f64>,
+        inputs: Vec<f64>,
+    ) -> Result<Self, LinearisationError> {
+        let state = self.state.iter().zip(moves.iter());
+        let mut state: Vec<f64> = state.map(|(x, more)| x + more).collect();
+        self.system.normalise(&mut state);
+        let layout = (*self.model.layout).clone();
+        let mut beside = Self::with_layout(&*self.model, layout, (self.time, &state, &inputs))?;
+        beside.recall(&self.remembered());
+        beside.settle(Some(&self.node_positions()))?;
+        Ok(beside)
     }
 
     /// Counts turns of angles from these starts of joints on.

@@ -14,6 +14,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearisationError;
 use super::chart::{Chart, ChartOrder, MinimalCoordinate, input_names};
+use super::kinks::{Kink, kinks};
 use super::moment::{SceneMoment, dense};
 use crate::columns::{Name, state_names};
 use crate::system::Remembered;
@@ -41,6 +42,8 @@ pub struct StateSpace {
     pub accelerations: DVector<f64>,
     /// `stepwise` nodes with damped lines, which are in this system without their damping; only that of a rest has such.
     pub undamped: Vec<String>,
+    /// Where it stands at a place that has another linear system on the other side: what changes there. Empty elsewhere.
+    pub kinks: Vec<Kink>,
 }
 
 impl StateSpace {
@@ -107,7 +110,13 @@ impl StateSpace {
         }
         moment.settle(known.map(|(nodes, _)| nodes))?;
         let chart = Chart::choose(&mut moment, coordinates, ChartOrder::Places)?;
-        Self::in_chart(&mut moment, &chart)
+        Ok(Self::in_chart(&mut moment, &chart)?.with_kinks(&moment))
+    }
+
+    /// It, with the kinks of the place that it stands at.
+    pub(crate) fn with_kinks(mut self, moment: &SceneMoment) -> Self {
+        self.kinks = kinks(moment, &self);
+        self
     }
 
     pub(crate) fn in_chart(
@@ -205,6 +214,7 @@ impl StateSpace {
             tangent,
             accelerations,
             undamped: moment.damped_by_steps.clone(),
+            kinks: Vec::new(),
             a,
             b,
         })

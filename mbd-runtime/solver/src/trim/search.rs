@@ -4,6 +4,7 @@ use mbd_scene::{JointStart, LINE_NUMBERS, Model, Quantity, Scene, StartFrom, Sta
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
+use crate::columns::a_second;
 use crate::compiled::Scalar;
 use crate::linearise::chart::{
     Chart, ChartOrder, MinimalCoordinate, input_names, known, with_unit,
@@ -380,7 +381,7 @@ impl Search {
         let scale = size(&slopes);
         self.chart.refresh(&mut self.moment)?;
         let residual = self.residual(None)?;
-        let space = StateSpace::in_chart(&mut self.moment, &self.chart)?;
+        let space = StateSpace::in_chart(&mut self.moment, &self.chart)?.with_kinks(&self.moment);
         let sizes = residual.iter().map(|x| x.abs()).enumerate();
         let worst = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((worst, left)) = worst
@@ -492,18 +493,6 @@ impl Search {
             .zip(columns)
             .filter(|(_, column)| column.amax() <= least);
         still.map(|(name, _)| with_unit(name)).collect()
-    }
-}
-
-/// The unit of the rate of what has this one: `m/s` of `m`, `rad` of `rad*s`.
-fn a_second(unit: &str) -> String {
-    match unit {
-        "" => "1/s".to_owned(),
-        unit => match (unit.strip_suffix("*s"), unit.strip_suffix("/s")) {
-            (Some(of), _) => of.to_owned(),
-            (None, Some(of)) => format!("{of}/s^2"),
-            (None, None) => format!("{unit}/s"),
-        },
     }
 }
 

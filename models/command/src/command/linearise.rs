@@ -8,7 +8,7 @@ use mbd_report::{ReportTable, significant};
 use mbd_runtime::nalgebra::DMatrix;
 use mbd_runtime::scene::{Dimension, Scene};
 use mbd_runtime::{
-    Content, Generic, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory,
+    Content, Generic, Kink, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory,
     TrimError, Trimmed,
 };
 use serde_json::json;
@@ -125,7 +125,11 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
             Some(time) => format!("motion after {time}"),
             None => "start".to_owned(),
         };
-        return Ok(format!("{moved}{}{note}", told(&space, &place)));
+        return Ok(format!(
+            "{moved}{}{}{note}",
+            told(&space, &place),
+            kinked(&space, &place)
+        ));
     }
     let begun = run.trim();
     let begun = along.iter().fold(begun, |it, name| it.along(name));
@@ -164,7 +168,12 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         passing.unwrap_or_default(),
         told_there(&there),
         told(&rest.space, place),
-        [undamped(&rest.space), growing(&rest.space, place)].concat(),
+        [
+            undamped(&rest.space),
+            kinked(&rest.space, place),
+            growing(&rest.space, place)
+        ]
+        .concat(),
         turning(&there, &rest.space)
     ))
 }
@@ -275,8 +284,19 @@ fn json_of(
             "undecided": rest.undecided,
         })
     });
+    let kinks: Vec<_> = space
+        .kinks
+        .iter()
+        .map(|kink| {
+            let of = match kink.is_rate {
+                true => format!("rate of {}", kink.of.name),
+                false => kink.of.name.clone(),
+            };
+            json!({ "of": of, "by": kink.by.name, "sides": kink.sides })
+        })
+        .collect();
     pretty(&json!({
-        "rest": rest, "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs), "undamped": space.undamped,
+        "rest": rest, "states": names(&space.states), "inputs": names(&space.inputs), "outputs": names(&space.outputs), "undamped": space.undamped, "kinks": kinks,
         "a": rows(&space.a), "b": rows(&space.b), "c": rows(&space.c), "d": rows(&space.d),
         "accelerations": space.accelerations.as_slice(), "eigenvalues": eigenvalues,
     }))
@@ -408,6 +428,30 @@ fn undamped(space: &StateSpace) -> String {
                 .map(|node| format!("`{node}`"))
                 .collect::<Vec<_>>()
                 .join(", ")
+        ),
+    }
+}
+
+/// Says what has another linear system on the other side of the place.
+fn kinked(space: &StateSpace, place: &str) -> String {
+    let told = |kink: &Kink| {
+        let [one, other] = kink.sides.map(|side| significant(side, 4));
+        let (of, by) = (&kink.of, &kink.by);
+        let rate = if kink.is_rate { "the rate of " } else { "" };
+        format!(
+            "{rate}`{}` [{}] changes by {one} per {} of `{}` on one side and by {other} on the other",
+            of.name, of.unit, by.unit, by.name
+        )
+    };
+    match space.kinks.as_slice() {
+        [] => String::new(),
+        [first, rest @ ..] => format!(
+            "\nnote: the {place} is at a kink, and this linear system holds on one side of it: {}{}. Linearise beside it, on the side that is meant.\n",
+            told(first),
+            match rest.len() {
+                0 => String::new(),
+                more => format!(" (and {more} more such derivatives)"),
+            }
         ),
     }
 }

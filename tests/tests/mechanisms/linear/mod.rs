@@ -4,6 +4,7 @@ mod closed_forms;
 mod detached;
 mod efforts;
 mod emitted;
+mod kinks;
 mod mechanisms;
 mod names;
 mod nodes;
