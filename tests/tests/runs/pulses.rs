@@ -40,6 +40,23 @@ model! {
     }
 }
 
+model! {
+    /// Nothing moves but declared states, until one of them lets something act.
+    pub model Discharge {
+        gravity: none;
+        param width = 1 s in 1e-3 s ..= 10 s;
+        table gear = { 0 s: 0 N, 49 s: 0 N, 50 s: 100 N, 51 s: 0 N };
+        state charge = 1 { rate: -0.01 (1/s) }
+        state clock = 0 s { rate: 1 + 0.002 (1/s) * clock }
+        point motor { mass: 1 kg }
+        load drive on motor = [
+            if(charge < 0.5, if(charge > 0.45, 10 N, 0 N), 0 N),
+            gear(clock),
+            10 N * exp(-((clock - 50 s) / width)^2) * (1 + 0.002 (1/s) * clock),
+        ];
+    }
+}
+
 fn methods(tolerance: f64) -> [Options; 4] {
     [
         Options::tsit5(tolerance),
@@ -114,6 +131,30 @@ fn nor_in_calls_that_follow_each_other() {
     }
     let exact = 0.02 * std::f64::consts::PI.sqrt();
     assert!((run.state()[6] - exact).abs() < 1e-6, "{}", run.state()[6]);
+}
+
+#[test]
+fn what_declared_states_let_act_is_not_leapt_over() {
+    for width in [10.0, 0.1, 1e-3] {
+        let model = Discharge::new(DischargeParams { width }).expect("params in range");
+        for options in methods(1e-8) {
+            let name = options.method.name();
+            let run = flown(&model, options, 100.0);
+            let [x, y, z]: [f64; 3] = run.state()[3..6].try_into().expect("a velocity");
+            // 10 N for 5 s; ∫ F(c) dt with c = 500 s (exp(t/500 s) − 1), so that dt = dc/(1 + c/500 s); ∫ 10 N exp(−((c − 50 s)/w)²) dc.
+            let table = {
+                let s = |c: f64| (1.0 + c / 500.0).ln() * 500.0;
+                let rising = 500.0 - 549.0 * (s(50.0) - s(49.0));
+                let falling = 551.0 * (s(51.0) - s(50.0)) - 500.0;
+                100.0 * (rising + falling)
+            };
+            let pulse = 10.0 * width * std::f64::consts::PI.sqrt();
+            println!("{width} {name}: {} {} {}", x - 50.0, y - table, z - pulse);
+            assert!((x - 50.0).abs() < 2e-4, "{name}: {x}");
+            assert!((y - table).abs() < 2e-4, "{name}: {y} {table}");
+            assert!((z - pulse).abs() < 2e-5, "{width} {name}: {z} {pulse}");
+        }
+    }
 }
 
 #[test]

@@ -35,21 +35,33 @@ pub fn with_params<'a, S: Real>(
     params: &'a [f64],
     time: S,
 ) -> impl Context<S> + 'a {
+    with_states(scene, params, time, |_| None)
+}
+
+/// The same where declared states are known, by number.
+pub fn with_states<'a, S: Real>(
+    scene: &'a Scene,
+    params: &'a [f64],
+    time: S,
+    states: impl Fn(usize) -> Option<S> + 'a,
+) -> impl Context<S> + 'a {
     AtTime {
         scene,
         params,
         time,
+        states,
     }
 }
 
 /// The same without the derivatives of a motion.
-struct AtTime<'a, S> {
+struct AtTime<'a, S, F> {
     scene: &'a Scene,
     params: &'a [f64],
     time: S,
+    states: F,
 }
 
-impl<S: Real> Context<S> for AtTime<'_, S> {
+impl<S: Real, F: Fn(usize) -> Option<S>> Context<S> for AtTime<'_, S, F> {
     fn scene(&self) -> &Scene {
         self.scene
     }
@@ -60,6 +72,10 @@ impl<S: Real> Context<S> for AtTime<'_, S> {
 
     fn named(&self, index: usize) -> Option<Value<S>> {
         of_let(index, self)
+    }
+
+    fn state(&self, index: usize) -> Option<S> {
+        (self.states)(index)
     }
 
     fn time(&self) -> Option<S> {

@@ -1,4 +1,4 @@
-//! What changes with time alone, and what of it the ends of a step and its stages do not show.
+//! What changes with time alone, or with declared states, and what of it the ends of a step and its stages do not show.
 //!
 //! ```text
 //! g unseen between a and b:   some t in (a, b) with g(t) outside the hull of g(s) at all times s that were looked at                (1)
@@ -6,10 +6,11 @@
 //!
 //! A step that begins where nothing moves has an error of zero whatever lies inside it, a pulse `exp(-((t − 10 s)/w)^2)` as well as nothing. What
 //! changes with time alone is known beforehand: its range over a span holds everything it can be there, so that bisection finds
-//! what lies outside the hull, however short it lasts, and the first time at which a guard passes. Derived.
+//! what lies outside the hull, however short it lasts, and the first time at which a guard passes. What declared states change, a clock, a charge, the angle of a
+//! cam, is looked at in the same way along the course that they take over a step. Derived.
 
 use crate::laws::formula::{Value, scalar, value};
-use crate::laws::ground::with_params;
+use crate::laws::ground::with_states;
 use crate::scalar::Range;
 use crate::{Dual, Formula, Function, Real, Scene};
 
@@ -27,12 +28,20 @@ const SHORTEST: f64 = 1e-12;
 /// Spans that wait at a time: every bisection leaves one more.
 const WAITING: usize = MOST_SPANS as usize + 1;
 
-/// A number of time alone that is not constant.
+/// The value of a declared state, by number, at a time of a step [s], and its rate then: where it is a square of time, bounds hold everything.
+pub type Course<'a> = &'a dyn Fn(usize, f64) -> [f64; 2];
+
+/// That of what no state changes.
+const STILL: Course<'static> = &|_, _| [f64::NAN; 2];
+
+/// A number of time alone, or of time and declared states, that is not constant.
 #[derive(Clone, Debug)]
 struct TimeFunction {
     formula: Formula,
     /// Whether it never jumps.
     is_continuous: bool,
+    /// Whether it hangs on declared states.
+    follows_states: bool,
 }
 
 impl TimeFunction {
@@ -42,6 +51,7 @@ impl TimeFunction {
             |part: &Formula| matches!(part, Formula::Apply(Atan2 | Floor | IfAtMost | IfLess, _));
         TimeFunction {
             is_continuous: !scene.contains(&formula, jumps),
+            follows_states: scene.contains(&formula, |part| matches!(part, Formula::State(_))),
             formula,
         }
     }
@@ -50,7 +60,7 @@ impl TimeFunction {
 /// The formulas of time alone of a scene, for some params.
 #[derive(Clone, Debug, Default)]
 pub struct TimeFunctions {
-    /// Scalars that are not constant, of what acts.
+    /// Scalars that are not constant, of what acts: those of time alone, then those of states.
     acting: Vec<TimeFunction>,
     /// The same of outputs, and of what metrics measure.
     measured: Vec<TimeFunction>,
@@ -118,11 +128,16 @@ impl TimeFunctions {
             frame.position.iter().chain(rotation)
         });
         let lets = scene.lets.iter().map(|named| &named.value);
-        for formula in scene.acting_formulas().chain(frames).chain(lets) {
-            collect(scene, formula, &mut acting);
-        }
+        let all = || {
+            scene
+                .acting_formulas()
+                .chain(frames.clone())
+                .chain(lets.clone())
+        };
+        all().for_each(|formula| collect(scene, &changes, formula, &mut acting));
+        all().for_each(|formula| collect(scene, &follows, formula, &mut acting));
         for output in &scene.outputs {
-            collect(scene, &output.value, &mut measured);
+            collect(scene, &changes, &output.value, &mut measured);
         }
         let events = scene.events.iter().enumerate();
         let guards = events.filter(|(_, event)| changes(scene, &event.guard));
@@ -143,7 +158,7 @@ impl TimeFunctions {
     fn scalars(&self, scene: &Scene, formulas: Vec<Formula>) -> Vec<TimeFunction> {
         let mut scalars: Vec<Formula> = Vec::new();
         for formula in formulas {
-            let start = with_params(scene, &self.params, 0.0);
+            let start = with_states(scene, &self.params, 0.0, |_| Some(0.0));
             let parts = match value(&formula, &start) {
                 Value::Scalar(_) => vec![formula],
                 Value::Vector(_) => {
@@ -182,31 +197,63 @@ impl TimeFunctions {
 
     /// What a number is over a span: by its range, and of one that does not jump by its slope from the middle on,
     /// g(t) ∈ g(m) + g′(span) (t − m), which closes in on it with the square of the span.
-    fn during(&self, scene: &Scene, number: &TimeFunction, [from, to]: [f64; 2]) -> Range {
+    fn during(
+        &self,
+        scene: &Scene,
+        number: &TimeFunction,
+        course: Course<'_>,
+        [from, to]: [f64; 2],
+    ) -> Range {
         if !number.is_continuous {
+            let states = |state| Some(along(course, state, [from, to]).value);
             let span = Range::between(from, to);
-            return self.scalar(scene, &number.formula, span);
+            return scalar(
+                &number.formula,
+                &with_states(scene, &self.params, span, states),
+            );
         }
-        let along = self.along(scene, &number.formula, [from, to]);
+        let along = self.along(scene, number, course, [from, to]);
         let middle = 0.5 * (from + to);
         let half = Range::between(from - middle, to - middle);
-        let own = self.scalar(scene, &number.formula, middle);
+        let own = self.at(scene, number, course, middle);
         along
             .value
             .meet(Range::from_f64(own) + along.slopes[0] * half)
     }
 
-    fn scalar<S: Real>(&self, scene: &Scene, formula: &Formula, time: S) -> S {
-        scalar(formula, &with_params(scene, &self.params, time))
+    /// A number at a time.
+    fn at(&self, scene: &Scene, number: &TimeFunction, course: Course<'_>, time: f64) -> f64 {
+        let states = |state| Some(course(state, time)[0]);
+        scalar(
+            &number.formula,
+            &with_states(scene, &self.params, time, states),
+        )
     }
 
     /// A number and its slope while time is in a span.
-    fn along(&self, scene: &Scene, formula: &Formula, [from, to]: [f64; 2]) -> Dual<Range, 1> {
-        let span = Range::between(from, to);
-        self.scalar(scene, formula, Dual::variable(span, 0))
+    fn along(
+        &self,
+        scene: &Scene,
+        number: &TimeFunction,
+        course: Course<'_>,
+        [from, to]: [f64; 2],
+    ) -> Dual<Range, 1> {
+        let time = Dual::variable(Range::between(from, to), 0);
+        let states = |state| Some(along(course, state, [from, to]));
+        scalar(
+            &number.formula,
+            &with_states(scene, &self.params, time, states),
+        )
     }
 
-    /// Whether a number that acts rises or falls all over a span, or stays: then its ends show everything, and those of every part of it.
+    /// Whether a number that acts hangs on declared states.
+    #[must_use]
+    pub fn follows_states(&self, number: usize) -> bool {
+        let own = self.acting.get(number);
+        own.is_some_and(|own| own.follows_states)
+    }
+
+    /// Whether a number that acts, of time alone, rises or falls all over a span, or stays: then its ends show everything, and those of every part of it.
     #[must_use]
     pub fn is_monotone(&self, scene: &Scene, number: usize, span: [f64; 2]) -> bool {
         let own = self.acting.get(number);
@@ -215,21 +262,22 @@ impl TimeFunctions {
 
     fn keeps_going(&self, scene: &Scene, number: &TimeFunction, span: [f64; 2]) -> bool {
         number.is_continuous && {
-            let [slope] = self.along(scene, &number.formula, span).slopes;
+            let [slope] = self.along(scene, number, STILL, span).slopes;
             slope.low >= 0.0 || slope.high <= 0.0
         }
     }
 
-    /// A time in a span at which a number that acts is unseen by (1), where it was looked at at the times `seen` [s].
+    /// A time in a span at which a number that acts is unseen by (1), where it was looked at at the times `seen` [s] and states take this course.
     pub fn unseen(
         &self,
         scene: &Scene,
         number: usize,
+        course: Course<'_>,
         span: [f64; 2],
         seen: impl Iterator<Item = f64>,
     ) -> Option<f64> {
         let number = self.acting.get(number)?;
-        self.unseen_of(scene, number, span, seen)
+        self.unseen_of(scene, (number, course), span, seen)
     }
 
     /// Whether something that is measured is unseen by (1) in a span, where it was looked at at the times `seen` [s].
@@ -239,23 +287,26 @@ impl TimeFunctions {
         span: [f64; 2],
         seen: impl Iterator<Item = f64> + Clone,
     ) -> bool {
-        let unseen = |number| self.unseen_of(scene, number, span, seen.clone()).is_some();
+        let unseen = |number| {
+            self.unseen_of(scene, (number, STILL), span, seen.clone())
+                .is_some()
+        };
         self.measured.iter().any(unseen)
     }
 
     fn unseen_of(
         &self,
         scene: &Scene,
-        number: &TimeFunction,
+        (number, course): (&TimeFunction, Course<'_>),
         whole: [f64; 2],
         seen: impl Iterator<Item = f64>,
     ) -> Option<f64> {
-        let at = |time: f64| Range::from_f64(self.scalar(scene, &number.formula, time));
+        let at = |time: f64| Range::from_f64(self.at(scene, number, course, time));
         let margin = |hull: Range| {
             let size = hull.low.abs().max(hull.high.abs());
             (MARGIN * hull.width()).max(ROUNDING * size)
         };
-        let bounds = self.during(scene, number, whole);
+        let bounds = self.during(scene, number, course, whole);
         let ends = at(whole[0]).hull(at(whole[1]));
         // Most of what there is rises or falls over a step, and both ends were looked at.
         if ends.beyond(bounds) <= margin(ends) {
@@ -277,7 +328,7 @@ impl TimeFunctions {
                 worst = (out, Some(middle));
             }
             for half in [[span[0], middle], [middle, span[1]]] {
-                spans.add(half, hull.beyond(self.during(scene, number, half)));
+                spans.add(half, hull.beyond(self.during(scene, number, course, half)));
             }
         }
         worst.1
@@ -288,7 +339,8 @@ impl TimeFunctions {
     #[must_use]
     pub fn hidden_from_steps(&self, scene: &Scene, whole: [f64; 2], step: f64) -> Option<f64> {
         let hidden = |number| self.hidden_of(scene, number, whole, step);
-        self.acting.iter().find_map(hidden)
+        let mut of_time = self.acting.iter().filter(|own| !own.follows_states);
+        of_time.find_map(hidden)
     }
 
     fn hidden_of(
@@ -301,14 +353,14 @@ impl TimeFunctions {
         if self.keeps_going(scene, number, [begin, end]) {
             return None;
         }
-        let at = |time: f64| Range::from_f64(self.scalar(scene, &number.formula, time));
+        let at = |time: f64| Range::from_f64(self.at(scene, number, STILL, time));
         let part = |number: u32| begin + (end - begin) * f64::from(number) / f64::from(SAMPLES);
         let all = (0..=SAMPLES).map(|number| at(part(number)));
         let mut total = all.reduce(Range::hull)?;
         let mut spans = Bisection::new([begin, end], MOST_SPANS_OF_GUARDS);
         spans.add([begin, end], 0.0);
         while let Some(span) = spans.last() {
-            if self.during(scene, number, span).width() <= NOTICED * total.width() {
+            if self.during(scene, number, STILL, span).width() <= NOTICED * total.width() {
                 continue;
             }
             let middle = 0.5 * (span[0] + span[1]);
@@ -319,7 +371,8 @@ impl TimeFunctions {
                 continue;
             }
             let looks = [span[0], middle, span[1]];
-            let Some(found) = self.unseen_of(scene, number, span, looks.into_iter()) else {
+            let Some(found) = self.unseen_of(scene, (number, STILL), span, looks.into_iter())
+            else {
                 continue;
             };
             let seen = looks.into_iter().map(at).reduce(Range::hull)?;
@@ -344,7 +397,7 @@ impl TimeFunctions {
         let (_, guard) = self.guards.iter().find(|(own, _)| *own == event)?;
         let sign = if positive { 1.0 } else { -1.0 };
         let during = |span: [f64; 2]| {
-            let range = self.during(scene, guard, span);
+            let range = self.during(scene, guard, STILL, span);
             (range - Range::from_f64(zero)) * Range::from_f64(sign)
         };
         let mut first = None;
@@ -355,7 +408,7 @@ impl TimeFunctions {
                 continue;
             }
             let middle = 0.5 * (span[0] + span[1]);
-            if sign * (self.scalar(scene, &guard.formula, middle) - zero) < 0.0 {
+            if sign * (self.at(scene, guard, STILL, middle) - zero) < 0.0 {
                 first = Some(middle);
                 // Nothing later is first.
                 spans.drop_all();
@@ -368,29 +421,61 @@ impl TimeFunctions {
     }
 }
 
+/// A declared state and its slope while time is in a span: both bounds hold where it is a square of time.
+fn along(course: Course<'_>, state: usize, [from, to]: [f64; 2]) -> Dual<Range, 1> {
+    let [[a, before], [b, behind]] = [from, to].map(|time| course(state, time));
+    let ends = Range::between(a, b);
+    let turns = before * behind < 0.0;
+    let crest = from + (to - from) * before / (before - behind);
+    Dual {
+        value: match turns {
+            true => ends.hull(Range::from_f64(course(state, crest)[0])),
+            false => ends,
+        },
+        slopes: [Range::between(before, behind)],
+    }
+}
+
 /// Whether a formula is of time alone and not constant.
 fn changes(scene: &Scene, formula: &Formula) -> bool {
     scene.is_of_time(formula) && scene.contains(formula, |part| matches!(part, Formula::Time))
 }
 
-/// The largest parts of a formula that change with time alone. Time itself, and what is said of a `let`, is left out: the one has no pulse, the other has a place
-/// of its own.
-fn collect(scene: &Scene, formula: &Formula, found: &mut Vec<Formula>) {
+/// Whether a formula is of declared states, and of nothing but these and time.
+fn follows(scene: &Scene, formula: &Formula) -> bool {
+    scene.is_of_time_and_states(formula)
+        && scene.contains(formula, |part| matches!(part, Formula::State(_)))
+}
+
+/// The largest parts of a formula that change in a way. Time and states themselves, and what is said of a `let`, are left out: the ones have no pulse, the other has
+/// a place of its own.
+fn collect(
+    scene: &Scene,
+    way: &impl Fn(&Scene, &Formula) -> bool,
+    formula: &Formula,
+    found: &mut Vec<Formula>,
+) {
     match formula {
-        Formula::Time | Formula::Let(_) => {}
-        Formula::Apply(Function::Neg, _) => descend(scene, formula, found),
-        _ if changes(scene, formula) => found.push(formula.clone()),
-        _ => descend(scene, formula, found),
+        Formula::Time | Formula::State(_) | Formula::Let(_) => {}
+        Formula::Apply(Function::Neg, _) => descend(scene, way, formula, found),
+        _ if way(scene, formula) => found.push(formula.clone()),
+        _ => descend(scene, way, formula, found),
     }
 }
 
-fn descend(scene: &Scene, formula: &Formula, found: &mut Vec<Formula>) {
+fn descend(
+    scene: &Scene,
+    way: &impl Fn(&Scene, &Formula) -> bool,
+    formula: &Formula,
+    found: &mut Vec<Formula>,
+) {
     match formula {
         Formula::Vector(parts)
         | Formula::Apply(_, parts)
         | Formula::Component(parts, _)
         | Formula::Lookup(_, parts) => {
-            parts.iter().for_each(|part| collect(scene, part, found));
+            let parts = parts.iter();
+            parts.for_each(|part| collect(scene, way, part, found));
         }
         _ => {}
     }
@@ -437,7 +522,7 @@ mod tests {
         };
         let functions = TimeFunctions::new(&scene, &[]);
         let seen = [0.0, 0.5, 1.0].map(|part| from + part * (to - from));
-        functions.unseen(&scene, 0, [from, to], seen.into_iter())
+        functions.unseen(&scene, 0, STILL, [from, to], seen.into_iter())
     }
 
     #[test]
@@ -498,10 +583,10 @@ mod tests {
             for place in 0..500 {
                 for width in [1.0, 0.1, 1e-3] {
                     let from = 0.01 * f64::from(place);
-                    let bounds = functions.during(&scene, &own, [from, from + width]);
+                    let bounds = functions.during(&scene, &own, STILL, [from, from + width]);
                     for part in 0..=20 {
                         let time = from + width * f64::from(part) / 20.0;
-                        let value: f64 = functions.scalar(&scene, &own.formula, time);
+                        let value: f64 = functions.at(&scene, &own, STILL, time);
                         let slack = 1e-12 * (1.0 + value.abs());
                         assert!(
                             !value.is_finite()
@@ -515,11 +600,51 @@ mod tests {
         // Near the crest of a product the excess is that of the curve.
         let own = TimeFunction::new(&scene, apply(Mul, [sine(1.0), pulse(1.5, 3.0)]));
         let excess = |width: f64| {
-            let bounds = functions.during(&scene, &own, [1.5 - width, 1.5 + width]);
+            let bounds = functions.during(&scene, &own, STILL, [1.5 - width, 1.5 + width]);
             bounds.width()
         };
         let [coarse, fine] = [0.02, 0.01].map(excess);
         assert!(fine < 0.3 * coarse + 0.1 * 0.01, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn what_a_state_passes_on_its_course_is_found() {
+        // exp(−((c − 3)/w)²) along c = 4 t − t², which turns at 4.
+        let clock = State {
+            name: "c".into(),
+            doc: String::new(),
+            start: number(0.0),
+            unit: Unit::default(),
+            rate: number(1.0),
+        };
+        let of = |w: f64| {
+            let from = apply(Function::Sub, [Formula::State(0), number(3.0)]);
+            let part = apply(Function::Div, [from, number(w)]);
+            let square = apply(Function::Mul, [part.clone(), part]);
+            State {
+                rate: apply(Function::Exp, [apply(Function::Neg, [square])]),
+                ..clock.clone()
+            }
+        };
+        let course: Course<'_> = &|_, t| [4.0 * t - t * t, 4.0 - 2.0 * t];
+        for width in [0.1, 1e-3, 1e-6] {
+            let scene = Scene {
+                states: vec![clock.clone(), of(width)],
+                ..Scene::default()
+            };
+            let functions = TimeFunctions::new(&scene, &[]);
+            assert_eq!(functions.acting(), 1);
+            assert!(functions.follows_states(0));
+            let seen = || [0.0, 2.0, 4.0].into_iter();
+            let found = functions.unseen(&scene, 0, course, [0.0, 4.0], seen());
+            let found = found.unwrap_or_else(|| panic!("{width}"));
+            assert!(
+                (course(0, found)[0] - 3.0).abs() < width,
+                "{width}: {found}"
+            );
+            let found = functions.unseen(&scene, 0, course, [0.0, 0.9], [0.0, 0.9].into_iter());
+            assert_eq!(found, None);
+        }
     }
 
     #[test]

@@ -161,16 +161,22 @@ impl Scene {
     /// Whether nothing but time changes a formula during a run.
     #[must_use]
     pub fn is_of_time(&self, formula: &Formula) -> bool {
-        use Formula::{Apply, Component, Const, Let, Lookup, Number, Param, Time, Vector};
-        let of_time = |part: &Formula| {
-            let known = matches!(part, Number(_) | Const(_) | Param(_) | Time);
-            known
-                || matches!(
-                    part,
-                    Let(_) | Vector(_) | Component(..) | Apply(..) | Lookup(..)
-                )
+        self.is_of_time_and_states(formula)
+            && !self.contains(formula, |part| matches!(part, Formula::State(_)))
+    }
+
+    /// Whether nothing but time and declared states changes a formula during a run.
+    #[must_use]
+    pub fn is_of_time_and_states(&self, formula: &Formula) -> bool {
+        use Formula::{Apply, Component, Const, Let, Lookup, Number, Param, State, Time, Vector};
+        let known = |part: &Formula| {
+            let leaf = matches!(part, Number(_) | Const(_) | Param(_) | State(_) | Time);
+            leaf || matches!(
+                part,
+                Let(_) | Vector(_) | Component(..) | Apply(..) | Lookup(..)
+            )
         };
-        !self.contains(formula, |part| !of_time(part))
+        !self.contains(formula, |part| !known(part))
     }
 
     /// Whether the work of loads on equilibrium points is told: these have a velocity of their own, or the loads change with time alone.

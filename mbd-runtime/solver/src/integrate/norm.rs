@@ -190,15 +190,18 @@ impl ErrorNorm {
         largest / self.tolerance
     }
 
-    /// How far bodies and points get in a step by their speeds in a state, over the scales of lengths and angles: the furthest of them.
-    pub(crate) fn motion<T: Float>(&self, step: f64, state: &[T]) -> f64 {
+    /// How far bodies and points get in a step by their speeds in a state, and how much speeds and declared states change by their rates, over the scales
+    /// of each: the furthest of them.
+    pub(crate) fn motion<T: Float>(&self, step: f64, state: &[T], rates: &[T]) -> f64 {
+        let size = |block: &NormBlock, list: &[T]| step * block.square(list).sqrt();
         let far = self.blocks.iter().map(|block| {
-            let scale = match block.kind {
-                NormKind::Velocity => self.scales.length,
-                NormKind::AngularVelocity => self.scales.angle,
-                _ => return 0.0,
-            };
-            step * block.square(state).sqrt() / scale
+            let change = size(block, rates) / block.scale;
+            match block.kind {
+                NormKind::Velocity => change.max(size(block, state) / self.scales.length),
+                NormKind::AngularVelocity => change.max(size(block, state) / self.scales.angle),
+                NormKind::State(_) => change,
+                _ => 0.0,
+            }
         });
         far.fold(0.0, f64::max)
     }

@@ -4,11 +4,12 @@
 //! between is never seen. So a step that passes its error test is looked at again:
 //!
 //! ```text
-//! h |f(t, x) − f̂(t, x)|,    t where something of time alone is unseen, f̂ straight between the stages next to t    (1)
-//! h |Δ⁴ f| / 8,             f along the step at looks that motion takes a tenth of its scale apart                (2)
+//! h |f(t, x) − f̂(t, x)|,    t where something of time and states is unseen, f̂ straight between the stages next to t    (1)
+//! h |Δ⁴ f| / 8,             f along the step at looks that what changes is a tenth of its scale apart           (2)
 //! ```
 //!
-//! Each is measured as an error of the step is. (1) is looked at in every step in which [`TimeFunctions::unseen`] finds such a time; (2) where the error
+//! Each is measured as an error of the step is. (1) is looked at in every step in which [`TimeFunctions::unseen`] finds such a time, declared states on the square of
+//! time that begins as they do and ends where they end; (2) where the error
 //! is so small that it says nothing about the next step, and what acts has places at which it changes quickly. Where either exceeds the tolerance
 //! by more than the error of the step makes likely, the step ends there. Derived; the idea of looking at the rates between the stages: W. H. Enright,
 //! *Analysis of error control strategies for continuous Runge–Kutta methods*, SIAM J. Numer. Anal. 26 (1989).
@@ -24,7 +25,7 @@ use crate::integrate::Rates;
 const QUIET: f64 = 1e-3;
 /// How much larger than the error of a step (1) and (2) are where nothing is overlooked, at most.
 const LIKELY: f64 = 1e3;
-/// The part of its scale that motion may take between two looks, and the fewest and the most looks at a step.
+/// The part of its scale by which places, speeds and states may change between two looks, and the fewest and the most looks at a step.
 const APART: f64 = 0.1;
 const FEWEST: u32 = 8;
 const MOST: u32 = 256;
@@ -104,13 +105,14 @@ impl<T: Float> Simulation<T> {
         self.looks = 0;
         let allowed = (LIKELY * error).max(1.0);
         for number in 0..self.system.of_time.acting() {
-            if self.is_monotone(number, step) {
+            let follows = self.system.of_time.follows_states(number);
+            if !follows && self.is_monotone(number, step) {
                 continue;
             }
             let Some(part) = self.unseen_part(number, step) else {
                 continue;
             };
-            let size = self.jumps_unseen(part, step)?;
+            let size = self.jumps_unseen(part, step, follows)?;
             if size.is_nan() || size > allowed {
                 return Ok(Some(part));
             }
@@ -141,18 +143,33 @@ impl<T: Float> Simulation<T> {
         is_inside(span)
     }
 
-    /// Where (1) is to be looked at for a number of time alone, in parts of the step.
+    /// A declared state, by number, at a time of the step, and its rate.
+    fn course(&self, step: f64, state: usize, time: f64) -> [f64; 2] {
+        let place = self.system.model.layout().states() + state;
+        let lists = [&self.state[..], self.method.next(), self.method.first()];
+        let own = |list: &[T]| list.get(place).map_or(f64::NAN, |x| x.to_f64());
+        let [start, end, rate] = lists.map(own);
+        let (part, moved) = ((time - self.time) / step, rate * step);
+        let bend = end - start - moved;
+        [
+            start + (moved + bend * part) * part,
+            rate + 2.0 * bend * part / step,
+        ]
+    }
+
+    /// Where (1) is to be looked at for a number of time and states, in parts of the step.
     fn unseen_part(&self, number: usize, step: f64) -> Option<f64> {
         let (scene, method, start) = (self.system.model.scene(), &self.method, self.time);
         let stages = (0..).map_while(|stage| method.stage_time(stage));
         let seen = stages.chain([0.0, 1.0]).map(|part| start + part * step);
         let functions: &TimeFunctions = &self.system.of_time;
-        let found = functions.unseen(scene, number, [start, start + step], seen)?;
+        let course = |state, time| self.course(step, state, time);
+        let found = functions.unseen(scene, number, &course, [start, start + step], seen)?;
         Some((found - start) / step)
     }
 
-    /// (1) at a part of the step, in tolerances.
-    fn jumps_unseen(&mut self, part: f64, step: f64) -> Result<f64, StepError> {
+    /// (1) at a part of the step, in tolerances; whether declared states go on with time.
+    fn jumps_unseen(&mut self, part: f64, step: f64, follows: bool) -> Result<f64, StepError> {
         self.inside_state(part, step)?;
         let stages = (0..).map_while(|stage| self.method.stage_time(stage));
         let (before, after) = stages
@@ -162,6 +179,9 @@ impl<T: Float> Simulation<T> {
                 false => (low, at.min(high)),
             });
         for (look, at) in [before, after, part].into_iter().enumerate() {
+            if follows {
+                self.states_inside(at, step);
+            }
             self.look_at_rates(look, at, [part, step])?;
         }
         let toward = (part - before) / (after - before);
@@ -170,13 +190,27 @@ impl<T: Float> Simulation<T> {
         Ok(self.measure_difference())
     }
 
+    /// Puts the declared states of a part of the step into the state inside.
+    fn states_inside(&mut self, part: f64, step: f64) {
+        let (first, count) = {
+            let layout = self.system.model.layout();
+            (layout.states(), layout.ns)
+        };
+        for state in 0..count {
+            let [value, _] = self.course(step, state, self.time + part * step);
+            if let Some(own) = self.inside.get_mut(first + state) {
+                *own = T::from_f64(value);
+            }
+        }
+    }
+
     /// How many looks (2) takes; `None` where nothing gets far.
     fn looks_by_motion(&self, step: f64) -> Option<u32> {
         let Pace::Adaptive(_, norm) = &self.pace else {
             return None;
         };
-        let ends = [&self.state[..], self.method.next()];
-        let far = ends.map(|state| norm.motion(step, state));
+        let (ends, rates) = ([&self.state[..], self.method.next()], self.method.first());
+        let far = ends.map(|state| norm.motion(step, state, rates));
         let far = far[0].max(far[1]) / APART;
         (far >= 1.0).then(|| (far.min(f64::from(MOST)) as u32).clamp(FEWEST, MOST))
     }
