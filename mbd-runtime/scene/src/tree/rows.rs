@@ -92,10 +92,18 @@ impl<S: Real> TreeRows<S> {
                     sum += factor * evaluation.at.state[link.slots.q + index];
                     self.lines[dependent.row * layout.nv + link.slots.v + index] = factor;
                 }
+                // Coordinates are measured from the frames that joints sit on: what moves these takes part in the work alone.
+                let mut drive = S::zero();
+                if slots.driven {
+                    self.between(evaluation, joint);
+                    for row in self.rows[joint].whole() {
+                        drive += evaluation.prescribed_in_world(joint, row);
+                    }
+                }
                 self.levels[dependent.row] = Level {
                     value: coupling.value(sum),
                     time: S::zero(),
-                    drive: S::zero(),
+                    drive,
                     bias: S::zero(),
                 };
             }
