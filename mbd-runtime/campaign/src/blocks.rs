@@ -103,6 +103,8 @@ pub struct Done {
     pub not_finite: u64,
     /// Those that did, where a metric is not resolved.
     pub unresolved: u64,
+    /// Those that did inside the window of a metric.
+    pub partial: u64,
     /// Cases that were there already.
     pub skipped: u64,
     /// Steps that were tried.
@@ -224,6 +226,7 @@ impl Done {
         self.failed += u64::from(!flown.row.reached_end());
         self.not_finite += u64::from(flown.row.status == CaseRow::NOT_FINITE);
         self.unresolved += u64::from(flown.row.status == CaseRow::UNRESOLVED);
+        self.partial += u64::from(flown.row.status == CaseRow::PARTIAL);
         self.steps += steps;
         self.beside += beside;
     }

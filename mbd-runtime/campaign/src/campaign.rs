@@ -64,6 +64,8 @@ struct Judged {
     not_finite: Vec<String>,
     /// Which metrics are not resolved.
     unresolved: Vec<String>,
+    /// Which metrics are those of a part of their window.
+    partial: Vec<String>,
     /// Of the envelopes.
     numbers: Vec<f64>,
 }
@@ -232,12 +234,14 @@ impl Campaign {
             unit: varied.known.unit.clone(),
             require: None,
             waits_for: String::new(),
+            to: None,
         });
         let metrics = self.metrics.list.iter().map(|metric| ResultColumn {
             name: metric.name.clone(),
             unit: metric.unit.clone(),
             require: metric.require,
             waits_for: metric.waits_for(),
+            to: metric.counts_up_to(),
         });
         Manifest {
             model: names.join(" → "),
@@ -397,6 +401,7 @@ impl Campaign {
             metrics: self.metrics.read(history),
             not_finite,
             unresolved: self.metrics.unresolved(history),
+            partial: self.metrics.partial(history),
             numbers: envelopes.map_or(Vec::new(), |envelopes| envelopes.read(history)),
         }
     }
@@ -433,18 +438,17 @@ impl Campaign {
         let values = self.dispersions.in_units(&values);
         match result {
             Ok(judged) => {
-                let status = match (judged.not_finite.is_empty(), judged.unresolved.is_empty()) {
-                    (false, _) => CaseRow::NOT_FINITE,
-                    (true, false) => CaseRow::UNRESOLVED,
-                    (true, true) => CaseRow::OK,
-                };
+                let said = [judged.not_finite, judged.unresolved, judged.partial];
+                let mut statuses = CaseRow::DOUBTFUL.into_iter().zip(&said);
+                let doubtful = statuses.find(|(_, told)| !told.is_empty());
+                let status = doubtful.map_or(CaseRow::OK, |(status, _)| status);
                 CaseRow {
                     case,
                     status: status.to_owned(),
                     time: judged.end,
                     values,
                     metrics: judged.metrics,
-                    why: [judged.not_finite, judged.unresolved].concat().join("; "),
+                    why: said.concat().join("; "),
                 }
             }
             Err(failed) => CaseRow {

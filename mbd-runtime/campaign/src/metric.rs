@@ -7,6 +7,7 @@ use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
+use mbd_runtime::scene::twelve_digits;
 use mbd_runtime::{Content, MetricReader, MetricValue, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
@@ -150,6 +151,21 @@ impl Metrics {
         told.collect()
     }
 
+    /// A sentence on each whose window a run left before its end, so that its value is that of a part of it.
+    #[must_use]
+    pub fn partial(&self, history: &Trajectory) -> Vec<String> {
+        let end = history.end();
+        let told = self.list.iter().filter_map(|metric| {
+            let to = metric.counts_up_to().filter(|to| is_cut(*to, end))?;
+            let name = &metric.name;
+            history.measured(&metric.reader).is_ok().then(|| {
+                let end = twelve_digits(end);
+                format!("`{name}` counts up to {to} s, and the run ends at {end} s: it is told of what lies before")
+            })
+        });
+        told.collect()
+    }
+
     /// A sentence on each whose quantity, or which itself, is no finite number in a history that measured it.
     #[must_use]
     pub fn not_finite(&self, history: &Trajectory) -> Vec<String> {
@@ -162,6 +178,11 @@ impl Metrics {
         });
         told.collect()
     }
+}
+
+/// Whether a run that ends then [s] leaves a part of a window up to `to` [s] open; an end that an event made has rounding in its last digits.
+pub(crate) fn is_cut(to: f64, end: f64) -> bool {
+    twelve_digits(to) > twelve_digits(end)
 }
 
 impl WrittenMetric {
@@ -407,6 +428,16 @@ impl CampaignMetric {
             Take::FirstAbove => "the level was not passed".to_owned(),
             _ => String::new(),
         }
+    }
+
+    /// Up to when a run counts [s], where something does not count any more; `None` also of what happens first, which nothing later changes.
+    pub(crate) fn counts_up_to(&self) -> Option<f64> {
+        let [_, to] = self.reader.window;
+        let is_settled = matches!(
+            self.reader.take,
+            Take::Value | Take::TimeOf | Take::FirstAbove
+        );
+        (to.is_finite() && !is_settled).then_some(to)
     }
 
     /// It with its value in a history that measured it, as a run tells those of its scene.

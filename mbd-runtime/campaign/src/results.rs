@@ -14,7 +14,7 @@ use crate::table::{cell, cells, heading, number};
 pub struct CaseRow {
     /// Its number; 0 is the nominal.
     pub case: u64,
-    /// [`CaseRow::OK`], [`CaseRow::NOT_FINITE`], or the kind of failure.
+    /// [`CaseRow::OK`], [`CaseRow::NOT_FINITE`], [`CaseRow::UNRESOLVED`], [`CaseRow::PARTIAL`], or the kind of failure.
     pub status: String,
     /// When its run ended [s].
     pub time: f64,
@@ -22,7 +22,7 @@ pub struct CaseRow {
     pub values: Vec<f64>,
     /// The metrics, each in its unit; NaN where there is none.
     pub metrics: Vec<f64>,
-    /// Why it failed, or what of it is no finite number or not resolved.
+    /// Why it failed, or what of it is no finite number, not resolved, or of a part of its window only.
     pub why: String,
 }
 
@@ -54,11 +54,17 @@ impl CaseRow {
     pub const NOT_FINITE: &str = "output_not_finite";
     /// The status of one that did, where a metric measures what changes faster than it can be followed: its value is off by more than a hundredth of it.
     pub const UNRESOLVED: &str = "metric_unresolved";
+    /// The status of one that did inside the window of a metric: its value is that of the part that was flown.
+    pub const PARTIAL: &str = "metric_partial";
+
+    /// The statuses of cases that reached their end with something to say of it, the weightiest first.
+    pub const DOUBTFUL: [&str; 3] = [CaseRow::NOT_FINITE, CaseRow::UNRESOLVED, CaseRow::PARTIAL];
 
     /// Whether its run came to its end.
     #[must_use]
     pub fn reached_end(&self) -> bool {
-        [CaseRow::OK, CaseRow::NOT_FINITE, CaseRow::UNRESOLVED].contains(&self.status.as_str())
+        let status = self.status.as_str();
+        status == CaseRow::OK || CaseRow::DOUBTFUL.contains(&status)
     }
 
     /// It as a line, without its end.

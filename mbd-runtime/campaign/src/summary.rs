@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::metric::Requirement;
+use crate::manifest::ResultColumn;
+use crate::metric::{Requirement, is_cut};
 use crate::results::{CaseRow, Results};
 use crate::statistics::{Percentile, cases_needed, first_order, percentile, shows, spearman};
 
@@ -26,6 +27,8 @@ pub struct Told {
     pub without: u64,
     /// Those of them that reached their end without what the metric waits for, and that in words.
     pub waited: (u64, String),
+    /// Cases that have a value of a part of its window only; `None` where there are none.
+    pub cut: Option<CutWindow>,
     /// Mean and standard deviation; NaN of fewer than two values.
     pub moments: [f64; 2],
     /// The cases of the smallest and the largest value.
@@ -36,6 +39,32 @@ pub struct Told {
     pub verdict: Option<RequirementVerdict>,
     /// What drives it, the strongest first.
     pub drivers: Vec<MetricDriver>,
+}
+
+/// Cases whose runs ended inside the window of a metric.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutWindow {
+    /// The end of the window [s].
+    pub to: f64,
+    /// How many they are.
+    pub cases: u64,
+    /// The first of them.
+    pub first: u64,
+}
+
+impl CutWindow {
+    /// It in words.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let CutWindow { to, cases, first } = self;
+        let counted = match cases {
+            1 => format!("1 case counts a part of the window only, case {first}: its run ends"),
+            _ => format!(
+                "{cases} cases count a part of the window only, the first is case {first}: their runs end"
+            ),
+        };
+        format!("{counted} before {to} s")
+    }
 }
 
 /// A dispersed number and what a metric has of it.
@@ -80,6 +109,8 @@ pub struct RequirementVerdict {
     pub missed: u64,
     /// Those of them that have no value.
     pub without: u64,
+    /// Cases that meet it in the part of the window that they have flown.
+    pub partial: u64,
     /// All cases but the nominal.
     pub of: u64,
     /// Whether it is shown.
@@ -88,7 +119,7 @@ pub struct RequirementVerdict {
     pub needed: u64,
 }
 
-/// Cases of one kind of failure, those among them that reached their end with what is no finite number or not resolved.
+/// Cases of one kind of failure, those among them that reached their end with what is no finite number, not resolved, or of a part of its window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failures {
     /// Its status.
@@ -153,6 +184,11 @@ fn told(results: &Results, at: usize) -> Told {
         .iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
     let of = values.len() as u64;
+    let cut: Vec<(u64, f64)> = numbers
+        .iter()
+        .copied()
+        .filter(|(case, _)| is_partial(column, results.rows.get(*case as usize)))
+        .collect();
     let verdict = column.require.map(|require| {
         let missed = values
             .iter()
@@ -162,6 +198,10 @@ fn told(results: &Results, at: usize) -> Told {
             require,
             missed,
             without: of - numbers.len() as u64,
+            partial: cut
+                .iter()
+                .filter(|(_, value)| require.meets(*value))
+                .count() as u64,
             of,
             shown: shows(missed, of, require.share, require.confidence),
             needed: cases_needed(missed, require.share, require.confidence),
@@ -182,7 +222,7 @@ fn told(results: &Results, at: usize) -> Told {
         stronger.then(a.number.cmp(&b.number))
     });
     let waiting = results.rows.iter().skip(1).zip(&values);
-    let waiting = waiting.filter(|(row, value)| row.status == CaseRow::OK && value.is_nan());
+    let waiting = waiting.filter(|(row, value)| row.reached_end() && value.is_nan());
     let waited = match column.waits_for.as_str() {
         "" => (0, String::new()),
         waits_for => (waiting.count() as u64, waits_for.to_owned()),
@@ -193,6 +233,14 @@ fn told(results: &Results, at: usize) -> Told {
         nominal: results.rows.first().map_or(f64::NAN, |row| row.metrics[at]),
         without: of - sorted.len() as u64,
         waited,
+        cut: cut
+            .first()
+            .zip(column.to)
+            .map(|((first, _), to)| CutWindow {
+                to,
+                cases: cut.len() as u64,
+                first: *first,
+            }),
         moments,
         ends: smallest.zip(largest).map(|(low, high)| [low.0, high.0]),
         percentiles: PARTS
@@ -203,6 +251,14 @@ fn told(results: &Results, at: usize) -> Told {
         verdict,
         drivers,
     }
+}
+
+/// Whether what a case has of a metric is that of a part of its window.
+fn is_partial(column: &ResultColumn, row: Option<&CaseRow>) -> bool {
+    let flown = row.filter(|row| row.reached_end());
+    flown
+        .zip(column.to)
+        .is_some_and(|(row, to)| is_cut(to, row.time))
 }
 
 fn failures(results: &Results) -> Vec<Failures> {

@@ -1,11 +1,12 @@
 //! Metrics that a model declares: of a fall without air they have closed forms, whoever runs the model.
 
 use std::fs;
+use std::path::Path;
 use std::sync::Arc;
 
 use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::Settings;
-use mbd_campaign::{Campaign, CampaignSummary, Failure, Resources, Results, blocks};
+use mbd_campaign::{Campaign, CampaignSummary, CaseRow, Failure, Resources, Results, blocks};
 use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
 use mbd_runtime::{Generic, Model, model};
 
@@ -192,6 +193,93 @@ fn the_rows_of_a_grid_change_no_metric_and_the_end_of_a_case_is_where_it_lands()
         let close = (found - expected).abs() <= 1e-8 * expected.abs().max(1.0);
         assert!(close, "{name}: {found} instead of {expected}");
     }
+}
+
+/// Of h m under 10 m/s² a stone falls √(h/5) s: those from below 20 m land before 2 s.
+const SHORT: &str = "model Stone {
+    gravity: [0.0, 0.0, -10.0] m/s^2;
+    param height = 20 m in 1 m ..= 100 m;
+    point stone { mass: 1 kg, start at [0.0, 0.0, height] }
+    event landed = stone.position.z falls 0 m { then: stop }
+    metric fastest = max norm(stone.velocity) { from: 0.2 s, to: 2 s };
+    metric since = first_above norm(stone.velocity) { level: 5 m/s, to: 2 s };
+}";
+
+#[test]
+fn a_case_that_ends_inside_the_window_of_a_metric_says_so_and_is_no_silent_hit() {
+    let scene = read_text(SHORT).scene.expect("a scene");
+    let model = Interpreted::<f64>::new(scene, &[20.0]).expect("defaults");
+    let folder = Folder::new("metrics_partial");
+    let text = "cases = 40\n[params]\nheight = { dist = \"uniform\", low = \"10 m\", high = \"30 m\" }\n[metrics]\nfastest = { require = { below = \"25 m/s\", share = 0.5, confidence = 0.5 } }\n[run]\nuntil = \"3 s\"\ntolerance = 1e-10\n";
+    let campaign = campaign_of(&folder, model.share(), text).expect("valid");
+    let out = folder.0.join("out");
+    let (done, results) = flown(&campaign, &out);
+    let is_short = |row: &CaseRow| row.case > 0 && row.values[0] < 20.0;
+    let short: Vec<u64> = results
+        .rows
+        .iter()
+        .filter(|row| is_short(row))
+        .map(|row| row.case)
+        .collect();
+    let count = short.len();
+    assert!(count > 0 && count < 40);
+    assert_eq!((done.failed, done.partial), (0, count as u64));
+    for row in &results.rows {
+        let [fastest, since] = row.metrics[..] else {
+            panic!("two metrics");
+        };
+        let height = if row.case == 0 { 20.0 } else { row.values[0] };
+        let speed = 10.0 * (height / 5.0_f64).sqrt().min(2.0);
+        assert!(
+            (fastest - speed).abs() < 1e-7,
+            "{fastest} instead of {speed}"
+        );
+        assert!(
+            (since - 0.5).abs() < 1e-8,
+            "a level that was passed is settled"
+        );
+        if is_short(row) {
+            assert_eq!(row.status, "metric_partial");
+            let told = "`fastest` counts up to 2 s, and the run ends at ";
+            assert!(
+                row.why.starts_with(told) && !row.why.contains("since"),
+                "{}",
+                row.why
+            );
+        } else {
+            assert_eq!((row.status.as_str(), row.why.as_str()), ("ok", ""));
+        }
+    }
+    let summary = CampaignSummary::of(&results);
+    let told = mbd_campaign::text(&results, &summary);
+    let first = short[0];
+    for part in [
+        format!(
+            "{count} cases count a part of the window only, the first is case {first}: their runs end before 2 s"
+        ),
+        format!(
+            "0 of 40 cases miss it; of {count} that keep it only a part of the window was flown"
+        ),
+        format!("{count} × metric_partial: case {first}: `fastest` counts up to 2 s"),
+    ] {
+        assert!(told.contains(&part), "{part}\n{told}");
+    }
+    assert_eq!(summary.metrics[1].cut, None);
+}
+
+/// Runs all of a campaign into a folder.
+fn flown(campaign: &Campaign, out: &Path) -> (blocks::Done, Results) {
+    let resources = Resources {
+        threads: 1,
+        lanes: None,
+    };
+    let whole = (blocks::Shard::WHOLE, false);
+    let done = blocks::run(campaign, out, whole, resources, &mut ProgressLine::silent());
+    blocks::gather(out, None).expect("all blocks");
+    (
+        done.expect("it runs"),
+        Results::read(out).expect("gathered"),
+    )
 }
 
 /// A cart at 1 m/s: √(reach − x) is no number from `reach` seconds on, x/x none at the start.

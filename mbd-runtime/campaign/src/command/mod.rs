@@ -119,7 +119,7 @@ fn all_cores() -> usize {
     available_parallelism().map_or(1, usize::from)
 }
 
-/// How many cases have what is no finite number, or a metric that is not resolved, where some do.
+/// How many cases have what is no finite number, or a metric that is not resolved or of a part of its window, where some do.
 fn doubtful(done: &Done) -> String {
     let told = [
         (
@@ -129,6 +129,10 @@ fn doubtful(done: &Done) -> String {
         (
             done.unresolved,
             "a metric that is not resolved (`why` in cases.csv)",
+        ),
+        (
+            done.partial,
+            "a metric of a part of its window only (`why` in cases.csv)",
         ),
     ];
     let told = told.into_iter().filter(|(cases, _)| *cases > 0);

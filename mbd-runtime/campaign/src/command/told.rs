@@ -76,6 +76,9 @@ fn metric(results: &Results, told: &Told) -> String {
             why.unwrap_or_default()
         );
     }
+    if let Some(cut) = &told.cut {
+        text += &format!("  {}\n", cut.sentence());
+    }
     for percentile in &told.percentiles {
         text += &format!(
             "  {:>8} %  {:>12}   from {} to {}\n",
@@ -149,8 +152,12 @@ impl RequirementVerdict {
             0 => String::new(),
             without => format!(", {without} of them without a value"),
         };
+        let partial = match self.partial {
+            0 => String::new(),
+            cases => format!("; of {cases} that keep it only a part of the window was flown"),
+        };
         let what = format!(
-            "{name} {} in {} % of all cases with {} % confidence: {} of {} cases miss it{without}",
+            "{name} {} in {} % of all cases with {} % confidence: {} of {} cases miss it{without}{partial}",
             bounds.join(" and "),
             percent(self.require.share, PLACES),
             percent(self.require.confidence, PLACES),

@@ -55,7 +55,7 @@ pub fn pages(
 fn opening(title: String, row: &CaseRow, chosen: &Chosen) -> Report {
     let end = match row.status.as_str() {
         CaseRow::OK => format!("It reached its end at {} s.", row.time),
-        CaseRow::NOT_FINITE => format!("It reached its end at {} s, and {}.", row.time, row.why),
+        _ if row.reached_end() => format!("It reached its end at {} s, and {}.", row.time, row.why),
         status => format!(
             "It did not reach its end ({status}); the history goes up to its last accepted step at {} s: {}",
             row.time, row.why

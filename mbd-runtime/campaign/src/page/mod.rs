@@ -145,7 +145,7 @@ fn footprints(report: Report, results: &Results) -> Report {
 }
 
 fn opening(summary: &CampaignSummary) -> String {
-    let told = [CaseRow::NOT_FINITE, CaseRow::UNRESOLVED];
+    let told = CaseRow::DOUBTFUL;
     let count = |is_one: &dyn Fn(&str) -> bool| -> usize {
         let kinds = summary.failures.iter();
         let own = kinds.filter(|kind| is_one(&kind.status));
@@ -161,6 +161,7 @@ fn opening(summary: &CampaignSummary) -> String {
     let said = [
         "a metric or an output is no finite number",
         "a metric is not resolved",
+        "a metric is that of a part of its window only",
     ];
     let doubtful =
         told.into_iter()
@@ -212,6 +213,9 @@ fn overview(summary: &CampaignSummary) -> ReportTable {
     for told in &summary.metrics {
         if let Some(why) = told.reason() {
             table = table.note(format!("`{}` has no value where {why}.", told.name));
+        }
+        if let Some(cut) = &told.cut {
+            table = table.note(format!("`{}`: {}.", told.name, cut.sentence()));
         }
     }
     table.note(format!(
