@@ -170,7 +170,10 @@ impl Campaign {
         let envelopes = envelopes
             .map(|written| Envelopes::new(written, (&models, &nominal), &mut content))
             .transpose()?;
-        let metrics = Metrics::new(written.metrics.iter(), (&models, content))?;
+        let metrics = Metrics::new(
+            (written.metrics.iter(), dispersions.sampling),
+            (&models, content),
+        )?;
         let columns = models.len() > 1;
         let columns = columns.then(|| columns::joined(&models, metrics.content));
         // Work is integrated for those who ask for energy: no step with it is made in lanes.
@@ -207,7 +210,10 @@ impl Campaign {
     /// # Errors
     /// One cannot be read from such a history.
     pub fn metrics_in(&self, content: Content) -> Result<Metrics, PlanError> {
-        Metrics::new(self.written.iter(), (&[&*self.model], content))
+        Metrics::new(
+            (self.written.iter(), self.dispersions.sampling),
+            (&[&*self.model], content),
+        )
     }
 
     /// What is dispersed.
@@ -250,6 +256,7 @@ impl Campaign {
             settings: hash(settings),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+            sampling: self.dispersions.sampling,
             seed: self.dispersions.seed,
             cases: self.cases(),
             block: self.block,

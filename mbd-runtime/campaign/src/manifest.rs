@@ -13,6 +13,7 @@ use crate::failure::Failure;
 use crate::footprint::Footprint;
 use crate::histories::Choice;
 use crate::metric::Requirement;
+use crate::sampling::CaseSampling;
 use mbd_report::files;
 
 /// The name of its file.
@@ -52,6 +53,9 @@ pub struct Manifest {
     pub version: String,
     /// The kind of machine: sines and roots may differ in the last bit on another.
     pub target: String,
+    /// How the cases are spread: a grid is no random sample.
+    #[serde(default)]
+    pub sampling: CaseSampling,
     /// What all random numbers come from.
     pub seed: u64,
     /// All cases, with the nominal.

@@ -17,6 +17,8 @@ use crate::dispersion::{WrittenMetric, WrittenRequirement};
 use crate::results::LARGE_ERROR;
 use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
+use crate::sampling::CaseSampling;
+use crate::statistics::shows;
 
 /// A number that is read from the history of every case.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +41,9 @@ pub struct Requirement {
     pub above: Option<f64>,
     /// The part of all cases, 0 … 1.
     pub share: f64,
-    /// The confidence, 0 … 1.
-    pub confidence: f64,
+    /// The confidence, 0 … 1; `None` of a grid: its points are no random sample, and their share alone is judged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
 }
 
 impl Requirement {
@@ -50,6 +53,16 @@ impl Requirement {
         let below = self.below.is_none_or(|bound| value <= bound);
         let above = self.above.is_none_or(|bound| value >= bound);
         !value.is_nan() && below && above
+    }
+
+    /// Whether so many misses among so many cases show it; of a grid, whether enough of its points keep it.
+    #[must_use]
+    pub fn is_shown(&self, missed: u64, of: u64) -> bool {
+        match self.confidence {
+            Some(confidence) => shows(missed, of, self.share, confidence),
+            // 0.55 of 20 points are 11 of them, whatever the last bit of the product.
+            None => of > 0 && (of - missed) as f64 >= self.share * of as f64 * (1.0 - 1e-12),
+        }
     }
 
     /// How far a value is inside the nearer bound, in the unit of the metric; negative outside, NaN of NaN.
@@ -73,12 +86,15 @@ pub struct Metrics {
 
 impl Metrics {
     /// The metrics of the declarations of the models that a run comes to, and those of a campaign file. Of one that is declared, the file may say what it has
-    /// to be. Histories hold `content`, and what metrics need besides.
+    /// to be, which `sampling` has a part in. Histories hold `content`, and what metrics need besides.
     ///
     /// # Errors
     /// The first that cannot be read from a history of these models, or that two of them declare differently.
     pub(crate) fn new<'m>(
-        written: impl Iterator<Item = (&'m String, &'m WrittenMetric)> + Clone,
+        (written, sampling): (
+            impl Iterator<Item = (&'m String, &'m WrittenMetric)> + Clone,
+            CaseSampling,
+        ),
         (models, content): (&columns::Models<'_>, Content),
     ) -> Result<Self, PlanError> {
         let mut metrics = Metrics {
@@ -104,13 +120,13 @@ impl Metrics {
         for (scene, metric) in &all {
             let mut declared = declared(metric, scene, &names)?;
             if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
-                declared.require =
-                    MetricTextReader::new(name, written, &names).of_declared(&declared.unit)?;
+                declared.require = MetricTextReader::new(name, written, (&names, sampling))
+                    .of_declared(&declared.unit)?;
             }
             metrics.list.push(declared);
         }
         for (name, written) in own {
-            let reader = MetricTextReader::new(name, written, &names);
+            let reader = MetricTextReader::new(name, written, (&names, sampling));
             metrics.list.push(reader.metric(&scenes)?);
         }
         Ok(metrics)
@@ -263,15 +279,21 @@ struct MetricTextReader<'r> {
     name: &'r str,
     written: &'r WrittenMetric,
     names: &'r [Name],
+    is_grid: bool,
 }
 
 impl<'r> MetricTextReader<'r> {
-    fn new(name: &'r str, written: &'r WrittenMetric, names: &'r [Name]) -> Self {
+    fn new(
+        name: &'r str,
+        written: &'r WrittenMetric,
+        (names, sampling): (&'r [Name], CaseSampling),
+    ) -> Self {
         MetricTextReader {
             setting: format!("metrics.{name}"),
             name,
             written,
             names,
+            is_grid: sampling == CaseSampling::Grid,
         }
     }
 
@@ -380,8 +402,12 @@ impl<'r> MetricTextReader<'r> {
         unit: &str,
     ) -> Result<Requirement, PlanError> {
         let inside = |x: f64| x > 0.0 && x < 1.0;
-        if !inside(written.share) || !inside(written.confidence) {
+        let all_points = self.is_grid && written.share == 1.0;
+        if !(inside(written.share) || all_points) || !written.confidence.is_none_or(inside) {
             return Err(self.wrong("`share` and `confidence` of `require` lie between 0 and 1: share = 0.99865, confidence = 0.9"));
+        }
+        if written.confidence.is_none() && !self.is_grid {
+            return Err(self.wrong("`require` needs the confidence with which it is shown: confidence = 0.9 (a grid alone has none)"));
         }
         if written.below.is_none() && written.above.is_none() {
             return Err(self.wrong("`require` needs `below` or `above`"));
@@ -390,7 +416,7 @@ impl<'r> MetricTextReader<'r> {
             below: self.in_unit("require.below", written.below.as_ref(), unit)?,
             above: self.in_unit("require.above", written.above.as_ref(), unit)?,
             share: written.share,
-            confidence: written.confidence,
+            confidence: written.confidence.filter(|_| !self.is_grid),
         })
     }
 
@@ -466,12 +492,31 @@ mod tests {
     use super::*;
 
     #[test]
+    fn points_of_a_grid_are_counted_as_they_are() {
+        let require = |share| Requirement {
+            below: Some(3.0),
+            above: None,
+            share,
+            confidence: None,
+        };
+        // 0.55 · 20 is more than 11 in its last bit.
+        for (share, of, allowed) in [(0.9, 10, 1), (0.55, 20, 9), (1.0, 7, 0), (0.99, 22, 0)] {
+            assert!(require(share).is_shown(allowed, of), "{share}");
+            assert!(!require(share).is_shown(allowed + 1, of), "{share}");
+        }
+        assert!(
+            !require(0.5).is_shown(0, 0),
+            "nothing is shown by no points"
+        );
+    }
+
+    #[test]
     fn a_requirement_is_not_met_by_what_has_no_value() {
         let require = Requirement {
             below: Some(3.0),
             above: Some(1.0),
             share: 0.9,
-            confidence: 0.9,
+            confidence: Some(0.9),
         };
         assert!(require.meets(1.0) && require.meets(3.0) && !require.meets(3.1));
         assert!(!require.meets(0.9) && !require.meets(f64::NAN));

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use crate::manifest::ResultColumn;
 use crate::metric::{Requirement, is_cut};
 use crate::results::{CaseRow, Results};
-use crate::statistics::{Percentile, cases_needed, first_order, percentile, shows, spearman};
+use crate::sampling::CaseSampling;
+use crate::statistics::{Percentile, cases_needed, first_order, percentile, spearman};
 
 /// The percentiles that are told.
 pub const PARTS: [f64; 7] = [0.00135, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99865];
@@ -33,7 +34,7 @@ pub struct Told {
     pub moments: [f64; 2],
     /// The cases of the smallest and the largest value.
     pub ends: Option<[u64; 2]>,
-    /// Percentiles by order statistics.
+    /// Percentiles by order statistics; of a grid without intervals.
     pub percentiles: Vec<Percentile>,
     /// What is required, and what became of it.
     pub verdict: Option<RequirementVerdict>,
@@ -115,8 +116,8 @@ pub struct RequirementVerdict {
     pub of: u64,
     /// Whether it is shown.
     pub shown: bool,
-    /// How many cases can show it with so many misses.
-    pub needed: u64,
+    /// How many cases can show it with so many misses; `None` of a grid.
+    pub needed: Option<u64>,
 }
 
 /// Cases of one kind of failure, those among them that reached their end with what is no finite number, not resolved, or of a part of its window.
@@ -203,8 +204,10 @@ fn told(results: &Results, at: usize) -> Told {
                 .filter(|(_, value)| require.meets(*value))
                 .count() as u64,
             of,
-            shown: shows(missed, of, require.share, require.confidence),
-            needed: cases_needed(missed, require.share, require.confidence),
+            shown: require.is_shown(missed, of),
+            needed: require
+                .confidence
+                .map(|confidence| cases_needed(missed, require.share, confidence)),
         }
     });
     let dispersed = 0..results.manifest.dispersed.len();
@@ -243,13 +246,27 @@ fn told(results: &Results, at: usize) -> Told {
             }),
         moments,
         ends: smallest.zip(largest).map(|(low, high)| [low.0, high.0]),
-        percentiles: PARTS
-            .iter()
-            .filter_map(|part| percentile(&sorted, *part, CONFIDENCE))
-            .collect(),
+        percentiles: percentiles(&sorted, results.manifest.sampling),
         sorted,
         verdict,
         drivers,
+    }
+}
+
+/// The percentiles of sorted values; those of a grid are shares of its points, and have no intervals.
+fn percentiles(sorted: &[f64], sampling: CaseSampling) -> Vec<Percentile> {
+    let all = PARTS
+        .iter()
+        .filter_map(|part| percentile(sorted, *part, CONFIDENCE));
+    match sampling {
+        CaseSampling::Grid => all
+            .map(|own| Percentile {
+                low: None,
+                high: None,
+                ..own
+            })
+            .collect(),
+        _ => all.collect(),
     }
 }
 

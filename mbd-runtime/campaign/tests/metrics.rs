@@ -267,6 +267,60 @@ fn a_case_that_ends_inside_the_window_of_a_metric_says_so_and_is_no_silent_hit()
     assert_eq!(summary.metrics[1].cut, None);
 }
 
+/// From 5, 20, 45 and 80 m the stone falls 1, 2, 3 and 4 s.
+const HEIGHTS: &str = "sampling = \"grid\"\n[params]\nheight = { dist = \"grid\", values = [\"5 m\", \"20 m\", \"45 m\", \"80 m\"] }\n[run]\nuntil = \"5 s\"\ntolerance = 1e-10\n";
+
+#[test]
+fn a_grid_has_no_confidence_and_its_requirements_are_judged_by_the_share_of_its_points() {
+    let stone = || {
+        Stone::new(StoneParams::default())
+            .expect("defaults")
+            .share()
+    };
+    let folder = Folder::new("metrics_grid");
+    let cases = [
+        ("share = 0.75, confidence = 0.9", "met", true),
+        ("share = 0.75", "met", true),
+        ("share = 0.8", "NOT MET", false),
+        ("share = 1.0", "NOT MET", false),
+    ];
+    for (at, (share, word, passes)) in cases.into_iter().enumerate() {
+        let require =
+            format!("[metrics]\nfall = {{ require = {{ below = \"3.5 s\", {share} }} }}\n");
+        let campaign =
+            campaign_of(&folder, stone(), &format!("{HEIGHTS}{require}")).expect("valid");
+        let (_, results) = flown(&campaign, &folder.0.join(format!("out_{at}")));
+        let summary = CampaignSummary::of(&results);
+        assert_eq!(summary.passes(), passes, "{share}");
+        let percentiles = summary.metrics.iter().flat_map(|told| &told.percentiles);
+        assert!(percentiles.clone().count() > 0);
+        assert!(
+            percentiles
+                .clone()
+                .all(|own| own.low.is_none() && own.high.is_none())
+        );
+        let told = mbd_campaign::text(&results, &summary);
+        let parts = [
+            "4 points of a grid beside the nominal; percentiles are shares of these points"
+                .to_owned(),
+            format!("  {word}: fall below 3.5000 s in "),
+            "of the 4 points of the grid 3 keep it; a grid has no confidence".to_owned(),
+        ];
+        for part in parts {
+            assert!(told.contains(&part), "{part}\n{told}");
+        }
+        for claim in ["% confidence", "not enough cases", " from "] {
+            assert!(!told.contains(claim), "{claim}\n{told}");
+        }
+    }
+    let sampled =
+        format!("{RUN}[metrics]\nfall = {{ require = {{ below = \"3.5 s\", share = 0.8 }} }}\n");
+    let error = campaign_of(&folder, stone(), &sampled)
+        .err()
+        .expect("no confidence");
+    assert!(error.to_string().contains("confidence = 0.9"), "{error}");
+}
+
 /// Runs all of a campaign into a folder.
 fn flown(campaign: &Campaign, out: &Path) -> (blocks::Done, Results) {
     let resources = Resources {

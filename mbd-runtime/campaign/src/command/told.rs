@@ -2,6 +2,7 @@
 
 use crate::footprint::Footprint;
 use crate::results::Results;
+use crate::sampling::CaseSampling;
 use crate::summary::{CONFIDENCE, CampaignSummary, RequirementVerdict, Told};
 use crate::table::{heading, percent};
 
@@ -11,12 +12,17 @@ const PLACES: usize = 4;
 /// A summary as a text.
 #[must_use]
 pub fn text(results: &Results, summary: &CampaignSummary) -> String {
-    let mut text = format!(
-        "{}: {} cases beside the nominal; percentiles by order statistics, with intervals of {:.0} % confidence\n",
-        results.manifest.model,
-        summary.cases,
-        100.0 * CONFIDENCE
-    );
+    let model = &results.manifest.model;
+    let cases = summary.cases;
+    let mut text = match results.manifest.sampling {
+        CaseSampling::Grid => format!(
+            "{model}: {cases} points of a grid beside the nominal; percentiles are shares of these points: a grid is no random sample, and has no confidence\n"
+        ),
+        _ => format!(
+            "{model}: {cases} cases beside the nominal; percentiles by order statistics, with intervals of {:.0} % confidence\n",
+            100.0 * CONFIDENCE
+        ),
+    };
     for told in &summary.metrics {
         text += &metric(results, told);
     }
@@ -80,12 +86,17 @@ fn metric(results: &Results, told: &Told) -> String {
         text += &format!("  {}\n", cut.sentence());
     }
     for percentile in &told.percentiles {
+        let interval = match results.manifest.sampling {
+            CaseSampling::Grid => String::new(),
+            _ => {
+                let [low, high] = [percentile.low, percentile.high].map(digits);
+                format!("   from {low} to {high}")
+            }
+        };
         text += &format!(
-            "  {:>8} %  {:>12}   from {} to {}\n",
+            "  {:>8} %  {:>12}{interval}\n",
             percent(percentile.part, PLACES),
-            digits(Some(percentile.value)),
-            digits(percentile.low),
-            digits(percentile.high)
+            digits(Some(percentile.value))
         );
     }
     if let Some([low, high]) = told.ends
@@ -133,10 +144,10 @@ impl RequirementVerdict {
     #[must_use]
     pub fn holds(&self) -> Option<bool> {
         let allowed = (1.0 - self.require.share) * self.of as f64;
-        match (self.shown, self.missed as f64 > allowed) {
+        match (self.shown, self.require.confidence) {
             (true, _) => Some(true),
-            (_, true) => Some(false),
-            _ => None,
+            (false, None) => Some(false),
+            _ => (self.missed as f64 > allowed).then_some(false),
         }
     }
 
@@ -148,29 +159,55 @@ impl RequirementVerdict {
             .into_iter()
             .filter_map(|(bound, word)| Some(format!("{word} {} {unit}", digits(Some(bound?)))));
         let bounds: Vec<String> = bounds.map(|text| text.trim_end().to_owned()).collect();
+        let share = percent(self.require.share, PLACES);
+        let what = format!("{name} {} in {share} %", bounds.join(" and "));
+        match self.require.confidence {
+            Some(confidence) => self.of_cases(&what, &percent(confidence, PLACES)),
+            None => self.of_points(&what),
+        }
+    }
+
+    /// What became of it where the cases are a sample of all.
+    fn of_cases(&self, what: &str, confidence: &str) -> String {
         let without = match self.without {
             0 => String::new(),
             without => format!(", {without} of them without a value"),
         };
-        let partial = match self.partial {
+        let what = format!(
+            "{what} of all cases with {confidence} % confidence: {} of {} cases miss it{without}{}",
+            self.missed,
+            self.of,
+            self.in_part()
+        );
+        match (self.holds(), self.needed) {
+            (Some(true), _) => format!("shown: {what}"),
+            (None, Some(needed)) => format!(
+                "NOT ENOUGH CASES: {what}, and {needed} cases with no more misses would show it"
+            ),
+            _ => format!("NOT MET: {what}"),
+        }
+    }
+
+    /// What became of it at the points of a grid.
+    fn of_points(&self, what: &str) -> String {
+        let word = if self.shown { "met" } else { "NOT MET" };
+        let without = match self.without {
+            0 => String::new(),
+            without => format!(", {without} of the others without a value"),
+        };
+        let kept = self.of - self.missed;
+        format!(
+            "{word}: {what} of the points: of the {} points of the grid {kept} keep it{without}{}; a grid has no confidence",
+            self.of,
+            self.in_part()
+        )
+    }
+
+    /// How many keep it in a part of the window only, where some do.
+    fn in_part(&self) -> String {
+        match self.partial {
             0 => String::new(),
             cases => format!("; of {cases} that keep it only a part of the window was flown"),
-        };
-        let what = format!(
-            "{name} {} in {} % of all cases with {} % confidence: {} of {} cases miss it{without}{partial}",
-            bounds.join(" and "),
-            percent(self.require.share, PLACES),
-            percent(self.require.confidence, PLACES),
-            self.missed,
-            self.of
-        );
-        match self.holds() {
-            Some(true) => format!("shown: {what}"),
-            Some(false) => format!("NOT MET: {what}"),
-            None => format!(
-                "NOT ENOUGH CASES: {what}, and {} cases with no more misses would show it",
-                self.needed
-            ),
         }
     }
 }

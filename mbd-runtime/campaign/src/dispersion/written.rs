@@ -186,8 +186,8 @@ pub struct WrittenRequirement {
     pub above: Option<Value>,
     /// The part of all cases, 0 … 1.
     pub share: f64,
-    /// The confidence, 0 … 1.
-    pub confidence: f64,
+    /// The confidence, 0 … 1; of a grid it says nothing, and may be left out.
+    pub confidence: Option<f64>,
 }
 
 /// Which cases keep their histories.

@@ -3,6 +3,7 @@
 use mbd_report::{Cell, Figure, Look, Report, ReportTable, Series};
 
 use crate::results::Results;
+use crate::sampling::CaseSampling;
 use crate::summary::Told;
 use crate::table::percent;
 
@@ -15,7 +16,7 @@ pub fn metric(report: Report, results: &Results, told: &Told) -> Report {
     if told.sorted.is_empty() {
         return report.paragraph("No case has a value.");
     }
-    let mut report = figures(report, told).table(&percentiles(told));
+    let mut report = figures(report, told).table(&percentiles(told, results.manifest.sampling));
     if !told.drivers.is_empty() {
         report = report.table(&drivers(results, told));
     }
@@ -101,20 +102,24 @@ fn histogram(sorted: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (x, y)
 }
 
-fn percentiles(told: &Told) -> ReportTable {
+fn percentiles(told: &Told, sampling: CaseSampling) -> ReportTable {
+    let is_sample = sampling != CaseSampling::Grid;
     let mut table = ReportTable::new(format!("Percentiles of {}", told.name))
         .column("below lie", "%")
-        .number("value", &told.unit, 5)
-        .column("from", &told.unit)
-        .column("to", &told.unit);
+        .number("value", &told.unit, 5);
+    if is_sample {
+        table = table.column("from", &told.unit).column("to", &told.unit);
+    }
     for percentile in &told.percentiles {
         let end = |end: Option<f64>| end.map_or(Cell::from("not enough cases"), Cell::Number);
-        table.push([
-            percent(percentile.part, 4).as_str().into(),
-            percentile.value.into(),
-            end(percentile.low),
-            end(percentile.high),
-        ]);
+        let part = percent(percentile.part, 4);
+        let value = [part.as_str().into(), percentile.value.into()];
+        let interval = [percentile.low, percentile.high].map(end);
+        table.push(
+            value
+                .into_iter()
+                .chain(interval.into_iter().filter(|_| is_sample)),
+        );
     }
     match told.ends {
         Some([low, high]) => table.note(format!(
@@ -143,9 +148,15 @@ fn drivers(results: &Results, told: &Told) -> ReportTable {
         let share = driver.index.map_or(Cell::Missing, Cell::Number);
         table.push([name.into(), driver.correlation.into(), share]);
     }
-    let doubt = doubt(told);
+    let chance = match results.manifest.sampling {
+        CaseSampling::Grid => String::new(),
+        _ => format!(
+            "; of numbers that drive nothing 95 % lie within ±{:.2}",
+            doubt(told)
+        ),
+    };
     table.note(format!(
-        "Spearman; of numbers that drive nothing 95 % lie within ±{doubt:.2}. The share is the first-order Sobol index, from 100 cases on: what the number explains alone."
+        "Spearman{chance}. The share is the first-order Sobol index, from 100 cases on: what the number explains alone."
     ))
 }
 

@@ -16,6 +16,7 @@ use crate::campaign::CasePart;
 use crate::envelopes::Envelope;
 use crate::histories::{self, Chosen};
 use crate::results::{CaseRow, Results};
+use crate::sampling::CaseSampling;
 use crate::summary::{CONFIDENCE, CampaignSummary, Told};
 use spread::FootprintCurves;
 
@@ -82,7 +83,7 @@ impl Page<'_> {
             }
         }
         report = report.paragraph(&opening(summary));
-        report = report.table(&overview(summary));
+        report = report.table(&overview(results, summary));
         let strongest = strongest(results, summary);
         if !strongest.is_empty() {
             report = report.table(&strongest);
@@ -180,7 +181,7 @@ fn opening(summary: &CampaignSummary) -> String {
 /// Drivers of a metric that stand beside it.
 const DRIVERS: usize = 2;
 
-fn overview(summary: &CampaignSummary) -> ReportTable {
+fn overview(results: &Results, summary: &CampaignSummary) -> ReportTable {
     let mut table = ReportTable::new("Metrics")
         .column("metric", "")
         .column("unit", "")
@@ -218,11 +219,14 @@ fn overview(summary: &CampaignSummary) -> ReportTable {
             table = table.note(format!("`{}`: {}.", told.name, cut.sentence()));
         }
     }
-    table.note(format!(
-        "Percentiles, below, are order statistics of the cases that have a value, each with an interval that holds that of the distribution with \
-         {:.0} % confidence; where there are not enough cases for an end of it, none is told.",
-        100.0 * CONFIDENCE
-    ))
+    table.note(match results.manifest.sampling {
+        CaseSampling::Grid => "Percentiles, below, are shares of the points of the grid that have a value: a grid is no random sample, and has no confidence.".to_owned(),
+        _ => format!(
+            "Percentiles, below, are order statistics of the cases that have a value, each with an interval that holds that of the distribution with \
+             {:.0} % confidence; where there are not enough cases for an end of it, none is told.",
+            100.0 * CONFIDENCE
+        ),
+    })
 }
 
 /// The metrics that something drives, with the strongest of it.

@@ -8,10 +8,12 @@ mod sobol;
 
 pub use distribution::Distribution;
 pub use philox::Draws;
+use serde::{Deserialize, Serialize};
 use sobol::{DIMENSIONS, Sobol};
 
 /// How the cases of a campaign are spread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum CaseSampling {
     /// Every number by itself.
     #[default]

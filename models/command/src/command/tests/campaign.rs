@@ -93,6 +93,43 @@ fn a_requirement_that_is_not_shown_has_its_exit_code() {
 }
 
 #[test]
+fn a_sweep_over_a_grid_keeps_its_exit_codes_and_claims_no_confidence() {
+    let folder = Folder::new("sweep");
+    let scene = folder.file("throw.mbd", OVER_A_WALL);
+    for (share, word, code) in [("0.5", "met", 0), ("1.0", "NOT MET", 3)] {
+        let file = folder.file(
+            "dispersed.toml",
+            &format!(
+                "sampling = \"grid\"\n[params]\nspeed = {{ dist = \"grid\", values = [\"8 m/s\", \"12 m/s\"] }}\n\
+                 [metrics]\nway = {{ require = {{ above = \"0.3 m\", share = {share}, confidence = 0.9 }} }}\n"
+            ),
+        );
+        let out = folder.0.join(word).display().to_string();
+        let told = match run(&["campaign", &scene, &file, "--out", &out]) {
+            Ok(told) => told,
+            Err(error) => {
+                assert_eq!(error.code(), code, "{error}");
+                error.to_string()
+            }
+        };
+        let verdict = "of the 2 points of the grid 1 keep it, 1 of the others without a value; a grid has no confidence";
+        assert!(
+            told.contains(verdict) && told.contains(&format!("{word}: way")),
+            "{told}"
+        );
+        assert_eq!(
+            run(&["report", &out]).map_or_else(|error| error.code(), |_| 0),
+            code
+        );
+        let page = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+        assert!(page.contains(verdict) && page.contains("shares of the points of the grid"));
+        for claim in ["% confidence", "not enough cases", "drive nothing"] {
+            assert!(!page.contains(claim), "{claim}");
+        }
+    }
+}
+
+#[test]
 fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
     let folder = Folder::new("case");
     let fine = format!("{DISPERSED}every = \"0.05 ms\"\n");
