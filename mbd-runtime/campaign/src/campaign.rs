@@ -235,18 +235,22 @@ impl Campaign {
             declaration += &format!("{:?}", next.collect::<Vec<_>>());
             settings += &format!("{:?}", self.later);
         }
+        let mut plans = std::iter::once(&self.nominal).chain(&self.later);
+        let locates = plans.all(|plan| plan.options.locate);
         let dispersed = self.dispersions.varied.iter().map(|varied| ResultColumn {
             name: varied.known.name.clone(),
             unit: varied.known.unit.clone(),
             require: None,
             waits_for: String::new(),
+            from: None,
             to: None,
         });
         let metrics = self.metrics.list.iter().map(|metric| ResultColumn {
             name: metric.name.clone(),
             unit: metric.unit.clone(),
             require: metric.require,
-            waits_for: metric.waits_for(),
+            waits_for: metric.waits_for(self.columns.as_ref(), locates),
+            from: metric.counts_from(),
             to: metric.counts_up_to(),
         });
         Manifest {

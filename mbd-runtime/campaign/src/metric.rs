@@ -8,13 +8,13 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
 use mbd_runtime::scene::twelve_digits;
-use mbd_runtime::{Content, MetricReader, MetricValue, Name, Trajectory};
+use mbd_runtime::{Content, Joined, MetricReader, MetricValue, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
-use crate::results::LARGE_ERROR;
+use crate::results::{LARGE_ERROR, no_value};
 use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
 use crate::sampling::CaseSampling;
@@ -187,10 +187,9 @@ impl Metrics {
     pub fn not_finite(&self, history: &Trajectory) -> Vec<String> {
         let told = self.list.iter().filter_map(|metric| {
             let missing = history.measured(&metric.reader).err()?;
-            let name = &metric.name;
             missing
                 .is_not_finite()
-                .then(|| format!("`{name}` has no value: {missing}"))
+                .then(|| no_value(&metric.name) + &missing.to_string())
         });
         told.collect()
     }
@@ -447,13 +446,26 @@ impl<'r> MetricTextReader<'r> {
 }
 
 impl CampaignMetric {
-    /// What did not happen in a run that reached its end and has no value of it; empty where there always is one.
-    pub(crate) fn waits_for(&self) -> String {
+    /// What did not happen in a run that reached its end and has no value of it; empty where there always is one. `columns` are those of runs that may come
+    /// to several scenes; whether they all locate events.
+    pub(crate) fn waits_for(&self, columns: Option<&Joined>, locates: bool) -> String {
+        let own = std::slice::from_ref(&self.reader);
+        let is_later = columns.is_some_and(|columns| columns.readers(0, own).is_empty());
         match self.reader.take {
+            Take::Value | Take::TimeOf if !locates => {
+                format!("`{}` is not located (`locate = false`)", self.reader.event)
+            }
             Take::Value | Take::TimeOf => format!("`{}` did not happen", self.reader.event),
             Take::FirstAbove => "the level was not passed".to_owned(),
+            _ if is_later => "no scene that has its quantity was reached".to_owned(),
             _ => String::new(),
         }
+    }
+
+    /// From when on a run counts [s], where something before does not.
+    pub(crate) fn counts_from(&self) -> Option<f64> {
+        let [from, _] = self.reader.window;
+        from.is_finite().then_some(from)
     }
 
     /// Up to when a run counts [s], where something does not count any more; `None` also of what happens first, which nothing later changes.

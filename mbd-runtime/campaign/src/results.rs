@@ -44,6 +44,11 @@ pub fn head(manifest: &Manifest) -> String {
     all.join(",")
 }
 
+/// How `why` begins to tell that a metric, or its quantity, is no finite number.
+pub(crate) fn no_value(metric: &str) -> String {
+    format!("`{metric}` has no value: ")
+}
+
 /// An error beyond this part of the size of what it is an error of is told.
 pub const LARGE_ERROR: f64 = 0.01;
 

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use mbd_runtime::scene::twelve_digits;
+
 use crate::manifest::ResultColumn;
 use crate::metric::{Requirement, is_cut};
-use crate::results::{CaseRow, Results};
+use crate::results::{CaseRow, Results, no_value};
 use crate::sampling::CaseSampling;
 use crate::statistics::{Percentile, cases_needed, first_order, percentile, spearman};
 
@@ -26,8 +28,10 @@ pub struct Told {
     pub sorted: Vec<f64>,
     /// Cases that failed, or that have no value.
     pub without: u64,
-    /// Those of them that reached their end without what the metric waits for, and that in words.
-    pub waited: (u64, String),
+    /// Why they have none, each reason with how many they are.
+    pub reasons: Vec<(MissingReason, u64)>,
+    /// What the metric waits for, in words, and from when on a run counts [s].
+    pub waits_for: (String, Option<f64>),
     /// Cases that have a value of a part of its window only; `None` where there are none.
     pub cut: Option<CutWindow>,
     /// Mean and standard deviation; NaN of fewer than two values.
@@ -54,6 +58,15 @@ pub struct CutWindow {
 }
 
 impl CutWindow {
+    /// Of these cases.
+    fn of(column: &ResultColumn, cases: &[(u64, f64)]) -> Option<Self> {
+        Some(CutWindow {
+            to: column.to?,
+            cases: cases.len() as u64,
+            first: cases.first()?.0,
+        })
+    }
+
     /// It in words.
     #[must_use]
     pub fn sentence(&self) -> String {
@@ -83,13 +96,66 @@ impl Told {
     /// Why cases have no value; `None` where all have one.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
-        let (waited, what) = (self.waited.0, &self.waited.1);
-        let runs = |count: u64| if count == 1 { "run" } else { "runs" };
-        let waited = (waited > 0).then(|| format!("{what} in {waited} {}", runs(waited)));
-        let failed = self.without - self.waited.0;
-        let failed = (failed > 0).then(|| format!("{failed} {} failed", runs(failed)));
-        let both: Vec<String> = waited.into_iter().chain(failed).collect();
-        (!both.is_empty()).then(|| both.join(" and "))
+        let told = self.reasons.iter();
+        let mut told: Vec<String> = told
+            .map(|(reason, cases)| self.words(*reason, *cases))
+            .collect();
+        let last = told.pop()?;
+        Some(match told.is_empty() {
+            true => last,
+            false => format!("{} and {last}", told.join(", ")),
+        })
+    }
+
+    fn words(&self, reason: MissingReason, cases: u64) -> String {
+        let runs = if cases == 1 {
+            "1 run"
+        } else {
+            &format!("{cases} runs")
+        };
+        let (waits_for, from) = &self.waits_for;
+        match reason {
+            MissingReason::NotFinite => format!("it or its quantity is no finite number in {runs}"),
+            MissingReason::EndedBefore => format!(
+                "the run ended before {} s, where its window begins, in {runs}",
+                from.unwrap_or(0.0)
+            ),
+            MissingReason::Waited => format!("{waits_for} in {runs}"),
+            MissingReason::NothingCounts => format!("nothing of the run counts for it in {runs}"),
+            MissingReason::Failed => format!("{runs} failed"),
+        }
+    }
+}
+
+/// Why a case has no value of a metric.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MissingReason {
+    /// It, or its quantity, is no finite number.
+    NotFinite,
+    /// The run reached its end before the window began.
+    EndedBefore,
+    /// What it waits for did not happen: an event, a level, a scene that has its quantity.
+    Waited,
+    /// Nothing of the run lies where it counts.
+    NothingCounts,
+    /// The run failed.
+    Failed,
+}
+
+impl MissingReason {
+    fn of(column: &ResultColumn, row: &CaseRow) -> Self {
+        let ended_before = |from: f64| twelve_digits(from) >= twelve_digits(row.time);
+        if !row.reached_end() {
+            MissingReason::Failed
+        } else if row.why.contains(&no_value(&column.name)) {
+            MissingReason::NotFinite
+        } else if column.from.is_some_and(ended_before) {
+            MissingReason::EndedBefore
+        } else if !column.waits_for.is_empty() {
+            MissingReason::Waited
+        } else {
+            MissingReason::NothingCounts
+        }
     }
 }
 
@@ -185,11 +251,9 @@ fn told(results: &Results, at: usize) -> Told {
         .iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
     let of = values.len() as u64;
-    let cut: Vec<(u64, f64)> = numbers
-        .iter()
-        .copied()
-        .filter(|(case, _)| is_partial(column, results.rows.get(*case as usize)))
-        .collect();
+    let is_cut = |case: u64| is_partial(column, results.rows.get(case as usize));
+    let cut = numbers.iter().copied().filter(|(case, _)| is_cut(*case));
+    let cut: Vec<(u64, f64)> = cut.collect();
     let verdict = column.require.map(|require| {
         let missed = values
             .iter()
@@ -224,26 +288,14 @@ fn told(results: &Results, at: usize) -> Told {
         let stronger = b.strength().total_cmp(&a.strength());
         stronger.then(a.number.cmp(&b.number))
     });
-    let waiting = results.rows.iter().skip(1).zip(&values);
-    let waiting = waiting.filter(|(row, value)| row.reached_end() && value.is_nan());
-    let waited = match column.waits_for.as_str() {
-        "" => (0, String::new()),
-        waits_for => (waiting.count() as u64, waits_for.to_owned()),
-    };
     Told {
         name: column.name.clone(),
         unit: column.unit.clone(),
         nominal: results.rows.first().map_or(f64::NAN, |row| row.metrics[at]),
         without: of - sorted.len() as u64,
-        waited,
-        cut: cut
-            .first()
-            .zip(column.to)
-            .map(|((first, _), to)| CutWindow {
-                to,
-                cases: cut.len() as u64,
-                first: *first,
-            }),
+        reasons: reasons(results, at),
+        waits_for: (column.waits_for.clone(), column.from),
+        cut: CutWindow::of(column, &cut),
         moments,
         ends: smallest.zip(largest).map(|(low, high)| [low.0, high.0]),
         percentiles: percentiles(&sorted, results.manifest.sampling),
@@ -268,6 +320,17 @@ fn percentiles(sorted: &[f64], sampling: CaseSampling) -> Vec<Percentile> {
             .collect(),
         _ => all.collect(),
     }
+}
+
+/// Why cases have no value of a metric, and how many.
+fn reasons(results: &Results, at: usize) -> Vec<(MissingReason, u64)> {
+    let column = &results.manifest.metrics[at];
+    let rows = results.rows.iter().skip(1);
+    let mut counts: BTreeMap<MissingReason, u64> = BTreeMap::new();
+    for row in rows.filter(|row| row.metrics[at].is_nan()) {
+        *counts.entry(MissingReason::of(column, row)).or_default() += 1;
+    }
+    counts.into_iter().collect()
 }
 
 /// Whether what a case has of a metric is that of a part of its window.

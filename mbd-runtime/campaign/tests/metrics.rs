@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use mbd_campaign::progress::ProgressLine;
 use mbd_campaign::run::Settings;
-use mbd_campaign::{Campaign, CampaignSummary, CaseRow, Failure, Resources, Results, blocks};
+use mbd_campaign::{Campaign, CampaignSummary, CaseRow, Failure, Resources, Results, Told, blocks};
 use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
 use mbd_runtime::{Generic, Model, model};
 
@@ -319,6 +319,78 @@ fn a_grid_has_no_confidence_and_its_requirements_are_judged_by_the_share_of_its_
         .err()
         .expect("no confidence");
     assert!(error.to_string().contains("confidence = 0.9"), "{error}");
+}
+
+/// Stones that fall √(h/5) s; from below 15 m none passes that height, from below 12 m a root is no number, and above 100 m there are none.
+const REASONS: &str = "model Stone {
+    gravity: [0.0, 0.0, -10.0] m/s^2;
+    param height = 20 m in 1 m ..= 100 m;
+    point stone { mass: 1 kg, start at [0.0, 0.0, height] }
+    event landed = stone.position.z falls 0 m { then: stop }
+    event passed = stone.position.z falls 15 m;
+    output root = sqrt((height - 12 m) * (1 m));
+    metric late = max norm(stone.velocity) { from: 2 s };
+    metric passing = value norm(stone.velocity) { at: passed };
+    metric least = min root;
+    metric fast = first_above norm(stone.velocity) { level: 1 km/s };
+}";
+
+#[test]
+fn cases_without_a_value_are_counted_by_their_own_reasons() {
+    let scene = read_text(REASONS).scene.expect("a scene");
+    let model = Interpreted::<f64>::new(scene, &[20.0]).expect("defaults");
+    let folder = Folder::new("metrics_reasons");
+    let text = HEIGHTS.replace(
+        "\"20 m\", \"45 m\", \"80 m\"",
+        "\"11 m\", \"13 m\", \"18 m\", \"45 m\", \"200 m\"",
+    );
+    let campaign = campaign_of(&folder, model.share(), &text).expect("valid");
+    let (done, results) = flown(&campaign, &folder.0.join("out"));
+    assert_eq!((done.failed, done.not_finite), (1, 2));
+    let summary = CampaignSummary::of(&results);
+    let reasons = summary
+        .metrics
+        .iter()
+        .map(|told| (told.name.as_str(), told.without, told.reason()));
+    let expected = [
+        (
+            "late",
+            5,
+            "the run ended before 2 s, where its window begins, in 4 runs and 1 run failed",
+        ),
+        (
+            "passing",
+            4,
+            "`passed` did not happen in 3 runs and 1 run failed",
+        ),
+        (
+            "least",
+            3,
+            "it or its quantity is no finite number in 2 runs and 1 run failed",
+        ),
+        (
+            "fast",
+            6,
+            "the level was not passed in 5 runs and 1 run failed",
+        ),
+    ];
+    let expected = expected.map(|(name, cases, why)| (name, cases, Some(why.to_owned())));
+    assert_eq!(reasons.collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn an_event_that_no_run_locates_is_not_told_as_one_that_did_not_happen() {
+    let scene = read_text(REACH).scene.expect("a scene");
+    let model = Interpreted::<f64>::new(scene, &[9.0]).expect("defaults");
+    let folder = Folder::new("metrics_not_located");
+    let text = "cases = 2\n[params]\nreach = { dist = \"uniform\", low = \"7 m\", high = \"9 m\" }\n[run]\nuntil = \"6 s\"\nlocate = false\n";
+    let campaign = campaign_of(&folder, model.share(), text).expect("valid");
+    let (_, results) = flown(&campaign, &folder.0.join("out"));
+    let summary = CampaignSummary::of(&results);
+    let passed = summary.metrics.iter().find(|told| told.name == "passed");
+    let reason = passed.and_then(Told::reason);
+    let expected = "`far` is not located (`locate = false`) in 2 runs";
+    assert_eq!(reason.as_deref(), Some(expected));
 }
 
 /// Runs all of a campaign into a folder.

@@ -76,9 +76,12 @@ fn metric(results: &Results, told: &Told) -> String {
     );
     if told.without > 0 {
         let why = told.reason().map(|why| format!(", because {why}"));
+        let cases = match told.without {
+            1 => "1 case has no value and is".to_owned(),
+            n => format!("{n} cases have no value and are"),
+        };
         text += &format!(
-            "  {} cases have no value and are left out of what follows{}\n",
-            told.without,
+            "  {cases} left out of what follows{}\n",
             why.unwrap_or_default()
         );
     }

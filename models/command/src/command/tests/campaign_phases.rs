@@ -79,6 +79,23 @@ fn files(folder: &Path, names: &[&str]) -> Vec<Vec<u8>> {
     names.iter().map(read).collect()
 }
 
+/// With k = c/m the capsule sinks g/k (t − (1 − exp(−kt))/k) in t s: 60 kg 14.1 m in 5 s, 100 kg 22.5 m.
+#[test]
+fn a_metric_of_a_scene_that_no_run_came_to_is_told_by_that_reason() {
+    let folder = Folder::new("campaign_not_reached");
+    let text = CHUTE.replace("time rises 3 s", "capsule.position.z falls 80 m");
+    let chute = folder.file("chute.mbd", &text);
+    folder.file("fall.mbd", FALL);
+    let file = folder.file(
+        "dispersed.toml",
+        "sampling = \"grid\"\n[params]\nm = { dist = \"grid\", values = [\"60 kg\", \"61 kg\", \"100 kg\"] }\n[metrics]\nslow = { max = \"speed\" }\n",
+    );
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&["campaign", &chute, &file, "--out", &out]).unwrap();
+    let reason = "2 cases have no value and are left out of what follows, because no scene that has its quantity was reached in 2 runs\n";
+    assert!(told.contains(reason), "{told}");
+}
+
 #[test]
 fn every_case_falls_by_the_closed_forms_of_both_scenes() {
     let folder = Folder::new("campaign_phases");
