@@ -15,6 +15,9 @@ pub const PARTS: [f64; 7] = [0.00135, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99865];
 /// The confidence of their intervals.
 pub const CONFIDENCE: f64 = 0.9;
 
+/// A standard deviation below this part of the size of a metric is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// A metric over all cases that reached their end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Told {
@@ -42,7 +45,7 @@ pub struct Told {
     pub percentiles: Vec<Percentile>,
     /// What is required, and what became of it.
     pub verdict: Option<RequirementVerdict>,
-    /// What drives it, the strongest first.
+    /// What drives it, the strongest first; nothing where its spread is rounding.
     pub drivers: Vec<MetricDriver>,
 }
 
@@ -274,20 +277,6 @@ fn told(results: &Results, at: usize) -> Told {
                 .map(|confidence| cases_needed(missed, require.share, confidence)),
         }
     });
-    let dispersed = 0..results.manifest.dispersed.len();
-    let drivers = dispersed.filter_map(|number| {
-        let drawn = results.dispersed(number);
-        Some(MetricDriver {
-            number,
-            correlation: spearman(&drawn, &values)?,
-            index: first_order(&drawn, &values),
-        })
-    });
-    let mut drivers: Vec<MetricDriver> = drivers.collect();
-    drivers.sort_by(|a, b| {
-        let stronger = b.strength().total_cmp(&a.strength());
-        stronger.then(a.number.cmp(&b.number))
-    });
     Told {
         name: column.name.clone(),
         unit: column.unit.clone(),
@@ -301,7 +290,7 @@ fn told(results: &Results, at: usize) -> Told {
         percentiles: percentiles(&sorted, results.manifest.sampling),
         sorted,
         verdict,
-        drivers,
+        drivers: drivers(results, &values, moments),
     }
 }
 
@@ -320,6 +309,29 @@ fn percentiles(sorted: &[f64], sampling: CaseSampling) -> Vec<Percentile> {
             .collect(),
         _ => all.collect(),
     }
+}
+
+/// What drives a metric with these values, mean and standard deviation.
+fn drivers(results: &Results, values: &[f64], [mean, deviation]: [f64; 2]) -> Vec<MetricDriver> {
+    // What rounding scatters follows no dispersed number, whatever the ranks say.
+    if deviation <= ROUNDING * mean.abs() {
+        return Vec::new();
+    }
+    let dispersed = 0..results.manifest.dispersed.len();
+    let drivers = dispersed.filter_map(|number| {
+        let drawn = results.dispersed(number);
+        Some(MetricDriver {
+            number,
+            correlation: spearman(&drawn, values)?,
+            index: first_order(&drawn, values),
+        })
+    });
+    let mut drivers: Vec<MetricDriver> = drivers.collect();
+    drivers.sort_by(|a, b| {
+        let stronger = b.strength().total_cmp(&a.strength());
+        stronger.then(a.number.cmp(&b.number))
+    });
+    drivers
 }
 
 /// Why cases have no value of a metric, and how many.

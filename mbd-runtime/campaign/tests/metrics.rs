@@ -393,6 +393,42 @@ fn an_event_that_no_run_locates_is_not_told_as_one_that_did_not_happen() {
     assert_eq!(reason.as_deref(), Some(expected));
 }
 
+/// √h √h/h is one up to its last bits, whatever the height.
+const ROUNDED: &str = "model Stone {
+    gravity: [0.0, 0.0, -10.0] m/s^2;
+    param height = 20 m in 1 m ..= 100 m;
+    point stone { mass: 1 kg, start at [0.0, 0.0, height] }
+    output same = sqrt(height) * sqrt(height) / height * 7;
+    metric always = final same;
+    metric way = final stone.position.z;
+}";
+
+#[test]
+fn nothing_drives_a_metric_whose_spread_is_rounding() {
+    let scene = read_text(ROUNDED).scene.expect("a scene");
+    let model = Interpreted::<f64>::new(scene, &[20.0]).expect("defaults");
+    let folder = Folder::new("metrics_rounding");
+    let text = "cases = 200\n[params]\nheight = { dist = \"uniform\", low = \"10 m\", high = \"90 m\" }\n[run]\nuntil = \"1 s\"\ntolerance = 1e-10\n";
+    let campaign = campaign_of(&folder, model.share(), text).expect("valid");
+    let (_, results) = flown(&campaign, &folder.0.join("out"));
+    let summary = CampaignSummary::of(&results);
+    let [always, way] = &summary.metrics[..] else {
+        panic!("two metrics");
+    };
+    let [mean, deviation] = always.moments;
+    assert!(
+        (mean - 7.0).abs() < 1e-14 && deviation > 0.0,
+        "{mean} {deviation}"
+    );
+    assert!(always.drivers.is_empty(), "{:?}", always.drivers);
+    assert_eq!(
+        way.drivers.first().map(|driver| driver.correlation),
+        Some(1.0)
+    );
+    let told = mbd_campaign::text(&results, &summary);
+    assert_eq!(told.matches("driven by").count(), 1, "{told}");
+}
+
 /// Runs all of a campaign into a folder.
 fn flown(campaign: &Campaign, out: &Path) -> (blocks::Done, Results) {
     let resources = Resources {
