@@ -151,9 +151,15 @@ impl Metrics {
     /// Those that the scene does not declare, as a run tells its own.
     #[must_use]
     pub fn besides(&self, scene: &Scene, history: &Trajectory) -> Vec<MetricValue> {
+        let told = self.others(scene).map(|metric| metric.value_in(history));
+        told.collect()
+    }
+
+    fn others<'s>(&'s self, scene: &'s Scene) -> impl Iterator<Item = &'s CampaignMetric> {
         let declared = |name: &str| scene.runs.metrics.iter().any(|it| it.name == name);
-        let others = self.list.iter().filter(|metric| !declared(&metric.name));
-        others.map(|metric| metric.value_in(history)).collect()
+        self.list
+            .iter()
+            .filter(move |metric| !declared(&metric.name))
     }
 
     /// A sentence on each that measures what changes faster than it can be followed, so that more than a hundredth of it stays open.
@@ -170,15 +176,19 @@ impl Metrics {
     /// A sentence on each whose window a run left before its end, so that its value is that of a part of it.
     #[must_use]
     pub fn partial(&self, history: &Trajectory) -> Vec<String> {
-        let end = history.end();
-        let told = self.list.iter().filter_map(|metric| {
-            let to = metric.counts_up_to().filter(|to| is_cut(*to, end))?;
-            let name = &metric.name;
-            history.measured(&metric.reader).is_ok().then(|| {
-                let end = twelve_digits(end);
-                format!("`{name}` counts up to {to} s, and the run ends at {end} s: it is told of what lies before")
-            })
-        });
+        let told = self
+            .list
+            .iter()
+            .filter_map(|metric| metric.partial(history));
+        told.collect()
+    }
+
+    /// Such sentences on those that the scene does not declare.
+    #[must_use]
+    pub fn partial_besides(&self, scene: &Scene, history: &Trajectory) -> Vec<String> {
+        let told = self
+            .others(scene)
+            .filter_map(|metric| metric.partial(history));
         told.collect()
     }
 
@@ -460,6 +470,16 @@ impl CampaignMetric {
             _ if is_later => "no scene that has its quantity was reached".to_owned(),
             _ => String::new(),
         }
+    }
+
+    /// That its window reaches beyond the end of a run that has a value of it.
+    fn partial(&self, history: &Trajectory) -> Option<String> {
+        let end = history.end();
+        let to = self.counts_up_to().filter(|to| is_cut(*to, end))?;
+        let (name, end) = (&self.name, twelve_digits(end));
+        history.measured(&self.reader).is_ok().then(|| {
+            format!("`{name}` counts up to {to} s, and the run ends at {end} s: it is told of what lies before")
+        })
     }
 
     /// From when on a run counts [s], where something before does not.

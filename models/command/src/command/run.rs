@@ -17,8 +17,8 @@ use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 use crate::describe::warnings_of_reactions;
 use crate::run::{
-    Phase, RunOutcome, RunPlan, Segment, Settings, doubt, fly_measuring, fly_phases, not_finite,
-    phases_json, publish, publish_gltf, publish_phases, summary_json, warning, windows,
+    Phase, RunOutcome, RunPlan, Segment, Settings, cut_windows, doubt, fly_measuring, fly_phases,
+    not_finite, phases_json, publish, publish_gltf, publish_phases, summary_json, warning,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -295,10 +295,8 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     let many = warnings_of_reactions(&scene);
     let warning = warning.into_iter().chain(many).chain(undefined(&outcome));
     let warning = warning.chain(doubt.clone()).chain(unmoved);
-    // An event may have ended it before.
-    let end = plan.until.min(outcome.time);
     let short = match outcome.error {
-        None => windows(&scene, end),
+        None => cut_windows(&scene, &plan, &outcome),
         Some(_) => Vec::new(),
     };
     let warning = warning.chain(short);

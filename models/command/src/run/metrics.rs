@@ -3,6 +3,7 @@
 use mbd_runtime::scene::{Scene, twelve_digits};
 use mbd_runtime::{MetricValue, MissingMetric};
 
+use super::RunPlan;
 use super::outcome::RunOutcome;
 
 /// The metrics of a run, in declaration order, then those of a campaign. A run that stopped early has none: what it did not reach may have changed each of them.
@@ -15,6 +16,19 @@ pub fn metrics(scene: &Scene, outcome: &RunOutcome) -> Vec<MetricValue> {
             metric.value = Err(MissingMetric::StoppedEarly);
         }
     }
+    told
+}
+
+/// One sentence a metric whose window reaches beyond the end of a run that was flown, those of a campaign among them.
+#[must_use]
+pub fn cut_windows(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Vec<String> {
+    // An event may have ended it before.
+    let mut told = windows(scene, plan.until.min(outcome.time));
+    told.extend(outcome.partial.iter().map(|text| {
+        format!(
+            "warning: metric {text}; write an earlier `to`, or a later end of the run (`until`)"
+        )
+    }));
     told
 }
 

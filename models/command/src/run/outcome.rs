@@ -46,6 +46,8 @@ pub struct RunOutcome {
     pub estimate: Option<Estimate>,
     /// Metrics of a campaign file that the scene does not declare itself.
     pub besides: Vec<MetricValue>,
+    /// What to say of those of them whose window reaches beyond its end.
+    pub partial: Vec<String>,
     /// Time the run took on the clock [s].
     pub wall_s: f64,
 }
@@ -88,6 +90,7 @@ pub fn fly_measuring(
     let mut outcome = fly_on(begun(model, plan), model, (plan, history), progress).outcome;
     if let Some(metrics) = metrics {
         outcome.besides = metrics.besides(model.scene(), &outcome.trajectory);
+        outcome.partial = metrics.partial_besides(model.scene(), &outcome.trajectory);
     }
     if outcome.error.is_none() && plan.estimate {
         outcome.estimate = estimate(model, plan, &outcome.trajectory);
@@ -193,6 +196,7 @@ pub(super) fn fly_on(
         hidden,
         estimate: None,
         besides: Vec::new(),
+        partial: Vec::new(),
         time,
         error,
         moved,

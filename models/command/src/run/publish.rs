@@ -9,7 +9,7 @@ use mbd_report::{Report, ReportTable, Run, Views, gltf, metrics_table};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
-use super::metrics::{metrics, windows};
+use super::metrics::{cut_windows, metrics};
 use super::outcome::RunOutcome;
 use super::quality::not_finite;
 use super::summary::{summary_json, table};
@@ -46,7 +46,7 @@ pub fn publish(
     report = report.section("The run").table(&table);
     let metrics = metrics_table(&metrics(scene, outcome));
     if !metrics.is_empty() {
-        let short = windows(scene, plan.until.min(outcome.time)).into_iter();
+        let short = cut_windows(scene, plan, outcome).into_iter();
         report = report.table(&short.fold(metrics.clone(), ReportTable::note));
     }
     if let Some(text) = not_finite(&outcome.trajectory) {

@@ -105,13 +105,10 @@ fn a_sweep_over_a_grid_keeps_its_exit_codes_and_claims_no_confidence() {
             ),
         );
         let out = folder.0.join(word).display().to_string();
-        let told = match run(&["campaign", &scene, &file, "--out", &out]) {
-            Ok(told) => told,
-            Err(error) => {
-                assert_eq!(error.code(), code, "{error}");
-                error.to_string()
-            }
-        };
+        let flown = run(&["campaign", &scene, &file, "--out", &out]);
+        let (told, ended) =
+            flown.map_or_else(|error| (error.to_string(), error.code()), |told| (told, 0));
+        assert_eq!(ended, code, "{told}");
         let verdict = "of the 2 points of the grid 1 keep it, 1 of the others without a value; a grid has no confidence";
         assert!(
             told.contains(verdict) && told.contains(&format!("{word}: way")),
@@ -370,6 +367,36 @@ fn cases_without_a_value_are_told_with_the_event_that_did_not_happen() {
     let page = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
     let reason = format!("did not happen in {without} runs");
     assert!(page.contains(&reason), "{page}");
+}
+
+#[test]
+fn a_case_run_alone_warns_of_a_window_of_the_campaign_file_that_it_leaves_open() {
+    let folder = Folder::new("open_window");
+    let scene = folder.file("throw.mbd", OVER_A_WALL);
+    let file = folder.file(
+        "dispersed.toml",
+        "cases = 2\n[params]\nspeed = { dist = \"uniform\", low = \"8 m/s\", high = \"12 m/s\" }\n\
+         [metrics]\ntop = { max = \"stone.z\", to = \"5 s\" }\n",
+    );
+    let [out, alone] = ["out", "alone"].map(|name| folder.0.join(name).display().to_string());
+    let told = run(&["campaign", &scene, &file, "--out", &out]).unwrap();
+    let says = "`top` counts up to 5 s, and the run ends at 2 s: it is told of what lies before";
+    assert!(
+        told.contains(says) && told.contains("metric_partial: case 0"),
+        "{told}"
+    );
+    let told = run(&[
+        "run",
+        &scene,
+        "--campaign",
+        &file,
+        "--case",
+        "1",
+        "--out",
+        &alone,
+    ])
+    .unwrap();
+    assert!(told.contains(&format!("warning: metric {says}")), "{told}");
 }
 
 #[test]
