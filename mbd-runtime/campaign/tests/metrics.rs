@@ -210,7 +210,7 @@ fn a_case_that_ends_inside_the_window_of_a_metric_says_so_and_is_no_silent_hit()
     let scene = read_text(SHORT).scene.expect("a scene");
     let model = Interpreted::<f64>::new(scene, &[20.0]).expect("defaults");
     let folder = Folder::new("metrics_partial");
-    let text = "cases = 40\n[params]\nheight = { dist = \"uniform\", low = \"10 m\", high = \"30 m\" }\n[metrics]\nfastest = { require = { below = \"25 m/s\", share = 0.5, confidence = 0.5 } }\n[run]\nuntil = \"3 s\"\ntolerance = 1e-10\n";
+    let text = "cases = 40\n[params]\nheight = { dist = \"uniform\", low = \"10 m\", high = \"30 m\" }\n[metrics]\nfastest = { require = { below = \"25 m/s\", share = 0.5, confidence = 0.5 } }\n[run]\nuntil = \"3 s\"\ntolerance = 1e-10\n[histories]\nfailed = \"all\"\n";
     let campaign = campaign_of(&folder, model.share(), text).expect("valid");
     let out = folder.0.join("out");
     let (done, results) = flown(&campaign, &out);
@@ -224,6 +224,8 @@ fn a_case_that_ends_inside_the_window_of_a_metric_says_so_and_is_no_silent_hit()
     let count = short.len();
     assert!(count > 0 && count < 40);
     assert_eq!((done.failed, done.partial), (0, count as u64));
+    let kept = results.manifest.told.histories.of(&results);
+    assert!(kept.is_empty(), "none of them failed");
     for row in &results.rows {
         let [fastest, since] = row.metrics[..] else {
             panic!("two metrics");
