@@ -242,6 +242,7 @@ impl Campaign {
             unit: varied.known.unit.clone(),
             require: None,
             waits_for: String::new(),
+            remark: String::new(),
             from: None,
             to: None,
         });
@@ -250,6 +251,7 @@ impl Campaign {
             unit: metric.unit.clone(),
             require: metric.require,
             waits_for: metric.waits_for(self.columns.as_ref(), locates),
+            remark: metric.remark.clone(),
             from: metric.counts_from(),
             to: metric.counts_up_to(),
         });

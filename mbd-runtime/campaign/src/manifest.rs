@@ -32,6 +32,9 @@ pub struct ResultColumn {
     /// Why a run that reached its end may have no value of it, of a metric: `` `landed` did not happen ``.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub waits_for: String,
+    /// What to know of the quantity of a metric: `not unique`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub remark: String,
     /// From when on a run counts [s], of a metric.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,

@@ -27,6 +27,8 @@ pub struct CampaignMetric {
     pub name: String,
     /// Its unit; empty for a pure number.
     pub unit: String,
+    /// What to know of its quantity, `not unique`; mostly empty.
+    pub remark: String,
     /// What it has to be.
     pub require: Option<Requirement>,
     reader: MetricReader,
@@ -278,9 +280,18 @@ fn declared(
     Ok(CampaignMetric {
         name: metric.name.clone(),
         unit: metric.unit(scene),
+        remark: remark(&reader, names),
         require: None,
         reader,
     })
+}
+
+/// What to know of the quantity that a metric is made of.
+fn remark(reader: &MetricReader, names: &[Name]) -> String {
+    let quantity = names
+        .get(reader.column)
+        .filter(|_| reader.take != Take::TimeOf);
+    quantity.map_or_else(String::new, |name| name.remark.clone())
 }
 
 struct MetricTextReader<'r> {
@@ -370,17 +381,19 @@ impl<'r> MetricTextReader<'r> {
             .as_ref()
             .map(|it| self.requirement(it, &unit))
             .transpose()?;
+        let reader = MetricReader {
+            take,
+            column: found.unwrap_or(0),
+            level,
+            event,
+            window,
+        };
         Ok(CampaignMetric {
             name: self.name.to_owned(),
             unit,
+            remark: remark(&reader, self.names),
             require,
-            reader: MetricReader {
-                take,
-                column: found.unwrap_or(0),
-                level,
-                event,
-                window,
-            },
+            reader,
         })
     }
 

@@ -35,6 +35,8 @@ pub struct Told {
     pub reasons: Vec<(MissingReason, u64)>,
     /// What the metric waits for, in words, and from when on a run counts [s].
     pub waits_for: (String, Option<f64>),
+    /// What to know of its quantity, `not unique`; mostly empty.
+    pub remark: String,
     /// Cases that have a value of a part of its window only; `None` where there are none.
     pub cut: Option<CutWindow>,
     /// Mean and standard deviation; NaN of fewer than two values.
@@ -96,6 +98,14 @@ pub struct MetricDriver {
 }
 
 impl Told {
+    /// What is to be known of a quantity of which there are many.
+    #[must_use]
+    pub fn caution(&self) -> Option<String> {
+        (!self.remark.is_empty()).then(|| {
+            "its reaction is not unique, because rows of joints repeat each other: what it shows is one choice of many".to_owned()
+        })
+    }
+
     /// Why cases have no value; `None` where all have one.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
@@ -183,6 +193,8 @@ pub struct RequirementVerdict {
     pub partial: u64,
     /// All cases but the nominal.
     pub of: u64,
+    /// Whether its quantity is one choice of many, of which nothing can be shown.
+    pub withheld: bool,
     /// Whether it is shown.
     pub shown: bool,
     /// How many cases can show it with so many misses; `None` of a grid.
@@ -271,7 +283,8 @@ fn told(results: &Results, at: usize) -> Told {
                 .filter(|(_, value)| require.meets(*value))
                 .count() as u64,
             of,
-            shown: require.is_shown(missed, of),
+            withheld: !column.remark.is_empty(),
+            shown: column.remark.is_empty() && require.is_shown(missed, of),
             needed: require
                 .confidence
                 .map(|confidence| cases_needed(missed, require.share, confidence)),
@@ -284,6 +297,7 @@ fn told(results: &Results, at: usize) -> Told {
         without: of - sorted.len() as u64,
         reasons: reasons(results, at),
         waits_for: (column.waits_for.clone(), column.from),
+        remark: column.remark.clone(),
         cut: CutWindow::of(column, &cut),
         moments,
         ends: smallest.zip(largest).map(|(low, high)| [low.0, high.0]),

@@ -2,6 +2,9 @@
 
 use mbd_scene::{AngularVelocity, InputSource, Layout, Part, Plane, PointSlots, Scene};
 
+/// The remark of a reaction of which there are many, and of what is made of it.
+pub(crate) const NOT_UNIQUE: &str = "not unique";
+
 /// A named quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name {

@@ -2,7 +2,9 @@
 
 use mbd_scene::{Float, LINE_NUMBERS, Layout, Model, Quantity, Scene};
 
-use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
+use crate::columns::{
+    NOT_UNIQUE, Name, carried_names, joint_name, line_name, node_name, state_names,
+};
 use crate::content::Content;
 use crate::error::StepError;
 use crate::linearise::output_names;
@@ -261,7 +263,7 @@ pub(crate) fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Nam
                 let owner = format!("{}.{kind}", joint_name(scene, joint));
                 let remark = match layout.redundancy.is_unique(joint) {
                     true => "",
-                    false => "not unique",
+                    false => NOT_UNIQUE,
                 };
                 names.extend(["x", "y", "z"].map(|c| Name {
                     remark: remark.to_owned(),
@@ -271,7 +273,7 @@ pub(crate) fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Nam
         }
     }
     if content.outputs {
-        names.extend(output_names(scene));
+        names.extend(output_names(scene, layout));
     }
     if content.energy {
         names.extend(

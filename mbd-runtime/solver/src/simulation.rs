@@ -369,7 +369,7 @@ impl<T: Float> Simulation<T> {
     /// What [`Simulation::output`] does.
     pub(crate) fn look_at_output(&mut self, name: &str) -> Result<T, RunError> {
         let model = Arc::clone(self.model());
-        let names = output_names(model.scene());
+        let names = output_names(model.scene(), model.layout());
         let names = names.iter().map(|column| column.name.as_str());
         let no_output = |why: String| StepError::NoOutput {
             name: name.to_owned(),

@@ -85,6 +85,9 @@ fn metric(results: &Results, told: &Told) -> String {
             why.unwrap_or_default()
         );
     }
+    if let Some(caution) = told.caution() {
+        text += &format!("  {caution}\n");
+    }
     if let Some(cut) = &told.cut {
         text += &format!("  {}\n", cut.sentence());
     }
@@ -149,6 +152,7 @@ impl RequirementVerdict {
         let allowed = (1.0 - self.require.share) * self.of as f64;
         match (self.shown, self.require.confidence) {
             (true, _) => Some(true),
+            _ if self.withheld => None,
             (false, None) => Some(false),
             _ => (self.missed as f64 > allowed).then_some(false),
         }
@@ -165,6 +169,9 @@ impl RequirementVerdict {
         let share = percent(self.require.share, PLACES);
         let what = format!("{name} {} in {share} %", bounds.join(" and "));
         match self.require.confidence {
+            _ if self.withheld => {
+                format!("NOT JUDGED: {what}: its reaction is one choice of many")
+            }
             Some(confidence) => self.of_cases(&what, &percent(confidence, PLACES)),
             None => self.of_points(&what),
         }

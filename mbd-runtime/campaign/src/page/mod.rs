@@ -215,6 +215,9 @@ fn overview(results: &Results, summary: &CampaignSummary) -> ReportTable {
         if let Some(why) = told.reason() {
             table = table.note(format!("`{}` has no value where {why}.", told.name));
         }
+        if let Some(caution) = told.caution() {
+            table = table.note(format!("`{}`: {caution}.", told.name));
+        }
         if let Some(cut) = &told.cut {
             table = table.note(format!("`{}`: {}.", told.name, cut.sentence()));
         }

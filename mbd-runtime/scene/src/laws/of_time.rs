@@ -29,10 +29,10 @@ const SHORTEST: f64 = 1e-12;
 const WAITING: usize = MOST_SPANS as usize + 1;
 
 /// The value of a declared state, by number, at a time of a step [s], and its rate then: where it is a square of time, bounds hold everything.
-pub type Course<'a> = &'a dyn Fn(usize, f64) -> [f64; 2];
+pub type StateCourse<'a> = &'a dyn Fn(usize, f64) -> [f64; 2];
 
 /// That of what no state changes.
-const STILL: Course<'static> = &|_, _| [f64::NAN; 2];
+const STILL: StateCourse<'static> = &|_, _| [f64::NAN; 2];
 
 /// A number of time alone, or of time and declared states, that is not constant.
 #[derive(Clone, Debug)]
@@ -201,7 +201,7 @@ impl TimeFunctions {
         &self,
         scene: &Scene,
         number: &TimeFunction,
-        course: Course<'_>,
+        course: StateCourse<'_>,
         [from, to]: [f64; 2],
     ) -> Range {
         if !number.is_continuous {
@@ -222,7 +222,7 @@ impl TimeFunctions {
     }
 
     /// A number at a time.
-    fn at(&self, scene: &Scene, number: &TimeFunction, course: Course<'_>, time: f64) -> f64 {
+    fn at(&self, scene: &Scene, number: &TimeFunction, course: StateCourse<'_>, time: f64) -> f64 {
         let states = |state| Some(course(state, time)[0]);
         scalar(
             &number.formula,
@@ -235,7 +235,7 @@ impl TimeFunctions {
         &self,
         scene: &Scene,
         number: &TimeFunction,
-        course: Course<'_>,
+        course: StateCourse<'_>,
         [from, to]: [f64; 2],
     ) -> Dual<Range, 1> {
         let time = Dual::variable(Range::between(from, to), 0);
@@ -272,7 +272,7 @@ impl TimeFunctions {
         &self,
         scene: &Scene,
         number: usize,
-        course: Course<'_>,
+        course: StateCourse<'_>,
         span: [f64; 2],
         seen: impl Iterator<Item = f64>,
     ) -> Option<f64> {
@@ -297,7 +297,7 @@ impl TimeFunctions {
     fn unseen_of(
         &self,
         scene: &Scene,
-        (number, course): (&TimeFunction, Course<'_>),
+        (number, course): (&TimeFunction, StateCourse<'_>),
         whole: [f64; 2],
         seen: impl Iterator<Item = f64>,
     ) -> Option<f64> {
@@ -422,7 +422,7 @@ impl TimeFunctions {
 }
 
 /// A declared state and its slope while time is in a span: both bounds hold where it is a square of time.
-fn along(course: Course<'_>, state: usize, [from, to]: [f64; 2]) -> Dual<Range, 1> {
+fn along(course: StateCourse<'_>, state: usize, [from, to]: [f64; 2]) -> Dual<Range, 1> {
     let [[a, before], [b, behind]] = [from, to].map(|time| course(state, time));
     let ends = Range::between(a, b);
     let turns = before * behind < 0.0;
@@ -626,7 +626,7 @@ mod tests {
                 ..clock.clone()
             }
         };
-        let course: Course<'_> = &|_, t| [4.0 * t - t * t, 4.0 - 2.0 * t];
+        let course: StateCourse<'_> = &|_, t| [4.0 * t - t * t, 4.0 - 2.0 * t];
         for width in [0.1, 1e-3, 1e-6] {
             let scene = Scene {
                 states: vec![clock.clone(), of(width)],

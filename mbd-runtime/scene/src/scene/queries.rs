@@ -3,7 +3,7 @@
 use super::{Coordinates, Joint, Line, LoadKind, NodeModel, PointKind, Scene};
 use crate::event::{Detachable, Event, Settable};
 use crate::joints::{Fold, JointForces, JointLaw, Side};
-use crate::{Coordinate, Directions, Fixed, Formula, Function, Part, Place};
+use crate::{Coordinate, Directions, Fixed, Formula, Function, Layout, Part, Place};
 
 impl Scene {
     /// The same scene in a family of coordinates.
@@ -177,6 +177,21 @@ impl Scene {
             )
         };
         !self.contains(formula, |part| !known(part))
+    }
+
+    /// The joints whose reactions a formula asks for and that are not unique, because rows of joints repeat each other there.
+    #[must_use]
+    pub fn ambiguous_reactions(&self, layout: &Layout, formula: &Formula) -> Vec<usize> {
+        let mut found = Vec::new();
+        self.walk(formula, &mut |part| {
+            if let Formula::ReactionForce(joint) | Formula::ReactionTorque(joint) = part
+                && !layout.redundancy.is_unique(*joint)
+                && !found.contains(joint)
+            {
+                found.push(*joint);
+            }
+        });
+        found
     }
 
     /// Whether the work of loads on equilibrium points is told: these have a velocity of their own, or the loads change with time alone.

@@ -63,7 +63,9 @@ fn find(moment: &SceneMoment, space: &StateSpace) -> Result<Vec<Kink>, Linearisa
         unit: a_second(&name.unit),
         ..name
     });
-    let of: Vec<_> = rates.chain(output_names(moment.scene())).collect();
+    let of: Vec<_> = rates
+        .chain(output_names(moment.scene(), moment.layout()))
+        .collect();
     let by: Vec<_> = space.states.iter().chain(&space.inputs).collect();
     let change = |at: (usize, usize)| (near[1][at] - near[0][at]).abs();
     let stay = changed.into_iter().filter(|&at| {

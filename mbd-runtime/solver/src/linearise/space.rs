@@ -9,14 +9,14 @@
 //! Small deviations from the motion through that state, which need not be at rest. Every derivative is exact: (2) uses those of
 //! [`super`], through joints and nodes. Source: Kane and Levinson, Dynamics, on linearised equations; [derived] for loops.
 
-use mbd_scene::{Float, Formula, Joint, Model, Quantity, Scene};
+use mbd_scene::{Float, Formula, Joint, Layout, Model, Quantity, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearisationError;
 use super::chart::{Chart, ChartOrder, MinimalCoordinate, input_names};
 use super::kinks::{Kink, kinks};
 use super::moment::{SceneMoment, dense};
-use crate::columns::{Name, state_names};
+use crate::columns::{NOT_UNIQUE, Name, state_names};
 use crate::system::Remembered;
 
 /// A, B, C, D of a scene at a state in minimal coordinates, with names.
@@ -210,7 +210,7 @@ impl StateSpace {
             },
             states: coordinates.chain(their_rates).chain(behind).collect(),
             inputs: input_names(scene, layout),
-            outputs: output_names(scene),
+            outputs: output_names(scene, layout),
             tangent,
             accelerations,
             undamped: moment.damped_by_steps.clone(),
@@ -246,7 +246,7 @@ pub(crate) fn motors_follow(scene: &Scene) -> bool {
 }
 
 /// Names and units of the output columns.
-pub(crate) fn output_names(scene: &mbd_scene::Scene) -> Vec<Name> {
+pub(crate) fn output_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     let outputs = scene.outputs.iter();
     let each = outputs.flat_map(|output| {
         let axes: &[&str] = if output.components == 1 {
@@ -254,8 +254,12 @@ pub(crate) fn output_names(scene: &mbd_scene::Scene) -> Vec<Name> {
         } else {
             &["x", "y", "z"]
         };
-        axes.iter()
-            .map(|axis| Name::new(&output.name, axis, &output.unit.text))
+        let ambiguous = !scene.ambiguous_reactions(layout, &output.value).is_empty();
+        let remark = if ambiguous { NOT_UNIQUE } else { "" };
+        axes.iter().map(move |axis| Name {
+            remark: remark.to_owned(),
+            ..Name::new(&output.name, axis, &output.unit.text)
+        })
     });
     each.collect()
 }

@@ -126,17 +126,14 @@ fn ambiguous(scene: &Scene, layout: &Layout) -> Vec<String> {
     let events = events.map(|event| ("event", &event.name, &event.guard));
     let mut told = Vec::new();
     for (kind, name, formula) in outputs.chain(events) {
-        scene.walk(formula, &mut |part| {
-            if let Formula::ReactionForce(joint) | Formula::ReactionTorque(joint) = part
-                && !layout.redundancy.is_unique(*joint)
-                && let Some(joint) = scene.joints.get(*joint)
-            {
-                told.push(format!(
-                    "{kind} `{name}` asks for the reaction of `{}`, which is not unique: rows of joints repeat each other, and what it shows is one choice of many",
-                    joint.name
-                ));
-            }
-        });
+        let joints = scene.ambiguous_reactions(layout, formula).into_iter();
+        let joints = joints.filter_map(|joint| scene.joints.get(joint));
+        told.extend(joints.map(|joint| {
+            format!(
+                "{kind} `{name}` asks for the reaction of `{}`, which is not unique: rows of joints repeat each other, and what it shows is one choice of many",
+                joint.name
+            )
+        }));
     }
     told.dedup();
     told

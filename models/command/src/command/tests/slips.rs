@@ -509,4 +509,26 @@ until = \"10 ms\"
         told.contains("warning: output `mid` asks for the reaction of `jm`, which is not unique"),
         "{told}"
     );
+    let history = std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap();
+    assert!(history.contains("mid [N; not unique]"), "{history}");
+    // A requirement on it is not judged, however many cases keep it.
+    let file = folder.file(
+        "cases.toml",
+        "cases = 30\n[params]\nP = { dist = \"uniform\", low = \"50 N\", high = \"150 N\" }\n\
+         [metrics]\nreaction = { require = { below = \"1 MN\", share = 0.5, confidence = 0.5 } }\n\
+         side = { max = \"jr.force.z\" }\n",
+    );
+    let results = folder.0.join("results").display().to_string();
+    let told = run(&["campaign", &scene, &file, "--out", &results]).unwrap_err();
+    assert_eq!(told.code(), 3);
+    let told = told.to_string();
+    for part in [
+        "NOT JUDGED: reaction below",
+        "its reaction is one choice of many",
+    ] {
+        assert!(told.contains(part), "{told}");
+    }
+    assert_eq!(run(&["report", &results]).unwrap_err().code(), 3);
+    let page = std::fs::read_to_string(folder.0.join("results/report.html")).unwrap();
+    assert_eq!(page.matches("its reaction is not unique").count(), 2);
 }
