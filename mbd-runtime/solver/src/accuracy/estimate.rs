@@ -4,7 +4,7 @@
 //! runs is the error of the first. Rejected: the sum of the embedded errors of the steps, which knows nothing of how the motion carries an error on
 //! (a pendulum forgets, a double pendulum multiplies by a thousand a second).
 
-use super::{Deviation, Question, TradeError, Unanswered, Variant};
+use super::{Answer, Deviation, Question, TradeError, Unanswered, Variant};
 use crate::options::{Method, Options};
 use crate::trajectory::Trajectory;
 use crate::turns;
@@ -13,6 +13,8 @@ use crate::turns;
 const FINEST: f64 = 1e-13;
 /// How much finer a tolerance is.
 const TENTH: f64 = 0.1;
+/// How many times as many steps a finer run may take.
+const MORE_STEPS: u64 = 4;
 /// Part of the wanted error that a tightened run aims at.
 const AIM: f64 = 0.3;
 /// Steps of a method of order five go with this power of the tolerance.
@@ -29,6 +31,24 @@ impl Options {
             (None, Some([rtol, _])) if rtol * TENTH >= FINEST => Some(self.tightened(TENTH)),
             (None, _) => None,
         }
+    }
+
+    /// [`Options::finer`] of a run whose steps were this long in the mean [s], with adaptive steps that are shorter than these by as much as a tenth of the tolerance
+    /// makes them: where events, samples and entries of tables end the steps, a tighter tolerance alone would make the same ones again, and their error would
+    /// be in both runs.
+    #[must_use]
+    pub fn finer_than(self, mean: f64) -> Option<Options> {
+        let mut options = self.finer()?;
+        if let Method::Tsit5 { max_step, .. }
+        | Method::Vern7 { max_step, .. }
+        | Method::Rodas5P { max_step, .. }
+        | Method::Auto { max_step, .. } = &mut options.method
+            && mean > 0.0
+        {
+            *max_step = max_step.min(mean * TENTH.powf(STEP_BY_TOLERANCE));
+            options.max_steps = options.max_steps.saturating_mul(MORE_STEPS);
+        }
+        Some(options)
     }
 
     /// The same with its step, or its tolerance, times a factor. What bounds adaptive steps beside the tolerance changes with it: where that alone
@@ -67,10 +87,14 @@ impl Variant<'_> {
     /// # Errors
     /// A run that does not reach its end, or an unknown column.
     pub fn error(&self, question: &Question, options: Options) -> Result<Deviation, TradeError> {
+        question.check()?;
+        let one = self.reference(question, options)?;
+        let until = question.times().last().copied().unwrap_or_default();
         let other = options
-            .finer()
+            .finer_than(until / one.statistics.steps as f64)
             .unwrap_or_else(|| options.tightened(1.0 / TENTH));
-        self.against(question, options, other)
+        let other = self.reference(question, other)?;
+        Ok(Deviation::between(&one.values, &other.values))
     }
 
     /// How far a run with these options is from one with others.
@@ -84,14 +108,19 @@ impl Variant<'_> {
         others: Options,
     ) -> Result<Deviation, TradeError> {
         question.check()?;
-        let answer = |options: Options| {
-            self.answer(question, options).map_err(|why| match why {
-                Unanswered::Run(error) => TradeError::NoReference(Box::new(error)),
-                Unanswered::Column(known) => TradeError::Column(question.column.clone(), known),
-            })
-        };
-        let (one, other) = (answer(options)?, answer(others)?);
+        let (one, other) = (
+            self.reference(question, options)?,
+            self.reference(question, others)?,
+        );
         Ok(Deviation::between(&one.values, &other.values))
+    }
+
+    /// What a run says that others are compared with.
+    fn reference(&self, question: &Question, options: Options) -> Result<Answer, TradeError> {
+        self.answer(question, options).map_err(|why| match why {
+            Unanswered::Run(error) => TradeError::NoReference(Box::new(error)),
+            Unanswered::Column(known) => TradeError::Column(question.column.clone(), known),
+        })
     }
 
     /// Tightens a run until its error (rms over the window) is at most `error`, in the unit of the column.

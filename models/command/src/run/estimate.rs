@@ -64,7 +64,9 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         last
     };
     let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT);
-    let mut run = Simulation::new(model, plan.options.finer()?).ok()?;
+    let start = first.times().first().copied().unwrap_or_default();
+    let mean = (until - start) / first.statistics.steps as f64;
+    let mut run = Simulation::new(model, plan.options.finer_than(mean)?).ok()?;
     plan.begin(&mut run).ok()?;
     run.record(until, &mut finer).ok()?;
     let outputs = model
@@ -210,10 +212,17 @@ fn rows(history: &Trajectory) -> Vec<usize> {
         let mut jumps = history.events.iter().map(|(at, _)| at);
         !jumps.any(|at| (at - own).abs() <= NOTHING * own.abs().max(NOTHING))
     };
-    let every = times.len().div_ceil(ROWS).max(1);
-    let last = times.len().saturating_sub(1);
-    let chosen = (0..times.len()).filter(|row| row % every == 0 || *row == last);
-    let chosen = chosen.filter(|row| alone(*row));
+    let apart: Vec<usize> = (0..times.len()).filter(|row| alone(*row)).collect();
+    // Where an event is at every row, both runs have the row before it.
+    let all = match apart.len() > 1 {
+        true => apart,
+        false => (0..times.len()).collect(),
+    };
+    let every = all.len().div_ceil(ROWS).max(1);
+    let last = all.len().saturating_sub(1);
+    let numbered = all.into_iter().enumerate();
+    let chosen = numbered.filter(|(number, _)| number % every == 0 || *number == last);
+    let chosen = chosen.map(|(_, row)| row);
     let mut rows: Vec<usize> = Vec::new();
     for row in chosen {
         let before = rows.last().and_then(|before| times.get(*before));

@@ -532,3 +532,64 @@ until = \"10 ms\"
     let page = std::fs::read_to_string(folder.0.join("results/report.html")).unwrap();
     assert_eq!(page.matches("its reaction is not unique").count(), 2);
 }
+
+/// x = x0 cos(10 t) beside something large that dilutes the balance of energy, at a tolerance that steps meet only because a clock or a table ends them.
+#[test]
+fn the_error_of_steps_that_events_or_tables_end_is_told() {
+    let folder = Folder::new("ended");
+    let out = folder.0.join("out").display().to_string();
+    let tick = "state next = 0.12 s { rate: 0 } event tick = time rises next { set: next = next + 0.12 s }";
+    let entries: Vec<String> = (0..=160)
+        .map(|k| format!("{} s: 30 N", f64::from(k) / 8.0))
+        .collect();
+    let table = format!("table wind = {{ {} }}", entries.join(", "));
+    for (what, force, every) in [
+        (tick, "30 N", "0.05 s"),
+        (tick, "30 N", "0.12 s"),
+        (table.as_str(), "wind(time)", "0.05 s"),
+    ] {
+        let scene = folder.file(
+            "ended.mbd",
+            &format!(
+                "model Ended {{
+    gravity: none;
+    {what}
+    point big {{ mass: 100 kg, start at [0, 5, 0] m velocity [0, 3, 0] m/s }}
+    load pull on big = [0, {force}, 0];
+    body m {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+    joint s: prismatic from world to m.com {{ axis: x, stiffness: 100 N/m, start: 5 mm }}
+    output x = s.slide;
+}}
+[run]
+until = \"18 s\"
+every = \"{every}\"
+tolerance = 1e-3
+"
+            ),
+        );
+        let _ = run(&["run", &scene, "--out", &out]);
+        let text = std::fs::read_to_string(folder.0.join("out/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let told = summary["error_estimate"]["rms"].as_f64().unwrap();
+        let history = std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap();
+        let mut rows = history
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let column = rows
+            .next()
+            .unwrap()
+            .iter()
+            .position(|name| *name == "x [m]")
+            .unwrap();
+        let number = |text: &str| text.parse::<f64>().unwrap();
+        let squares: Vec<f64> = rows
+            .map(|row| (number(row[column]) - 5e-3 * (10.0 * number(row[0])).cos()).powi(2))
+            .collect();
+        let true_error = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        println!("{every}: {told:.1e} of {true_error:.1e}");
+        assert!(
+            told > 0.5 * true_error && told < 3.0 * true_error,
+            "{told} {true_error}"
+        );
+    }
+}
