@@ -41,6 +41,17 @@ model! {
 }
 
 model! {
+    /// A mass that passes a force at one place.
+    pub model Hill {
+        gravity: none;
+        param top = 50 m in 0 m ..= 100 m;
+        param width = 1 m in 0.1 m ..= 10 m;
+        point mass { mass: 1 kg, start at [0, 0, 0] m velocity [1, 0, 0] m/s }
+        load push on mass = [0 N, 1 N * exp(-((mass.position.x - top) / width)^2), 0 N];
+    }
+}
+
+model! {
     /// Nothing moves but declared states, until one of them lets something act.
     pub model Discharge {
         gravity: none;
@@ -175,6 +186,28 @@ fn an_obstacle_that_is_passed_in_even_motion_pushes() {
         // Energy: an elastic push gives and takes the same.
         let speed = run.state()[3].hypot(run.state()[5]);
         assert!((speed - 10.0).abs() < 1e-5, "{options:?}: {speed}");
+    }
+}
+
+#[test]
+fn a_hill_whose_foot_a_stage_has_touched_is_not_leapt_over() {
+    for (top, width) in [(50.0, 0.3), (41.0, 0.3), (67.0, 1.0), (50.0, 0.5)] {
+        let model = Hill::new(HillParams { top, width }).expect("params in range");
+        for options in methods(1e-8).into_iter().chain(methods(1e-6)) {
+            let run = flown(&model, options, 100.0);
+            let speed = run.state()[4];
+            // ∫ exp(−((t − top)/w)²) dt at 1 m/s.
+            let exact = width * std::f64::consts::PI.sqrt();
+            println!(
+                "{top} {width} {}: {:.1e}",
+                options.method.name(),
+                speed - exact
+            );
+            assert!(
+                (speed - exact).abs() < 2e-4,
+                "{top} {width} {options:?}: {speed} {exact}"
+            );
+        }
     }
 }
 

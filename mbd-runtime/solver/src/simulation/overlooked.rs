@@ -10,7 +10,7 @@
 //!
 //! Each is measured as an error of the step is. (1) is looked at in every step in which [`TimeFunctions::unseen`] finds such a time, declared states on the square of
 //! time that begins as they do and ends where they end; (2) where the error
-//! is so small that it says nothing about the next step, and what acts has places at which it changes quickly. Where either exceeds the tolerance
+//! is so small that it says nothing or little about the next step, and what acts has places at which it changes quickly. Where either exceeds the tolerance
 //! by more than the error of the step makes likely, the step ends there. Derived; the idea of looking at the rates between the stages: W. H. Enright,
 //! *Analysis of error control strategies for continuous Runge–Kutta methods*, SIAM J. Numer. Anal. 26 (1989).
 
@@ -21,14 +21,17 @@ use super::{Pace, Simulation};
 use crate::error::StepError;
 use crate::integrate::Rates;
 
-/// An error, in tolerances, that says nothing about what lies between the stages.
+/// An error, in tolerances, that says nothing about what lies between the stages, and one that says little: a stage may have been at the foot of something.
 const QUIET: f64 = 1e-3;
+const SMALL: f64 = 0.1;
 /// How much larger than the error of a step (1) and (2) are where nothing is overlooked, at most.
 const LIKELY: f64 = 1e3;
-/// The part of its scale by which places, speeds and states may change between two looks, and the fewest and the most looks at a step.
+/// The part of its scale by which places, speeds and states may change between two looks, the fewest and the most looks at a step, and the most where its error says
+/// little.
 const APART: f64 = 0.1;
 const FEWEST: u32 = 8;
 const MOST: u32 = 256;
+const SOME: u32 = 32;
 /// How many steps ahead a number of time alone is looked at: where it rises or falls all the way there is nothing to see.
 const AHEAD: f64 = 8.0;
 /// Δ⁴, the newest first, and the part of it that counts.
@@ -117,11 +120,14 @@ impl<T: Float> Simulation<T> {
                 return Ok(Some(part));
             }
         }
-        if error >= QUIET {
+        if error >= SMALL || error >= QUIET && !self.overlooked.is_local {
             return Ok(None);
         }
-        let looks = self.looks_by_motion(step);
-        self.looks = looks.unwrap_or_default();
+        let mut looks = self.looks_by_motion(step);
+        match error < QUIET {
+            true => self.looks = looks.unwrap_or_default(),
+            false => looks = looks.map(|looks| looks.min(SOME)),
+        }
         let looks = looks.filter(|_| self.overlooked.is_local);
         Ok(looks.and_then(|looks| self.bends_between(looks, step, allowed)))
     }
