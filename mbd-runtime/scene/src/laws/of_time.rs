@@ -57,7 +57,7 @@ impl TimeFunction {
     }
 }
 
-/// The formulas of time alone of a scene, for some params.
+/// The formulas of time alone of a scene, and those of time and declared states, for some params.
 #[derive(Clone, Debug, Default)]
 pub struct TimeFunctions {
     /// Scalars that are not constant, of what acts: those of time alone, then those of states.
@@ -205,12 +205,8 @@ impl TimeFunctions {
         [from, to]: [f64; 2],
     ) -> Range {
         if !number.is_continuous {
-            let states = |state| Some(along(course, state, [from, to]).value);
-            let span = Range::between(from, to);
-            return scalar(
-                &number.formula,
-                &with_states(scene, &self.params, span, states),
-            );
+            let states = |state| along(course, state, [from, to]).value;
+            return self.value(scene, number, Range::between(from, to), states);
         }
         let along = self.along(scene, number, course, [from, to]);
         let middle = 0.5 * (from + to);
@@ -223,11 +219,19 @@ impl TimeFunctions {
 
     /// A number at a time.
     fn at(&self, scene: &Scene, number: &TimeFunction, course: StateCourse<'_>, time: f64) -> f64 {
-        let states = |state| Some(course(state, time)[0]);
-        scalar(
-            &number.formula,
-            &with_states(scene, &self.params, time, states),
-        )
+        self.value(scene, number, time, |state| course(state, time)[0])
+    }
+
+    /// A number at a time of any scalar, and at declared states.
+    fn value<S: Real>(
+        &self,
+        scene: &Scene,
+        number: &TimeFunction,
+        time: S,
+        states: impl Fn(usize) -> S,
+    ) -> S {
+        let leaves = with_states(scene, &self.params, time, |state| Some(states(state)));
+        scalar(&number.formula, &leaves)
     }
 
     /// A number and its slope while time is in a span.
@@ -239,11 +243,9 @@ impl TimeFunctions {
         [from, to]: [f64; 2],
     ) -> Dual<Range, 1> {
         let time = Dual::variable(Range::between(from, to), 0);
-        let states = |state| Some(along(course, state, [from, to]));
-        scalar(
-            &number.formula,
-            &with_states(scene, &self.params, time, states),
-        )
+        self.value(scene, number, time, |state| {
+            along(course, state, [from, to])
+        })
     }
 
     /// Whether a number that acts hangs on declared states.

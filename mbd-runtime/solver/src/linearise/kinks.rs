@@ -116,8 +116,9 @@ fn derivatives(
     let amount = |index: usize| share * NEAR * (1.0 + (index as f64 * 0.618_034).fract());
     let along = DVector::from_fn(space.states.len(), |index, _| amount(index));
     let mut moves = &space.tangent * along;
+    let resolved = |x: f64| 1.0_f64.max(RESOLVED / NEAR * x.abs());
     for (change, x) in moves.iter_mut().zip(&moment.state) {
-        *change *= 1.0_f64.max(RESOLVED / NEAR * x.abs());
+        *change *= resolved(*x);
     }
     // Where motors follow inputs these move bodies, too.
     let held = motors_follow(moment.scene());
@@ -127,7 +128,7 @@ fn derivatives(
         .enumerate()
         .map(|(index, u)| match held {
             true => *u,
-            false => u + amount(index) * 1.0_f64.max(RESOLVED / NEAR * u.abs()),
+            false => u + amount(index) * resolved(*u),
         });
     let linear = moment.beside(&moves, inputs.collect())?.linearise()?;
     let (by_state, by_input) = (
