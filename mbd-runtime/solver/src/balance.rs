@@ -57,7 +57,7 @@ pub(crate) struct EnergyReading {
 }
 
 impl EnergyReading {
-    fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.energies.iter().sum()
     }
 }
@@ -110,6 +110,22 @@ impl EnergyBalance {
         self.widen(&now);
     }
 
+    /// The energy at the last step end [J].
+    pub(crate) fn energy(&self) -> f64 {
+        self.last.iter().sum()
+    }
+
+    /// The elastic energy jumps by so much where nothing moves [J], the work of what jumps.
+    pub(crate) fn jump(&mut self, by: f64) {
+        let ([.., last], [.., elastic, work]) = (&mut self.last, &mut self.changes);
+        for energy in [last, elastic, work] {
+            *energy += by;
+        }
+        for (range, change) in self.ranges.iter_mut().zip(&self.changes) {
+            range.widen(*change);
+        }
+    }
+
     /// Whether the next step needs the power in its middle.
     pub(crate) fn is_fresh(&self) -> bool {
         self.known < 3
@@ -136,7 +152,7 @@ impl EnergyBalance {
 
     /// Takes a step that ended with `now` and in which `work` was done [J].
     pub(crate) fn take(&mut self, step: f64, work: f64, now: EnergyReading) {
-        let before = self.last.iter().sum::<f64>();
+        let before = self.energy();
         self.surplus += gained([before, now.total()], work);
         let energies = now
             .energies

@@ -88,6 +88,8 @@ pub(crate) struct Margins {
     latest: Vec<f64>,
     /// Room for those of several looks.
     pub looks: Vec<f64>,
+    /// Whether an event that acts passes so close behind the last step that its end is of the same instant.
+    pub acts_behind: bool,
 }
 
 /// The longest C/K of some lines [s].
@@ -196,6 +198,7 @@ impl Margins {
             earlier: vec![0.0; count],
             latest: vec![0.0; count],
             looks: Vec::with_capacity((FEW_LOOKS + 1) * count),
+            acts_behind: false,
         }
     }
 
@@ -411,6 +414,14 @@ impl Margins {
         }
     }
 
+    /// What counts as zero of the guard of an event.
+    pub(crate) fn zero_of(&self, event: usize) -> f64 {
+        let mut declared = self.declared();
+        let own = declared.find(|(index, _)| self.event_of(*index) == Some(event));
+        let rearmed = own.and_then(|(index, _)| self.rearmed.get(index));
+        rearmed.map_or(0.0, |rearmed| rearmed.value)
+    }
+
     /// Puts a declared event back on the side that it came from.
     pub(crate) fn rearm(&mut self, index: usize, at: Rearmed) {
         let event = self.event_of(index);
@@ -511,11 +522,22 @@ impl Margins {
     /// Whether a declared event passes within a part of another step like the one that was looked at; with none of it: whether one came to its value.
     pub(crate) fn are_close(&self, part: f64) -> bool {
         let mut declared = self.declared();
-        declared.any(|(index, _)| {
-            let at = |list: &[f64]| list.get(index).copied().unwrap_or(f64::INFINITY);
-            let (start, end) = (at(&self.start), at(&self.now));
-            start > 0.0 && start.is_finite() && end <= part * (start - end)
+        declared.any(|(index, _)| self.is_close(index, part))
+    }
+
+    /// The same of those that act.
+    pub(crate) fn act_close(&self, part: f64) -> bool {
+        let mut watched = self.watched.iter().enumerate();
+        watched.any(|(index, watched)| {
+            matches!(watched, WatchedGuard::Declared { acts: true, .. })
+                && self.is_close(index, part)
         })
+    }
+
+    fn is_close(&self, index: usize, part: f64) -> bool {
+        let at = |list: &[f64]| list.get(index).copied().unwrap_or(f64::INFINITY);
+        let (start, end) = (at(&self.start), at(&self.now));
+        start > 0.0 && start.is_finite() && end <= part * (start - end)
     }
 
     /// How many declared events have passed at the last look.

@@ -28,7 +28,7 @@ const CLOSE: f64 = 0.1;
 /// Events closer than this happen together [s].
 pub(crate) const TOGETHER: f64 = 1e-12;
 /// A bracket below this is a point [s].
-const POINT: f64 = 1e-14;
+pub(crate) const POINT: f64 = 1e-14;
 /// Most redone steps for one event.
 const MOST_TRIALS: u32 = 100;
 
@@ -54,6 +54,7 @@ impl<T: Float> Simulation<T> {
         if self.margins.is_empty() {
             return Ok(None);
         }
+        self.margins.acts_behind = false;
         if self.noisy {
             let (error, _) = self.method.estimate(step);
             self.margins.resolve(error);
@@ -117,8 +118,20 @@ impl<T: Float> Simulation<T> {
                 return self.narrow(0.0, 1.0, step);
             }
         }
+        let instant = self.one_instant(step);
+        self.margins.acts_behind = self.margins.act_close(instant / step);
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(None)
+    }
+
+    /// When the guard of an event that was located at a time was at its value, as close as times are, if it is of time alone; else that time [s].
+    pub(crate) fn passed_at(&self, event: usize, time: f64) -> f64 {
+        let came_from = self.margins.sides.get(event) == Some(&false);
+        let zero = self.margins.zero_of(event);
+        let span = [time - self.one_instant(0.0), time];
+        let (scene, of_time) = (self.system.model.scene(), &self.system.of_time);
+        let passes = of_time.passes(scene, event, (zero, came_from), span);
+        passes.unwrap_or(time)
     }
 
     /// Where the first guard of time alone passes inside the attempted step, in parts of it: however often such a guard passes, none is leapt over.
@@ -387,6 +400,11 @@ impl<T: Float> Simulation<T> {
         let rounding =
             (4.0 * f64::EPSILON * (self.time.abs() + step)).max(T::EPSILON.to_f64() * step);
         POINT.max(rounding)
+    }
+
+    /// An event that is located so much behind the end of a step is at that end [s].
+    pub(crate) fn one_instant(&self, step: f64) -> f64 {
+        2.0 * self.resolved(step)
     }
 
     /// Ends the step behind events that happen at the same time as those it ends on, where events act: so that they act together.

@@ -21,6 +21,8 @@ pub(crate) enum RowPlace {
     After(f64),
     /// At the end of the attempted step, whose nodes are solved.
     End,
+    /// Right before the events at the end of the attempted step, at this time, so long after the last accepted step [s].
+    Before(f64, f64),
 }
 
 /// Makes rows with some content.
@@ -124,8 +126,13 @@ impl RowMaker {
         scratch: &mut [T],
     ) -> Result<bool, StepError> {
         let (content, row) = (self.content, &mut self.row);
+        let told = time;
+        let time = match place {
+            RowPlace::Before(time, _) => time,
+            _ => time,
+        };
         match place {
-            RowPlace::After(span) => system.look(time, span, state)?,
+            RowPlace::After(span) | RowPlace::Before(_, span) => system.look(time, span, state)?,
             RowPlace::End => system.look_at_end(time, state)?,
         }
         let state_alone = state.get(..system.nx).unwrap_or_default();
@@ -138,7 +145,7 @@ impl RowMaker {
             .map(|[_, determined, rates]| [determined.as_slice(), rates.as_slice()]);
         row.clear();
         self.attitudes.clear();
-        row.push(time);
+        row.push(told);
         if content.state {
             let model = system.model.clone();
             let layout = model.layout();

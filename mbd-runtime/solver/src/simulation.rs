@@ -29,6 +29,7 @@ pub(crate) mod beside;
 mod beyond_stops;
 mod control;
 mod drive;
+mod energy_jumps;
 mod given;
 mod handover;
 mod impulse;

@@ -473,6 +473,17 @@ impl Trajectory {
         Ok(())
     }
 
+    /// The last row, where every step is one, is of this time [s], which is one with its own.
+    pub(crate) fn put_last_at(&mut self, time: f64) {
+        let times = self
+            .columns
+            .first_mut()
+            .filter(|_| self.sampling == Sampling::Steps);
+        if let Some(last) = times.and_then(|times| times.last_mut()) {
+            *last = time;
+        }
+    }
+
     /// The run ended here. A history whose grid has no row at this time gets one; where the run goes on it is dropped.
     pub(crate) fn push_end<T: Float>(
         &mut self,
@@ -544,9 +555,9 @@ impl Trajectory {
         any.then_some((&mut self.measures, [&mut self.measured, &mut self.inside]))
     }
 
-    /// Adds located events, at the last instant that was measured.
-    pub(crate) fn tell(&mut self, time: f64, event: String) {
-        self.measures.happens(time, &event);
+    /// Adds an event that was located at a time, at the last instant that was measured, and had passed at another [s].
+    pub(crate) fn tell(&mut self, [time, passed]: [f64; 2], event: String) {
+        self.measures.happens(passed, &event);
         self.events.push((time, event));
     }
 }

@@ -20,3 +20,4 @@ mod snapshots;
 mod time_jumps;
 mod told_events;
 mod too_long;
+mod two_sides;

@@ -421,6 +421,26 @@ impl TimeFunctions {
         }
         first
     }
+
+    /// When the guard of an event, less `zero`, passes to the other side in a span, as close as times are [s]; `None` as of the first passing.
+    #[must_use]
+    pub fn passes(
+        &self,
+        scene: &Scene,
+        event: usize,
+        (zero, positive): (f64, bool),
+        whole: [f64; 2],
+    ) -> Option<f64> {
+        let behind = self.first_passing(scene, event, (zero, positive), whole)?;
+        let (_, guard) = self.guards.iter().find(|(own, _)| *own == event)?;
+        let off = |time: f64| (self.at(scene, guard, STILL, time) - zero).abs();
+        let before = behind.next_down();
+        Some(if off(before) < off(behind) {
+            before
+        } else {
+            behind
+        })
+    }
 }
 
 /// A declared state and its slope while time is in a span: both bounds hold where it is a square of time.

@@ -4,7 +4,9 @@ use mbd_scene::metrics::Take;
 
 use super::polynomial::Polynomial;
 use crate::error::StepError;
+use crate::locate::POINT;
 use crate::metric::{MetricReader, MissingMetric};
+use crate::trajectory::resolution;
 
 /// The quantity itself at a place of its polynomial, −1 … 1: the law at the interpolated state.
 pub(super) type QuantityAt<'a> = dyn FnMut(f64) -> Result<f64, StepError> + 'a;
@@ -162,10 +164,13 @@ impl Sum {
         } = part;
         self.now = part.end;
         let (low, high) = (of.window[0].max(begin), of.window[1].min(end));
-        if low > high || matches!(of.take, Take::Value | Take::TimeOf) {
+        let width = end - begin;
+        let [shared, window] = [high - low, of.window[1] - of.window[0]];
+        // What ends on an event that begins the window, or begins with one that ends it, is not of it.
+        let touches = shared <= one_time(high) && shared < width.min(window);
+        if low > high || touches || matches!(of.take, Take::Value | Take::TimeOf) {
             return Ok(());
         }
-        let width = end - begin;
         // A time as a place on the polynomial, and a part of it in seconds.
         let place = |time: f64| match time {
             time if time <= begin => -1.0,
@@ -292,7 +297,8 @@ impl Sum {
 
     /// An event at an instant that was looked at just before.
     pub(super) fn happens(&mut self, of: &MetricReader, time: f64) {
-        let inside = (of.window[0]..=of.window[1]).contains(&time);
+        let [from, to] = of.window;
+        let inside = (from..=to + one_time(time)).contains(&time);
         if inside && self.first.is_nan() && matches!(of.take, Take::Value | Take::TimeOf) {
             (self.first, self.at_event) = (time, self.now);
         }
@@ -348,6 +354,11 @@ impl Sum {
         self.missing = Some(why);
         (self.first, self.at_event) = (f64::NAN, f64::NAN);
     }
+}
+
+/// Events happen up to so much later than the time at which a window begins or ends, where they are at that time [s].
+fn one_time(time: f64) -> f64 {
+    resolution(time).max(2.0 * POINT)
 }
 
 /// The part of a piece that rises or falls which is above a level; empty, at its end, where none is.

@@ -241,7 +241,11 @@ impl<T: Float> Simulation<T> {
             return;
         };
         for new in self.events.get(seen..).unwrap_or(&[]) {
-            trajectory.tell(new.time, self.name_event(new.what));
+            let passed = match new.what {
+                Happening::Declared(event) => self.passed_at(event, new.time),
+                Happening::Switch(..) => new.time,
+            };
+            trajectory.tell([new.time, passed], self.name_event(new.what));
         }
     }
 
@@ -288,8 +292,12 @@ impl<T: Float> Simulation<T> {
             self.system.check_end(end, step, self.method.next())?;
             self.watch_step(step)?;
             let changes = self.sees_stiffness(step);
+            let acts = trajectory.is_some() && self.margins.acts_behind;
             if trajectory.is_some() {
-                self.record_inside(step, trajectory, go_on, before)?;
+                if acts {
+                    self.see_before_end(step);
+                }
+                self.record_inside([step, end], trajectory, go_on, (acts, before))?;
                 self.measure_step([step, end], trajectory)?;
             }
             self.take(step, end)?;
@@ -300,7 +308,9 @@ impl<T: Float> Simulation<T> {
                 self.stays = false;
                 self.change_method();
             }
-            self.record_step(trajectory)?;
+            if !acts {
+                self.record_step(trajectory)?;
+            }
             if lands && until.is_finite() {
                 self.regrid();
             }
@@ -311,18 +321,23 @@ impl<T: Float> Simulation<T> {
             let end = self.time + found.step;
             self.system.check_end(end, found.step, self.method.next())?;
             self.watch_step(found.step)?;
-            self.record_inside(found.step, trajectory, go_on, before)?;
-            self.measure_step([found.step, end], trajectory)?;
+            // The last step ended on the same instant, and was seen from before it.
+            let seen = acts && found.step <= self.one_instant(found.step);
+            if seen {
+                if let Some(trajectory) = trajectory {
+                    trajectory.put_last_at(end);
+                }
+            } else {
+                let size = [found.step, end];
+                self.record_inside(size, trajectory, go_on, (acts, before))?;
+                self.measure_step(size, trajectory)?;
+            }
             let taken = self.take(found.step, end);
             self.regrid();
             taken?;
         }
         self.stays = false;
         self.regrid();
-        if acts {
-            // What jumps has two sides.
-            self.record_step(trajectory)?;
-        }
         self.happen()?;
         self.rebase();
         self.record_step(trajectory)
@@ -353,7 +368,9 @@ impl<T: Float> Simulation<T> {
         let ahead = resolution(self.time);
         let from = self.time + ahead;
         self.method
-            .begin(&mut self.system, from, ahead, &self.state)
+            .begin(&mut self.system, from, ahead, &self.state)?;
+        self.jump_energy(from);
+        Ok(())
     }
 
     /// The size of the next step, and whether it ends at `until`.
@@ -475,13 +492,18 @@ impl<T: Float> Simulation<T> {
 
     /// The same where the step ends on events: its stages see what is before them, so that what jumps there jumps behind the step.
     pub(crate) fn make_step_before(&mut self, step: f64) -> Result<(), StepError> {
+        self.see_before_end(step);
+        self.system.known.forget();
+        self.make_own_step(step)
+    }
+
+    /// What is evaluated from here on sees nothing of what is behind the end of the step of a size.
+    fn see_before_end(&mut self, step: f64) {
         let rounding = 2.0 * T::EPSILON.to_f64() * (self.time.abs() + step);
         let apart = rounding.max(3.0 * self.resolved(step));
         let latest = self.time + (step - apart).max(0.0);
         self.system
             .see_before(latest, self.margins.sides_of_events());
-        self.system.known.forget();
-        self.make_own_step(step)
     }
 
     pub(super) fn make_own_step(&mut self, step: f64) -> Result<(), StepError> {
@@ -567,24 +589,39 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// Rows due strictly inside the attempted step, or at its end. Between two of them the run may be cancelled: the step then is not taken, and
+    /// Rows due strictly inside the attempted step, of a size and with this end [s], or at its end, which is seen from before where events act there: then
+    /// it is a row as well when every step is asked for. Between two rows the run may be cancelled: the step then is not taken, and
     /// its rows are dropped, so that a run that goes on writes them as if nothing had been.
     fn record_inside(
         &mut self,
-        step: f64,
+        [step, told]: [f64; 2],
         trajectory: &mut Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
-        before: Option<Judgement>,
+        (acts, before): (bool, Option<Judgement>),
     ) -> Result<(), StepError> {
         let Some(trajectory) = trajectory else {
             return Ok(());
         };
+        if acts && trajectory.due().is_none() {
+            self.inside_state(1.0, step)?;
+            let place = self.place_before(step);
+            return trajectory.push(
+                &mut self.system,
+                (told, place),
+                &self.inside,
+                &mut self.scratch,
+            );
+        }
         let end = self.time + step;
+        let instant = match acts {
+            true => self.one_instant(step),
+            false => resolution(end),
+        };
         while let Some(due) = trajectory.due() {
             if due > end + resolution(end) {
                 break;
             }
-            let theta = match end - due > resolution(end) {
+            let theta = match end - due > instant {
                 true => (due - self.time) / step,
                 false => 1.0,
             };
@@ -592,9 +629,10 @@ impl<T: Float> Simulation<T> {
             if theta < 1.0 {
                 self.system.stay(due, &mut self.inside)?;
             }
-            let place = match theta >= 1.0 && !self.system.sees_before() {
-                true => RowPlace::End,
-                false => RowPlace::After(due - self.time),
+            let place = match theta >= 1.0 {
+                true if acts => self.place_before(step),
+                true if !self.system.sees_before() => RowPlace::End,
+                _ => RowPlace::After(due - self.time),
             };
             trajectory.push(
                 &mut self.system,

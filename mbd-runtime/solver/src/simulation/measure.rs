@@ -51,16 +51,21 @@ impl<T: Float> Simulation<T> {
             if theta > 0.0 && theta < 1.0 {
                 self.system.stay(start + span, &mut self.inside)?;
             }
-            let mut time = start + span;
-            if theta >= 1.0 {
-                let end = [time, size];
-                time = self.system.end_before(end, &self.state, &mut self.inside);
-            }
+            let place = match theta >= 1.0 {
+                true => self.place_before(size),
+                false => RowPlace::After(span),
+            };
             let state = (self.inside.as_slice(), self.scratch.as_mut_slice());
-            let now = (time, RowPlace::After(span));
-            maker.pick(&mut self.system, now, state, out)
+            maker.pick(&mut self.system, (start + span, place), state, out)
         };
         measures.step(step, &mut at)
+    }
+
+    /// The place of a row right before the events on which the attempted step of a size ends, with its state in `inside` in place of that at the end.
+    pub(super) fn place_before(&mut self, size: f64) -> RowPlace {
+        let end = [self.time + size, size];
+        let time = self.system.end_before(end, &self.state, &mut self.inside);
+        RowPlace::Before(time, time - self.time)
     }
 
     /// The step from here on, of a size and with this end [s], as what is measured sees it.

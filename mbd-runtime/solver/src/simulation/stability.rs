@@ -10,7 +10,7 @@ use crate::error::{RunError, Source, StepError};
 use crate::integrate::stiffness;
 use crate::rounding::{REFUSED, TimeRounding};
 use crate::system::WORKS;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Trajectory, resolution};
 use crate::watch::{Instability, NEGLIGIBLE, Watch};
 
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
@@ -114,13 +114,15 @@ impl<T: Float> Simulation<T> {
     /// Takes up the energy anew after something jumped.
     pub(crate) fn rebase(&mut self) {
         self.jumped = true;
+        self.take_up_energy(self.time);
+    }
+
+    /// Takes up the energy as it is at a time, which is one with that of the run [s].
+    pub(super) fn take_up_energy(&mut self, time: f64) {
         let Some(balance) = &mut self.balance else {
             return;
         };
-        if let Some(now) = self
-            .system
-            .energy_and_power(self.meter, self.time, &self.state)
-        {
+        if let Some(now) = self.system.energy_and_power(self.meter, time, &self.state) {
             balance.take_up(now);
         }
     }
@@ -198,7 +200,12 @@ impl<T: Float> Simulation<T> {
             return Some((watch, self.balance));
         };
         let now = self.meter.reading(attempt.energy()?.map(T::to_f64))?;
-        let [_, step] = attempt.step();
+        let [time, step] = attempt.step();
+        let next = self.system.next_break(time - resolution(time));
+        let end = time + step;
+        if next.is_some_and(|it| it.time <= end + resolution(end)) {
+            return None;
+        }
         let work = match exchanges {
             true if balance.is_fresh() => return None,
             true => balance.work(step, None, now.power),
@@ -237,6 +244,8 @@ impl<T: Float> Simulation<T> {
             };
         };
         let work = self.work_of(&balance, step, &now);
+        let jumped = self.energy_jumps(step, [balance.energy(), now.total()]);
+        balance.jump(jumped);
         balance.take(step, work, now);
         let excess = self.excess(&balance);
         let steps = if self.meter == Meter::Laws { SELDOM } else { 1 };
@@ -506,7 +515,12 @@ impl<T: Float> Simulation<T> {
 
 impl<T: Float> crate::system::System<T> {
     /// Energy and power at the stage that was evaluated last; `None` where one of them is not a number.
-    fn energy_and_power(&mut self, meter: Meter, time: f64, state: &[T]) -> Option<EnergyReading> {
+    pub(super) fn energy_and_power(
+        &mut self,
+        meter: Meter,
+        time: f64,
+        state: &[T],
+    ) -> Option<EnergyReading> {
         let mut energy = [0.0; 6];
         match meter {
             Meter::Nothing => return None,

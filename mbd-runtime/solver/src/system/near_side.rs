@@ -11,7 +11,7 @@
 //! which changes the stage by as much as it is off, and by no jump. Time itself is known exactly: no stage sees a later one than just before the end.
 //! Derived.
 
-use mbd_scene::{Float, Model, Quantity, Scene};
+use mbd_scene::{Float, Formula, Model, Quantity, Scene};
 
 use super::System;
 use crate::error::StepError;
@@ -39,6 +39,8 @@ pub(crate) struct GuardSide {
 /// The sides of all declared events, for scenes in which something may jump.
 #[derive(Clone, Debug)]
 pub(crate) struct NearSide<T> {
+    /// Whether what may jump acts, and is not only told.
+    acts: bool,
     sides: Vec<GuardSide>,
     guards: Vec<T>,
     rates: Vec<T>,
@@ -49,10 +51,13 @@ impl<T: Float> NearSide<T> {
     /// Room for a model; `None` where nothing jumps, or no event says where.
     pub(crate) fn new(model: &dyn Model<T>) -> Option<Box<Self>> {
         let (scene, layout) = (model.scene(), model.layout());
-        let told = !scene.events.is_empty() && jumps(scene);
-        told.then(|| {
+        let acts = scene.acting_formulas().any(|it| jumps(scene, it));
+        let outputs = || scene.outputs.iter().map(|output| &output.value);
+        let told = acts || outputs().any(|it| jumps(scene, it));
+        (told && !scene.events.is_empty()).then(|| {
             let room = |length| vec![T::zero(); length];
             Box::new(NearSide {
+                acts,
                 sides: Vec::with_capacity(scene.events.len()),
                 guards: room(layout.len(Quantity::Guards)),
                 rates: room(layout.nx()),
@@ -79,24 +84,19 @@ impl<T: Float> NearSide<T> {
     }
 }
 
-/// Whether a formula of what acts chooses between values.
-fn jumps(scene: &Scene) -> bool {
-    scene.acting_formulas().any(|formula| {
-        use mbd_scene::Function::{Floor, IfAtMost, IfLess};
-        scene.contains(formula, |part| {
-            matches!(
-                part,
-                mbd_scene::Formula::Apply(Floor | IfAtMost | IfLess, _)
-            )
-        })
+/// Whether a formula chooses between values.
+fn jumps(scene: &Scene, formula: &Formula) -> bool {
+    use mbd_scene::Function::{Floor, IfAtMost, IfLess};
+    scene.contains(formula, |part| {
+        matches!(part, Formula::Apply(Floor | IfAtMost | IfLess, _))
     })
 }
 
 impl<T: Float> System<T> {
-    /// Whether something may jump where an event is.
+    /// Whether something that acts may jump where an event is.
     #[inline]
     pub(crate) fn may_jump(&self) -> bool {
-        self.near.is_some()
+        self.near.as_ref().is_some_and(|near| near.acts)
     }
 
     /// From here on stages see nothing of what is behind `latest` [s], nor of what is behind the sides of these guards.
