@@ -1,6 +1,7 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
 use mbd_scene::joints::{Coordinate, FILTER, FORCE, JointForces, MOTOR, NUMBERS, STOPS};
+use mbd_scene::metrics::{Metric, Take};
 use mbd_scene::{Formula, Function, Gravity, LoadKind, MapSource, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
@@ -36,6 +37,34 @@ pub fn triple(scene: &Scene, parts: &Triple) -> String {
 #[must_use]
 pub fn text(scene: &Scene, formula: &Formula) -> String {
     write(scene, formula, 0)
+}
+
+/// What a metric takes, in the user's words: `max bob.position.z in mm, from 1 s`. Scenes whose metrics of one name say this alike mean the same by it.
+#[must_use]
+pub fn metric_text(scene: &Scene, metric: &Metric) -> String {
+    let output = metric.output.and_then(|output| scene.outputs.get(output));
+    let event = metric.event.and_then(|event| scene.events.get(event));
+    let event = event.map(|event| event.name.as_str());
+    let mut told = match output {
+        Some(output) => format!("{} {}", metric.take.keyword(), text(scene, &output.value)),
+        None => format!("{} {}", metric.take.keyword(), event.unwrap_or_default()),
+    };
+    if let Some(output) = output.filter(|output| !output.unit.text.is_empty()) {
+        told += &format!(" in {}", output.unit.text);
+    }
+    if let Some((level, output)) = metric.level.zip(output) {
+        let level = level / output.unit.factor;
+        told += format!(", level {level} {}", output.unit.text).trim_end();
+    }
+    if let Some(event) = event.filter(|_| metric.take == Take::Value) {
+        told += &format!(", at {event}");
+    }
+    for (word, time) in [("from", metric.from), ("to", metric.to)] {
+        if let Some(time) = time {
+            told += &format!(", {word} {time} s");
+        }
+    }
+    told
 }
 
 /// `level` is the binding strength around: 0 none, 1 sum, 2 product, 3 power.

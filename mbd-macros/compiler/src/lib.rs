@@ -39,6 +39,7 @@ mod vocabulary;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};
+pub use describe::metric_text;
 pub use directional::MatrixColumns;
 pub use emit::{EmitSettings, NameSpans, emit_model};
 pub use equations::{SceneEquations, is_matrix};

@@ -66,6 +66,8 @@ struct Judged {
     unresolved: Vec<String>,
     /// Which metrics are those of a part of their window.
     partial: Vec<String>,
+    /// Which metrics have no value because their scene was not reached, or ended before their window.
+    unreached: Vec<String>,
     /// Of the envelopes.
     numbers: Vec<f64>,
 }
@@ -250,7 +252,7 @@ impl Campaign {
             name: metric.name.clone(),
             unit: metric.unit.clone(),
             require: metric.require,
-            waits_for: metric.waits_for(self.columns.as_ref(), locates),
+            waits_for: metric.waits_for(locates),
             remark: metric.remark.clone(),
             from: metric.counts_from(),
             to: metric.counts_up_to(),
@@ -415,6 +417,7 @@ impl Campaign {
             not_finite,
             unresolved: self.metrics.unresolved(history),
             partial: self.metrics.partial(history),
+            unreached: self.metrics.unreached(history),
             numbers: envelopes.map_or(Vec::new(), |envelopes| envelopes.read(history)),
         }
     }
@@ -461,7 +464,7 @@ impl Campaign {
                     time: judged.end,
                     values,
                     metrics: judged.metrics,
-                    why: said.concat().join("; "),
+                    why: [said.concat(), judged.unreached].concat().join("; "),
                 }
             }
             Err(failed) => CaseRow {

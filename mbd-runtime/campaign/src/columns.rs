@@ -25,6 +25,19 @@ pub fn joined(models: &Models<'_>, content: Content) -> Joined {
     Joined::new(&histories.iter().collect::<Vec<_>>())
 }
 
+/// The models whose histories with this content have a column, by its place in [`names`]; that of time all of them.
+pub fn models_with(models: &Models<'_>, content: Content, column: usize) -> Vec<usize> {
+    match models {
+        [_] => vec![0],
+        models => {
+            let all = joined(models, content);
+            (0..models.len())
+                .filter(|model| all.has(*model, column))
+                .collect()
+        }
+    }
+}
+
 /// Has histories hold a column; `setting` asks for it.
 ///
 /// # Errors

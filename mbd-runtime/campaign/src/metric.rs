@@ -5,16 +5,17 @@
 
 use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
-use mbd_runtime::scene::metrics::{self, Take};
+use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::similar::did_you_mean;
 use mbd_runtime::scene::twelve_digits;
-use mbd_runtime::{Content, Joined, MetricReader, MetricValue, Name, Trajectory};
+use mbd_runtime::{Content, MetricReader, MetricValue, MissingMetric, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
-use crate::results::{LARGE_ERROR, no_value};
+use crate::phases::{SharedMetric, shared_metrics};
+use crate::results::{ITS_SCENE, LARGE_ERROR, THE_RUN, counts_up_to, left_before, no_value};
 use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
 use crate::sampling::CaseSampling;
@@ -32,6 +33,8 @@ pub struct CampaignMetric {
     /// What it has to be.
     pub require: Option<Requirement>,
     reader: MetricReader,
+    /// The scenes that a run may come to in which it counts, by index.
+    scenes: Vec<usize>,
 }
 
 /// What a metric has to be, in which part of all cases, shown with which confidence.
@@ -105,12 +108,12 @@ impl Metrics {
         };
         let scenes: Vec<&Scene> = models.iter().map(|model| model.scene()).collect();
         let all = all_declared(&scenes)?;
-        let of_declared = all.iter().filter(|(_, metric)| metric.output.is_some());
-        for (_, metric) in of_declared {
+        let of_declared = all.iter().filter(|own| own.metric.output.is_some());
+        for SharedMetric { metric, .. } in of_declared {
             let setting = format!("metrics.{}", metric.name);
             columns::include(&mut metrics.content, &metric.name, (&setting, models))?;
         }
-        let is_declared = |name: &str| all.iter().any(|(_, metric)| metric.name == name);
+        let is_declared = |name: &str| all.iter().any(|own| own.metric.name == name);
         let own = written.clone().filter(|(name, _)| !is_declared(name));
         for (name, metric) in own.clone() {
             for column in metric.columns() {
@@ -119,9 +122,9 @@ impl Metrics {
             }
         }
         let names = columns::names(models, metrics.content);
-        for (scene, metric) in &all {
-            let mut declared = declared(metric, scene, &names)?;
-            if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
+        for shared in &all {
+            let mut declared = declared(shared, &names)?;
+            if let Some((name, written)) = written.clone().find(|(it, _)| **it == declared.name) {
                 declared.require = MetricTextReader::new(name, written, (&names, sampling))
                     .of_declared(&declared.unit)?;
             }
@@ -129,7 +132,14 @@ impl Metrics {
         }
         for (name, written) in own {
             let reader = MetricTextReader::new(name, written, (&names, sampling));
-            metrics.list.push(reader.metric(&scenes)?);
+            let mut own = reader.metric(&scenes)?;
+            // Events are those of all scenes: they are told beside the time, which all have.
+            let column = match own.reader.take {
+                Take::TimeOf => 0,
+                _ => own.reader.column,
+            };
+            own.scenes = columns::models_with(models, metrics.content, column);
+            metrics.list.push(own);
         }
         Ok(metrics)
     }
@@ -185,7 +195,17 @@ impl Metrics {
         told.collect()
     }
 
-    /// Such sentences on those that the scene does not declare.
+    /// A sentence on each that has no value because its scene was not reached, or ended before its window.
+    #[must_use]
+    pub fn unreached(&self, history: &Trajectory) -> Vec<String> {
+        let told = self
+            .list
+            .iter()
+            .filter_map(|metric| metric.unreached(history));
+        told.collect()
+    }
+
+    /// Such sentences on those that the scene does not declare, and whose window a run left before its end.
     #[must_use]
     pub fn partial_besides(&self, scene: &Scene, history: &Trajectory) -> Vec<String> {
         let told = self
@@ -198,13 +218,18 @@ impl Metrics {
     #[must_use]
     pub fn not_finite(&self, history: &Trajectory) -> Vec<String> {
         let told = self.list.iter().filter_map(|metric| {
-            let missing = history.measured(&metric.reader).err()?;
+            let missing = metric.measured(history).err()?;
             missing
                 .is_not_finite()
                 .then(|| no_value(&metric.name) + &missing.to_string())
         });
         told.collect()
     }
+}
+
+/// Whether a run that ends then [s] does so before something counts [s].
+pub(crate) fn ends_before(from: f64, end: f64) -> bool {
+    twelve_digits(from) >= twelve_digits(end)
 }
 
 /// Whether a run that ends then [s] leaves a part of a window up to `to` [s] open; an end that an event made has rounding in its last digits.
@@ -237,42 +262,32 @@ impl WrittenMetric {
     }
 }
 
-/// The metrics that scenes declare, each once, with a scene that does.
-fn all_declared<'s>(
-    scenes: &[&'s Scene],
-) -> Result<Vec<(&'s Scene, &'s metrics::Metric)>, PlanError> {
-    let told = |scene: &Scene, metric: &metrics::Metric| {
-        let event = metric.event.and_then(|event| scene.events.get(event));
-        let event = event.map(|event| event.name.clone());
-        let numbers = (metric.level, metric.from, metric.to);
-        (metric.take, metric.unit(scene), numbers, event)
-    };
-    let mut all: Vec<(&Scene, &metrics::Metric)> = Vec::new();
-    for scene in scenes {
-        for metric in &scene.runs.metrics {
-            let known = all.iter().find(|(_, known)| known.name == metric.name);
-            match known {
-                None => all.push((scene, metric)),
-                Some((other, known)) if told(other, known) == told(scene, metric) => {}
-                Some((other, _)) => {
-                    let text = format!(
-                        "`{}` and `{}` declare it differently: give one of them another name",
-                        other.name, scene.name
-                    );
-                    return Err(wrong(format!("metric {}", metric.name), text));
-                }
-            }
+/// The metrics that scenes declare, each once.
+fn all_declared<'s>(scenes: &[&'s Scene]) -> Result<Vec<SharedMetric<'s>>, PlanError> {
+    let all = shared_metrics(scenes);
+    for (at, own) in all.iter().enumerate() {
+        let mut before = all[..at].iter();
+        if let Some(other) = before.find(|other| other.metric.name == own.metric.name) {
+            let text = format!(
+                "`{}` declares `{}`, and `{}` declares `{}`: give one of them another name",
+                other.scene.name,
+                other.text(),
+                own.scene.name,
+                own.text()
+            );
+            return Err(wrong(format!("metric {}", own.metric.name), text));
         }
     }
     Ok(all)
 }
 
 /// A metric of the declaration, read from histories with these columns.
-fn declared(
-    metric: &metrics::Metric,
-    scene: &Scene,
-    names: &[Name],
-) -> Result<CampaignMetric, PlanError> {
+fn declared(shared: &SharedMetric<'_>, names: &[Name]) -> Result<CampaignMetric, PlanError> {
+    let SharedMetric {
+        metric,
+        scene,
+        scenes,
+    } = shared;
     let reader = MetricReader::new(metric, scene, names).map_err(|_| {
         let why = "its quantity is in no history: this model does not emit its outputs";
         wrong(format!("metric {}", metric.name), why)
@@ -283,6 +298,7 @@ fn declared(
         remark: remark(&reader, names),
         require: None,
         reader,
+        scenes: scenes.clone(),
     })
 }
 
@@ -394,6 +410,7 @@ impl<'r> MetricTextReader<'r> {
             remark: remark(&reader, self.names),
             require,
             reader,
+            scenes: Vec::new(),
         })
     }
 
@@ -469,30 +486,53 @@ impl<'r> MetricTextReader<'r> {
 }
 
 impl CampaignMetric {
-    /// What did not happen in a run that reached its end and has no value of it; empty where there always is one. `columns` are those of runs that may come
-    /// to several scenes; whether they all locate events.
-    pub(crate) fn waits_for(&self, columns: Option<&Joined>, locates: bool) -> String {
-        let own = std::slice::from_ref(&self.reader);
-        let is_later = columns.is_some_and(|columns| columns.readers(0, own).is_empty());
+    /// What did not happen in a run that came to its scene and has no value of it; empty where there always is one. `locates`: whether runs locate events.
+    pub(crate) fn waits_for(&self, locates: bool) -> String {
         match self.reader.take {
             Take::Value | Take::TimeOf if !locates => {
                 format!("`{}` is not located (`locate = false`)", self.reader.event)
             }
             Take::Value | Take::TimeOf => format!("`{}` did not happen", self.reader.event),
             Take::FirstAbove => "the level was not passed".to_owned(),
-            _ if is_later => "no scene that has its quantity was reached".to_owned(),
             _ => String::new(),
         }
     }
 
-    /// That its window reaches beyond the end of a run that has a value of it.
+    /// Its value in a history that measured it, and what that may be off by.
+    fn measured(&self, history: &Trajectory) -> Result<[f64; 2], MissingMetric> {
+        history.measured_in(&self.reader, &|scene| self.scenes.contains(&scene))
+    }
+
+    /// When the last of its scenes ended [s]; not a number where the run came to none.
+    fn end(&self, history: &Trajectory) -> f64 {
+        history.end_in(&self.reader, &|scene| self.scenes.contains(&scene))
+    }
+
+    /// That its window reaches beyond the end of a run that has a value of it, or of its scene in that run.
     fn partial(&self, history: &Trajectory) -> Option<String> {
-        let end = history.end();
+        let end = self.end(history);
         let to = self.counts_up_to().filter(|to| is_cut(*to, end))?;
-        let (name, end) = (&self.name, twelve_digits(end));
-        history.measured(&self.reader).is_ok().then(|| {
-            format!("`{name}` counts up to {to} s, and the run ends at {end} s: it is told of what lies before")
+        let what = if end < history.end() {
+            ITS_SCENE
+        } else {
+            THE_RUN
+        };
+        let (counts, end) = (counts_up_to(&self.name), twelve_digits(end));
+        self.measured(history).is_ok().then(|| {
+            format!("{counts}{to} s, and {what} ends at {end} s: it is told of what lies before")
         })
+    }
+
+    /// Why it has no value in a run that did not come to its scene, or left it before its window.
+    fn unreached(&self, history: &Trajectory) -> Option<String> {
+        let missing = self.measured(history).err()?;
+        let why = no_value(&self.name);
+        if missing == MissingMetric::NotReached {
+            return Some(format!("{why}{missing}"));
+        }
+        let end = self.end(history);
+        let from = self.counts_from().filter(|from| ends_before(*from, end))?;
+        (end < history.end()).then(|| format!("{why}{}", left_before(from, end)))
     }
 
     /// From when on a run counts [s], where something before does not.
@@ -513,7 +553,7 @@ impl CampaignMetric {
 
     /// It with its value in a history that measured it, as a run tells those of its scene.
     fn value_in(&self, history: &Trajectory) -> MetricValue {
-        let read = history.measured(&self.reader);
+        let read = self.measured(history);
         MetricValue {
             name: self.name.clone(),
             doc: String::new(),
@@ -527,7 +567,7 @@ impl CampaignMetric {
     /// Its value in a history that measured it; NaN where it has none.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> f64 {
-        let value = history.measured(&self.reader);
+        let value = self.measured(history);
         value.map_or(f64::NAN, |[value, _]| value)
     }
 }

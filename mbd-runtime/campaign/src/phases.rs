@@ -1,7 +1,9 @@
-//! What is told of a run that came to several scenes: a table of its parts, and histories over all of them.
+//! What is told of a run that came to several scenes: a table of its parts, histories over all of them, and metrics over those that each counts in.
 
+use mbd_compiler::metric_text;
 use mbd_report::{Cell, Figure, RecordedMotion, Report, ReportTable, Run, Series};
 use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::metrics::Metric;
 use mbd_runtime::{Handover, Trajectory};
 
 /// A part of a run, flown in one scene.
@@ -101,4 +103,46 @@ pub fn with_histories(page: Report, parts: &[FlownPart<'_>], joined: &Trajectory
         page = page.figure(&figure);
     }
     page
+}
+
+/// A metric with the scenes that declare it in the same words: it counts while one of these flies.
+#[derive(Clone, Debug)]
+pub struct SharedMetric<'s> {
+    /// It, as the first of them has it.
+    pub metric: &'s Metric,
+    /// That scene.
+    pub scene: &'s Scene,
+    /// They, by index.
+    pub scenes: Vec<usize>,
+}
+
+impl SharedMetric<'_> {
+    /// What it takes, in the words of its scenes.
+    #[must_use]
+    pub fn text(&self) -> String {
+        metric_text(self.scene, self.metric)
+    }
+}
+
+/// The metrics that scenes declare, in the order of the scenes; those of one name that take something else, or the same of something else, each for itself.
+#[must_use]
+pub fn shared_metrics<'s>(scenes: &[&'s Scene]) -> Vec<SharedMetric<'s>> {
+    let mut all: Vec<SharedMetric<'s>> = Vec::new();
+    for (index, scene) in scenes.iter().enumerate() {
+        for metric in &scene.runs.metrics {
+            let text = metric_text(scene, metric);
+            let alike = |known: &&mut SharedMetric<'s>| {
+                known.metric.name == metric.name && known.text() == text
+            };
+            match all.iter_mut().find(alike) {
+                Some(known) => known.scenes.push(index),
+                None => all.push(SharedMetric {
+                    metric,
+                    scene,
+                    scenes: vec![index],
+                }),
+            }
+        }
+    }
+    all
 }

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 
+use mbd_runtime::scene::twelve_digits;
+
 use crate::failure::Failure;
 use crate::manifest::{Manifest, ResultColumn};
 use crate::parquet::{self, ParquetCells};
@@ -44,10 +46,31 @@ pub fn head(manifest: &Manifest) -> String {
     all.join(",")
 }
 
-/// How `why` begins to tell that a metric, or its quantity, is no finite number.
+/// How `why` begins to tell why a metric has no value.
 pub(crate) fn no_value(metric: &str) -> String {
     format!("`{metric}` has no value: ")
 }
+
+/// How `why` begins to tell that a metric is that of a part of its window.
+pub(crate) fn counts_up_to(metric: &str) -> String {
+    format!("`{metric}` counts up to ")
+}
+
+/// What ends before a window does.
+pub(crate) const THE_RUN: &str = "the run";
+/// The same of one of several scenes that a run comes to.
+pub(crate) const ITS_SCENE: &str = "its scene";
+
+/// Why a metric has no value whose scene ends before its window begins [s].
+pub(crate) fn left_before(from: f64, end: f64) -> String {
+    format!(
+        "{LEFT_BEFORE}{from} s, where its window begins, at {} s",
+        twelve_digits(end)
+    )
+}
+
+/// How that begins.
+pub(crate) const LEFT_BEFORE: &str = "its scene ended before ";
 
 /// An error beyond this part of the size of what it is an error of is told.
 pub const LARGE_ERROR: f64 = 0.01;

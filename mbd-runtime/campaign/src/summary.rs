@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use mbd_runtime::scene::twelve_digits;
+use mbd_runtime::MissingMetric;
 
 use crate::manifest::ResultColumn;
-use crate::metric::{Requirement, is_cut};
-use crate::results::{CaseRow, Results, no_value};
+use crate::metric::{Requirement, ends_before};
+use crate::results::{CaseRow, ITS_SCENE, LEFT_BEFORE, Results, counts_up_to, no_value};
 use crate::sampling::CaseSampling;
 use crate::statistics::{Percentile, cases_needed, first_order, percentile, spearman};
 
@@ -60,26 +60,35 @@ pub struct CutWindow {
     pub cases: u64,
     /// The first of them.
     pub first: u64,
+    /// Whether it is the scene of the metric that ended, and the run went on, in some of them.
+    pub in_a_scene: bool,
 }
 
 impl CutWindow {
     /// Of these cases.
-    fn of(column: &ResultColumn, cases: &[(u64, f64)]) -> Option<Self> {
+    fn of(column: &ResultColumn, cases: &[(u64, f64)], in_a_scene: bool) -> Option<Self> {
         Some(CutWindow {
             to: column.to?,
             cases: cases.len() as u64,
             first: cases.first()?.0,
+            in_a_scene,
         })
     }
 
     /// It in words.
     #[must_use]
     pub fn sentence(&self) -> String {
-        let CutWindow { to, cases, first } = self;
+        let CutWindow {
+            to, cases, first, ..
+        } = self;
+        let [one, all] = match self.in_a_scene {
+            true => ["its scene ends", "its scenes end there"],
+            false => ["its run ends", "their runs end"],
+        };
         let counted = match cases {
-            1 => format!("1 case counts a part of the window only, case {first}: its run ends"),
+            1 => format!("1 case counts a part of the window only, case {first}: {one}"),
             _ => format!(
-                "{cases} cases count a part of the window only, the first is case {first}: their runs end"
+                "{cases} cases count a part of the window only, the first is case {first}: {all}"
             ),
         };
         format!("{counted} before {to} s")
@@ -133,6 +142,13 @@ impl Told {
                 "the run ended before {} s, where its window begins, in {runs}",
                 from.unwrap_or(0.0)
             ),
+            MissingReason::SceneEndedBefore => format!(
+                "its scene ended before {} s, where its window begins, in {runs}",
+                from.unwrap_or(0.0)
+            ),
+            MissingReason::NotReached => {
+                format!("no scene that has its quantity was reached in {runs}")
+            }
             MissingReason::Waited => format!("{waits_for} in {runs}"),
             MissingReason::NothingCounts => format!("nothing of the run counts for it in {runs}"),
             MissingReason::Failed => format!("{runs} failed"),
@@ -147,7 +163,11 @@ pub enum MissingReason {
     NotFinite,
     /// The run reached its end before the window began.
     EndedBefore,
-    /// What it waits for did not happen: an event, a level, a scene that has its quantity.
+    /// Its scene ended before the window began, and the run went on.
+    SceneEndedBefore,
+    /// The run did not come to a scene that has it.
+    NotReached,
+    /// What it waits for did not happen: an event, a level.
     Waited,
     /// Nothing of the run lies where it counts.
     NothingCounts,
@@ -157,12 +177,18 @@ pub enum MissingReason {
 
 impl MissingReason {
     fn of(column: &ResultColumn, row: &CaseRow) -> Self {
-        let ended_before = |from: f64| twelve_digits(from) >= twelve_digits(row.time);
+        let begin = no_value(&column.name);
+        let why = row.why.split_once(&begin).map(|(_, why)| why);
+        let not_reached = MissingMetric::NotReached.to_string();
         if !row.reached_end() {
             MissingReason::Failed
-        } else if row.why.contains(&no_value(&column.name)) {
+        } else if why.is_some_and(|why| why.starts_with(&not_reached)) {
+            MissingReason::NotReached
+        } else if why.is_some_and(|why| why.starts_with(LEFT_BEFORE)) {
+            MissingReason::SceneEndedBefore
+        } else if why.is_some() {
             MissingReason::NotFinite
-        } else if column.from.is_some_and(ended_before) {
+        } else if column.from.is_some_and(|from| ends_before(from, row.time)) {
             MissingReason::EndedBefore
         } else if !column.waits_for.is_empty() {
             MissingReason::Waited
@@ -266,9 +292,12 @@ fn told(results: &Results, at: usize) -> Told {
         .iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
     let of = values.len() as u64;
-    let is_cut = |case: u64| is_partial(column, results.rows.get(case as usize));
-    let cut = numbers.iter().copied().filter(|(case, _)| is_cut(*case));
-    let cut: Vec<(u64, f64)> = cut.collect();
+    let why_cut = |case: u64| cut_by(column, results.rows.get(usize::try_from(case).ok()?)?);
+    let cut = numbers.iter().copied();
+    let cut: Vec<(u64, f64)> = cut.filter(|(case, _)| why_cut(*case).is_some()).collect();
+    let in_a_scene = cut
+        .iter()
+        .any(|(case, _)| why_cut(*case).is_some_and(|why| why.contains(ITS_SCENE)));
     let verdict = column.require.map(|require| {
         let missed = values
             .iter()
@@ -298,7 +327,7 @@ fn told(results: &Results, at: usize) -> Told {
         reasons: reasons(results, at),
         waits_for: (column.waits_for.clone(), column.from),
         remark: column.remark.clone(),
-        cut: CutWindow::of(column, &cut),
+        cut: CutWindow::of(column, &cut, in_a_scene),
         moments,
         ends: smallest.zip(largest).map(|(low, high)| [low.0, high.0]),
         percentiles: percentiles(&sorted, results.manifest.sampling),
@@ -359,12 +388,11 @@ fn reasons(results: &Results, at: usize) -> Vec<(MissingReason, u64)> {
     counts.into_iter().collect()
 }
 
-/// Whether what a case has of a metric is that of a part of its window.
-fn is_partial(column: &ResultColumn, row: Option<&CaseRow>) -> bool {
-    let flown = row.filter(|row| row.reached_end());
-    flown
-        .zip(column.to)
-        .is_some_and(|(row, to)| is_cut(to, row.time))
+/// What a case says of a metric that is that of a part of its window; `None` of another.
+fn cut_by<'r>(column: &ResultColumn, row: &'r CaseRow) -> Option<&'r str> {
+    let (_, told) = row.why.split_once(&counts_up_to(&column.name))?;
+    let (own, _) = told.split_once("; ").unwrap_or((told, ""));
+    row.reached_end().then_some(own)
 }
 
 fn failures(results: &Results) -> Vec<Failures> {

@@ -10,7 +10,7 @@ use crate::columns::Name;
 use crate::content::Content;
 use crate::error::{Statistics, StepError};
 use crate::identity;
-use crate::measure::{MeasuredStep, Measures};
+use crate::measure::{MeasuredRun, MeasuredStep, Measures};
 use crate::metric::{MetricReader, MissingMetric};
 use crate::row::{RowMaker, RowPlace, names};
 use crate::simulation::beside::Attempt;
@@ -99,6 +99,8 @@ pub struct Trajectory {
     /// The metrics that the scene declares, by name, and how each is read.
     pub(crate) declared: Vec<(String, Result<MetricReader, MissingMetric>)>,
     measures: Measures,
+    /// What was measured in the parts of a [joined](Joined::join) history; of another one nothing.
+    parts: Vec<MeasuredRun>,
     /// Rows of what is measured at instants, and over steps.
     measured: RowMaker,
     inside: RowMaker,
@@ -170,6 +172,7 @@ impl Trajectory {
             end: f64::NAN,
             declared: Vec::new(),
             measures: Measures::default(),
+            parts: Vec::new(),
             measured: RowMaker::new(Content::TIME, 0),
             inside: RowMaker::new(Content::TIME, 0),
             undetermined: 0,
@@ -246,10 +249,38 @@ impl Trajectory {
     /// # Errors
     /// It is not measured, or has no value: [`MissingMetric`].
     pub fn measured(&self, reader: &MetricReader) -> Result<[f64; 2], MissingMetric> {
-        let value = self.measures.value(reader);
+        self.measured_in(reader, &|_| true)
+    }
+
+    /// The same over those parts of a [joined](Joined::join) history whose models `counts`, by their indices; of another history over all of it.
+    ///
+    /// # Errors
+    /// As [`Trajectory::measured`]; the run came to none of these models.
+    pub fn measured_in(
+        &self,
+        reader: &MetricReader,
+        counts: &dyn Fn(usize) -> bool,
+    ) -> Result<[f64; 2], MissingMetric> {
+        let value = match self.parts.is_empty() {
+            true => self.measures.value(reader),
+            false => Some(MeasuredRun::of_all(&self.parts, reader, counts).0),
+        };
         match value.unwrap_or(Err(MissingMetric::NotRecorded)) {
             Err(MissingMetric::NoEvent) if !self.locates => Err(MissingMetric::NotLocated),
             value => value,
+        }
+    }
+
+    /// When the last part of a [joined](Joined::join) history ended whose model `counts` and that measures a metric [s]; of another history its end. Not a
+    /// number where the run came to none.
+    #[must_use]
+    pub fn end_in(&self, reader: &MetricReader, counts: &dyn Fn(usize) -> bool) -> f64 {
+        match self.parts.is_empty() {
+            true => self.end,
+            false => {
+                let (_, end) = MeasuredRun::of_all(&self.parts, reader, counts);
+                end.unwrap_or(f64::NAN)
+            }
         }
     }
 

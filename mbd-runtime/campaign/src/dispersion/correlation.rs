@@ -1,6 +1,8 @@
 //! Numbers that vary together: standard normal numbers with a correlation matrix R = L Lᵀ are y = L z of independent z (Gaussian copula). Numbers
 //! that are normally distributed then have the correlations R; others have the rank correlations 6/π asin(R/2).
 
+use mbd_runtime::scene::twelve_digits;
+
 use crate::run::names::{PlanError, wrong};
 use crate::sampling::normal;
 

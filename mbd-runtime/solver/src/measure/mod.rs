@@ -68,6 +68,61 @@ impl PartialEq for Measures {
     }
 }
 
+/// What was measured in a part of a run that came to several models.
+#[derive(Clone, Debug)]
+pub(crate) struct MeasuredRun {
+    /// Which model, by index.
+    model: usize,
+    /// When the part ended [s].
+    end: f64,
+    sums: Vec<(MetricReader, Sum)>,
+}
+
+/// The same metrics with the same values, to the bit.
+impl PartialEq for MeasuredRun {
+    fn eq(&self, other: &Self) -> bool {
+        let values = |part: &Self| -> Vec<(MetricReader, Option<u64>)> {
+            let told = part.sums.iter().map(|(reader, sum)| {
+                let value = sum.value(reader.take).ok();
+                (reader.clone(), value.map(f64::to_bits))
+            });
+            told.collect()
+        };
+        self.model == other.model
+            && self.end.to_bits() == other.end.to_bits()
+            && values(self) == values(other)
+    }
+}
+
+impl MeasuredRun {
+    /// The value of a metric over those parts whose models `counts`, what it may be off by, and when the last of them ended.
+    pub(crate) fn of_all(
+        parts: &[MeasuredRun],
+        reader: &MetricReader,
+        counts: &dyn Fn(usize) -> bool,
+    ) -> (Result<[f64; 2], MissingMetric>, Option<f64>) {
+        let mut own = parts.iter().filter(|part| counts(part.model)).peekable();
+        if own.peek().is_none() {
+            return (Err(MissingMetric::NotReached), None);
+        }
+        let measured = own.filter_map(|part| {
+            let found = part.sums.iter().find(|(known, _)| known == reader);
+            found.map(|(_, sum)| (*sum, part.end))
+        });
+        let whole = measured.reduce(|(mut whole, _), (sum, end)| {
+            whole.add_part(reader, &sum);
+            (whole, end)
+        });
+        match whole {
+            None => (Err(MissingMetric::NotRecorded), None),
+            Some((sum, end)) => {
+                let value = sum.value(reader.take);
+                (value.map(|value| [value, sum.open(reader.take)]), Some(end))
+            }
+        }
+    }
+}
+
 /// What is known of a quantity that is measured.
 #[derive(Clone, Copy, Debug, Default)]
 struct Column {
@@ -236,22 +291,17 @@ impl Measures {
         }
     }
 
-    /// Adds what a later part of the run was measured to be, by readers that are `whole` here.
-    pub(crate) fn add_part(
-        &mut self,
-        part: &Measures,
+    /// What was measured, as that of a part of a run that came to several models, by readers that are `whole` there.
+    pub(crate) fn as_part(
+        &self,
+        (model, end): (usize, f64),
         whole: &dyn Fn(&MetricReader) -> MetricReader,
-    ) {
-        for ((reader, _), sum) in part.readers.iter().zip(&part.sums) {
-            let reader = whole(reader);
-            let known = self.readers.iter().position(|(known, _)| *known == reader);
-            match known.and_then(|at| self.sums.get_mut(at)) {
-                Some(own) => own.add_part(&reader, sum),
-                None => {
-                    self.readers.push((reader, 0));
-                    self.sums.push(*sum);
-                }
-            }
+    ) -> MeasuredRun {
+        let readers = self.readers.iter().map(|(reader, _)| whole(reader));
+        MeasuredRun {
+            model,
+            end,
+            sums: readers.zip(self.sums.iter().copied()).collect(),
         }
     }
 

@@ -91,6 +91,13 @@ impl Joined {
         &self.names
     }
 
+    /// Whether the history of a model, by its index, has a column here.
+    #[must_use]
+    pub fn has(&self, model: usize, column: usize) -> bool {
+        let places = self.places.get(model);
+        places.is_some_and(|places| places.contains(&column))
+    }
+
     /// What the history of a model, by its index, measures for these metrics of the columns here: those whose quantity it has, and instants of events.
     #[must_use]
     pub fn readers(&self, model: usize, readers: &[MetricReader]) -> Vec<MetricReader> {
@@ -116,7 +123,7 @@ impl Joined {
     }
 
     /// The parts of a run, each the history of a model by its index, as one; what a model has not is not a number in its rows. Metrics
-    /// that they measure ([`Joined::readers`]) are those of the whole run.
+    /// that they measure ([`Joined::readers`]) are those of all parts, or of the parts of some models ([`Trajectory::measured_in`]).
     #[must_use]
     pub fn join(&self, parts: &[(usize, &Trajectory)]) -> Trajectory {
         let first = parts.first();
@@ -129,6 +136,7 @@ impl Joined {
             end: parts.last().map_or(f64::NAN, |(_, part)| part.end),
             declared: Vec::new(),
             measures: Measures::default(),
+            parts: Vec::with_capacity(parts.len()),
             measured: RowMaker::new(content, 0),
             inside: RowMaker::new(content, 0),
             sampling: Sampling::Steps,
@@ -158,7 +166,8 @@ impl Joined {
             let all = joined.columns.iter_mut();
             all.for_each(|column| column.resize(before + rows, f64::NAN));
             let whole = |reader: &MetricReader| self.reader(*model, reader);
-            joined.measures.add_part(&part.measures, &whole);
+            let measured = part.measures.as_part((*model, part.end), &whole);
+            joined.parts.push(measured);
             joined.events.extend(part.events.iter().cloned());
             joined.statistics = joined.statistics.and(part.statistics);
             if part.sampling != Sampling::Steps {

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use mbd_campaign::phases::shared_metrics;
 use mbd_campaign::run::{GivenSettings, Phase, RunPlan, settings_of_all};
 use mbd_compiler::{Location, Message, misfits};
+use mbd_runtime::scene::Scene;
 
 use super::campaign::nominal;
 use super::failure::CommandFailure;
@@ -232,7 +234,24 @@ impl Phases {
                 remarks.push(remark);
             }
         }
+        remarks.extend(self.metrics_of_one_name());
         remarks
+    }
+
+    /// One sentence a name that scenes declare several metrics by.
+    fn metrics_of_one_name(&self) -> Vec<String> {
+        let scenes: Vec<&Scene> = self.files.iter().map(|file| &file.scene).collect();
+        let all = shared_metrics(&scenes);
+        let told = all.iter().enumerate().filter_map(|(at, own)| {
+            let name = &own.metric.name;
+            let other = all[..at].iter().find(|other| other.metric.name == *name)?;
+            let number = own.scenes.first()? + 1;
+            Some(format!(
+                "note: the metric `{name}` is `{}` in `{}` and `{}` in `{}`: `mbd run` tells the second as `{name} ({number})`, and a campaign takes one of a name: give one of them another",
+                other.text(), other.scene.name, own.text(), own.scene.name
+            ))
+        });
+        told.collect()
     }
 }
 

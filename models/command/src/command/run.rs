@@ -17,8 +17,9 @@ use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 use crate::describe::warnings_of_reactions;
 use crate::run::{
-    Phase, RunOutcome, RunPlan, Segment, Settings, cut_windows, doubt, fly_measuring, fly_phases,
-    not_finite, phases_json, publish, publish_gltf, publish_phases, summary_json, warning,
+    Phase, RunOutcome, RunPlan, Segment, Settings, cut_windows, cut_windows_of_all, doubt,
+    fly_measuring, fly_phases, not_finite, phases_json, publish, publish_gltf, publish_phases,
+    summary_json, warning,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -212,6 +213,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         warnings.extend(undefined(&segment.outcome));
         warnings.extend(doubt);
     }
+    warnings.extend(cut_windows_of_all(&all, &segments));
     let told = if args.json {
         warnings.iter().for_each(|warning| eprintln!("{warning}"));
         phases_json(&all, &segments).map_err(|error| unwritten(&error))?

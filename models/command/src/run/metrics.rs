@@ -1,5 +1,6 @@
 //! The metrics that a scene declares, of one run.
 
+use mbd_runtime::scene::metrics::Metric;
 use mbd_runtime::scene::{Scene, twelve_digits};
 use mbd_runtime::{MetricValue, MissingMetric};
 
@@ -35,19 +36,52 @@ pub fn cut_windows(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Vec<S
 /// One sentence a metric whose window reaches beyond the end of the run [s], the one that is planned or the one it came to.
 #[must_use]
 pub fn windows(scene: &Scene, until: f64) -> Vec<String> {
-    // An end that an event made has rounding in its last digits.
-    let until = twelve_digits(until);
-    let told = scene.runs.metrics.iter().filter_map(|metric| {
-        let name = &metric.name;
-        match (metric.from, metric.to) {
-            (Some(from), _) if from >= until => Some(format!(
-                "warning: metric `{name}` counts from {from} s on, and the run ends at {until} s: it has no value; write an earlier `from`, or a later end of the run (`until`)"
+    let metrics = scene.runs.metrics.iter();
+    let told =
+        metrics.filter_map(|metric| WindowOfMetric::new(metric, (until, false)).cut(&metric.name));
+    told.collect()
+}
+
+/// The window of a metric, and what ends it at the latest: the run, or the scene that declares the metric in a run that goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct WindowOfMetric {
+    from: Option<f64>,
+    to: Option<f64>,
+    /// When that ends [s].
+    end: f64,
+    /// Whether it is the scene.
+    is_scene: bool,
+}
+
+impl WindowOfMetric {
+    /// That of a metric, with when the run or the scene ends [s].
+    #[must_use]
+    pub fn new(metric: &Metric, (end, is_scene): (f64, bool)) -> Self {
+        WindowOfMetric {
+            from: metric.from,
+            to: metric.to,
+            end,
+            is_scene,
+        }
+    }
+
+    /// What to say of the metric, by its name, where the end lies inside the window or before it.
+    #[must_use]
+    pub fn cut(&self, name: &str) -> Option<String> {
+        // An end that an event made has rounding in its last digits.
+        let end = twelve_digits(self.end);
+        let [what, later] = match self.is_scene {
+            true => ["its scene", ""],
+            false => ["the run", ", or a later end of the run (`until`)"],
+        };
+        match (self.from, self.to) {
+            (Some(from), _) if from >= end => Some(format!(
+                "warning: metric `{name}` counts from {from} s on, and {what} ends at {end} s: it has no value; write an earlier `from`{later}"
             )),
-            (_, Some(to)) if to > until => Some(format!(
-                "warning: metric `{name}` counts up to {to} s, and the run ends at {until} s: it is told of what lies before; write an earlier `to`, or a later end of the run (`until`)"
+            (_, Some(to)) if to > end => Some(format!(
+                "warning: metric `{name}` counts up to {to} s, and {what} ends at {end} s: it is told of what lies before; write an earlier `to`{later}"
             )),
             _ => None,
         }
-    });
-    told.collect()
+    }
 }

@@ -18,7 +18,7 @@ pub use metrics::{cut_windows, metrics, windows};
 pub use outcome::{RunOutcome, fly, fly_measuring, fly_model};
 pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
-pub use publish_phases::{publish_phases, summary as phases_json};
+pub use publish_phases::{cut_windows_of_all, publish_phases, summary as phases_json};
 pub use quality::{Quality, not_finite};
 pub use start::{warning, warning_before, warning_of};
 pub use summary::summary_json;

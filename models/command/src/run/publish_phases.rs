@@ -5,14 +5,16 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use mbd_campaign::phases::{FlownPart, table, with_histories, with_motion};
+use mbd_campaign::phases::{FlownPart, shared_metrics, table, with_histories, with_motion};
 use mbd_report::files;
 use mbd_report::{Report, ReportTable, metrics_table};
+use mbd_runtime::scene::Scene;
 use mbd_runtime::{Joined, MetricReader, MetricValue, MissingMetric, Sampling, Trajectory};
 use serde::Serialize;
 use serde_json::Value;
 
 use super::Phase;
+use super::metrics::WindowOfMetric;
 use super::outcome::CONTENT;
 use super::phases::Segment;
 use super::publish::{publish, shown};
@@ -45,9 +47,12 @@ fn told<'a>(
     told.filter_map(|(index, segment)| Some((index, phases.get(segment.phase)?, segment)))
 }
 
-/// The histories of all parts as one, and what each metric of the scenes is over all of them: alike ones of several scenes are one. Another one of a name
-/// that a scene before has is told by the number of its own scene, `top (2)`.
-fn together(phases: &[Phase], segments: &[Segment]) -> (Trajectory, Vec<MetricValue>) {
+/// The histories of all parts as one, and what each metric of the scenes is over those that declare it in the same words, with when the last of these ended [s].
+/// Another one of a name that a scene before has is told by the number of its own scene, `top (2)`.
+fn together(
+    phases: &[Phase],
+    segments: &[Segment],
+) -> (Trajectory, Vec<(MetricValue, WindowOfMetric)>) {
     let empty = |phase: &Phase| Trajectory::new(&*phase.model, Sampling::Steps, CONTENT);
     let empty: Vec<Trajectory> = phases.iter().map(empty).collect();
     let columns = Joined::new(&empty.iter().collect::<Vec<_>>());
@@ -57,36 +62,45 @@ fn together(phases: &[Phase], segments: &[Segment]) -> (Trajectory, Vec<MetricVa
     let stopped = segments
         .iter()
         .any(|segment| segment.outcome.error.is_some());
-    let mut told: Vec<(Option<MetricReader>, MetricValue)> = Vec::new();
-    for (index, (phase, empty)) in phases.iter().zip(&empty).enumerate() {
-        let scene = phase.model.scene();
-        let reached = segments.iter().any(|segment| segment.phase == index);
-        for metric in &scene.runs.metrics {
-            let reader = MetricReader::new(metric, scene, empty.names());
-            let reader = reader.map(|reader| columns.reader(index, &reader));
-            let whole = reader.as_ref().ok().cloned();
-            if whole.is_some() && told.iter().any(|(known, _)| *known == whole) {
-                continue;
-            }
-            let read = match (reader, stopped) {
-                (Err(missing), _) => Err(missing),
-                (Ok(_), true) => Err(MissingMetric::StoppedEarly),
-                (Ok(reader), false) => joined.measured(&reader),
-            };
-            let missing = !reached && read.is_err() && !stopped;
-            let read = if missing {
-                Err(MissingMetric::NotReached)
-            } else {
-                read
-            };
-            let mut value = MetricValue::new(metric, scene, read);
-            if told.iter().any(|(_, other)| other.name == value.name) {
-                value.name = format!("{} ({})", value.name, index + 1);
-            }
-            told.push((whole, value));
+    let scenes: Vec<&Scene> = phases.iter().map(|phase| phase.model.scene()).collect();
+    let mut told: Vec<(MetricValue, WindowOfMetric)> = Vec::new();
+    for shared in shared_metrics(&scenes) {
+        let (metric, scene) = (shared.metric, shared.scene);
+        let counts = |phase: usize| shared.scenes.contains(&phase);
+        let first = shared.scenes.first().copied().unwrap_or_default();
+        let names = empty.get(first).map_or(&[][..], Trajectory::names);
+        let reader = MetricReader::new(metric, scene, names);
+        let reader = reader.map(|reader| columns.reader(first, &reader));
+        let end = reader
+            .as_ref()
+            .map_or(f64::NAN, |it| joined.end_in(it, &counts));
+        let read = match (reader, stopped) {
+            (Err(missing), _) => Err(missing),
+            (Ok(_), true) => Err(MissingMetric::StoppedEarly),
+            (Ok(reader), false) => joined.measured_in(&reader, &counts),
+        };
+        let mut value = MetricValue::new(metric, scene, read);
+        if told.iter().any(|(other, _)| other.name == value.name) {
+            value.name = format!("{} ({})", value.name, first + 1);
         }
+        let window = WindowOfMetric::new(metric, (end, end < joined.end()));
+        told.push((value, window));
     }
-    (joined, told.into_iter().map(|(_, value)| value).collect())
+    (joined, told)
+}
+
+/// One sentence a metric whose window reaches beyond the end of its scenes in a run that came to its end.
+#[must_use]
+pub fn cut_windows_of_all(phases: &[Phase], segments: &[Segment]) -> Vec<String> {
+    let (_, told) = together(phases, segments);
+    let told = told.iter().filter_map(|(value, window)| {
+        let was_there = !matches!(
+            value.value,
+            Err(MissingMetric::StoppedEarly | MissingMetric::NotReached)
+        );
+        window.cut(&value.name).filter(|_| was_there)
+    });
+    told.collect()
 }
 
 /// The run as JSON.
@@ -114,8 +128,9 @@ pub fn summary(phases: &[Phase], segments: &[Segment]) -> io::Result<String> {
         .and_then(|segment| segment.outcome.error.as_ref());
     let (_, metrics) = together(phases, segments);
     let metrics = metrics.into_iter();
-    let metrics: BTreeMap<String, Option<f64>> =
-        metrics.map(|told| (told.name, told.value.ok())).collect();
+    let metrics: BTreeMap<String, Option<f64>> = metrics
+        .map(|(told, _)| (told.name, told.value.ok()))
+        .collect();
     let whole = serde_json::json!({
         "status": status.map_or("ok", |error| error.cause.status()),
         "reached_s": segments.last().map(|segment| segment.outcome.time),
@@ -142,6 +157,7 @@ pub fn publish_phases(
         publish(phase.model.scene(), &segment.plan, &segment.outcome, &own)?;
     }
     let (joined, metrics) = together(phases, segments);
+    let metrics: Vec<MetricValue> = metrics.into_iter().map(|(told, _)| told).collect();
     files::write_whole(&folder.join("history.csv"), |to| joined.to_csv(to))?;
     let parts = told(phases, segments).map(|(_, phase, segment)| segment.told(phase));
     let parts: Vec<FlownPart<'_>> = parts.collect();
@@ -163,7 +179,9 @@ fn page(
         .map(|(_, phase, _)| phase.model.scene().name.as_str())
         .collect();
     let page = Report::new(names.join(" → "));
-    let mut page = tables.iter().fold(page, |page, table| page.table(table));
+    let page = tables.iter().fold(page, |page, table| page.table(table));
+    let short = cut_windows_of_all(phases, segments).into_iter();
+    let mut page = short.fold(page, |page, text| page.paragraph(&text));
     for (index, phase, segment) in told(phases, segments) {
         if let Some(error) = &segment.outcome.error {
             page = page.paragraph(&format!("The run stopped early: {error}"));

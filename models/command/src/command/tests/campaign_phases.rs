@@ -279,7 +279,20 @@ fn what_two_scenes_say_differently_is_refused_by_name() {
         (
             FALL.replace("min capsule", "max capsule"),
             file(""),
-            &["metric lowest", "`Chute` and `Fall`"],
+            &[
+                "metric lowest",
+                "`Chute` declares `min capsule.position.z in m`",
+                "`Fall` declares `max capsule.position.z in m`",
+            ],
+        ),
+        (
+            FALL.replace("min capsule.position.z", "min capsule.position.x"),
+            file(""),
+            &[
+                "metric lowest",
+                "`Chute` declares `min capsule.position.z in m`",
+                "`Fall` declares `min capsule.position.x in m`",
+            ],
         ),
         (
             FALL.to_owned(),
@@ -348,4 +361,198 @@ fn a_case_that_cannot_go_on_fails_by_name() {
         told.contains("2 of them did not") || told.contains("3 of them did not"),
         "{told}"
     );
+}
+
+/// A stone falls by 10 m/s² from 100 m and is caught at 80 m, at 2 s; from there it goes on at 3 m/s, and at 5 s it is let go once more. One metric of every kind in
+/// the first scene, one of every kind in the second, and a third scene that no run comes to.
+const FALLING: &str = r#"model Falling {
+    gravity: [0.0, 0.0, -10.0] m/s^2;
+    param g0 = 1 in 0.5 ..= 2;
+    point stone { mass: 1 kg, start at [0.0, 0.0, 100.0] m }
+    event caught = stone.position.z falls 80 m { then: scene "carried.mbd" }
+    event tick = time rises 1 s { }
+    metric f_max = max stone.position.z;
+    metric f_min = min stone.position.z;
+    metric f_final = final stone.position.z;
+    metric f_mean = mean stone.position.z;
+    metric f_rms = rms stone.velocity.z;
+    metric f_integral = integral stone.velocity.z;
+    metric f_above = time_above stone.position.z { level: 95 m };
+    metric f_first = first_above -stone.velocity.z { level: 5 m/s };
+    metric f_value = value stone.position.z { at: tick };
+    metric f_tick = time_of tick;
+    metric f_caught = time_of caught;
+    metric f_cut = integral stone.velocity.z { from: 1 s, to: 3 s };
+    metric f_late = max stone.position.z { from: 2.5 s };
+    metric f_inside = final stone.position.z { to: 1 s };
+}
+[run]
+until = "6 s"
+tolerance = 1e-10
+"#;
+
+const CARRIED: &str = r#"model Carried {
+    gravity: none;
+    point stone { mass: 1 kg }
+    event tick = time rises 4 s { }
+    event thrown = stone.position.z rises 1000 m { then: scene "never.mbd" }
+    metric c_max = max stone.position.z;
+    metric c_min = min stone.position.z;
+    metric c_final = final stone.position.z;
+    metric c_mean = mean stone.position.z;
+    metric c_rms = rms stone.velocity.z;
+    metric c_integral = integral stone.velocity.z;
+    metric c_above = time_above stone.position.z { level: 60 m };
+    metric c_value = value stone.position.z { at: tick };
+    metric c_tick = time_of tick;
+    metric c_early = time_of tick { to: 3 s };
+    metric c_cut = mean stone.position.z { to: 9 s };
+}
+"#;
+
+const NEVER: &str = r#"model Never {
+    gravity: none;
+    point stone { mass: 1 kg }
+    event tick = time rises 0.5 s { }
+    metric n_max = max stone.position.z;
+    metric n_tick = time_of tick;
+}
+"#;
+
+#[test]
+fn every_kind_of_metric_is_of_the_scenes_that_declare_it() {
+    let folder = Folder::new("campaign_phases_scoped");
+    let scene = folder.file("falling.mbd", FALLING);
+    folder.file("carried.mbd", CARRIED);
+    folder.file("never.mbd", NEVER);
+    let file = folder.file(
+        "dispersed.toml",
+        "seed = 1\ncases = 3\n[start]\nstone.vx = { dist = \"uniform\", low = \"1 m/s\", high = \"2 m/s\" }\n[metrics]\nany = { time_of = \"tick\" }\nlowest = { min = \"stone.z\" }\nwindow = { mean = \"stone.z\", from = \"1 s\", to = \"3 s\" }\n",
+    );
+    let out = folder.0.join("out");
+    let told = run(&[
+        "campaign",
+        &scene,
+        &file,
+        "--out",
+        &out.display().to_string(),
+    ])
+    .unwrap();
+    let cases = std::fs::read_to_string(out.join("cases.csv")).unwrap();
+    let head = cases.lines().next().unwrap();
+    // z = 100 − 5 t² up to 2 s; then 80 − 20 (t − 2).
+    let none = f64::NAN;
+    let expected = [
+        ("f_max", 100.0),
+        ("f_min", 80.0),
+        ("f_final", 80.0),
+        ("f_mean", 100.0 - 5.0 * 8.0 / 3.0 / 2.0),
+        ("f_rms", (100.0_f64 * 8.0 / 3.0 / 2.0).sqrt()),
+        ("f_integral", -20.0),
+        ("f_above", 1.0),
+        ("f_first", 0.5),
+        ("f_value", 95.0),
+        ("f_tick", 1.0),
+        ("f_caught", 2.0),
+        ("f_cut", -15.0),
+        ("f_late", none),
+        ("f_inside", 95.0),
+        ("c_max", 80.0),
+        ("c_min", 0.0),
+        ("c_final", 0.0),
+        ("c_mean", 40.0),
+        ("c_rms", 20.0),
+        ("c_integral", -80.0),
+        ("c_above", 1.0),
+        ("c_value", 40.0),
+        ("c_tick", 4.0),
+        ("c_early", none),
+        ("c_cut", 40.0),
+        ("n_max", none),
+        ("n_tick", none),
+        ("any", 1.0),
+        ("lowest", 0.0),
+        ("window", 0.5 * (100.0 - 5.0 * (8.0 - 1.0) / 3.0 + 70.0)),
+    ];
+    for row in cases.lines().skip(1) {
+        for (name, exact) in expected {
+            let found = cell(head, row, name);
+            let close = (found - exact).abs() < 1e-6 || found.is_nan() && exact.is_nan();
+            assert!(close, "{name}: {found} for {exact}\n{row}");
+        }
+        for words in [
+            "metric_partial",
+            "`f_cut` counts up to 3 s, and its scene ends at 2 s",
+            "`c_cut` counts up to 9 s, and the run ends at 6 s",
+            "`f_late` has no value: its scene ended before 2.5 s, where its window begins, at 2 s",
+            "`n_max` has no value: the run did not come to its scene",
+            "`n_tick` has no value: the run did not come to its scene",
+        ] {
+            assert!(row.contains(words), "{words}\n{row}");
+        }
+        // A window over both scenes is whole.
+        assert!(!row.contains("`window`"), "{row}");
+    }
+    for words in [
+        "its scene ended before 2.5 s, where its window begins, in 3 runs",
+        "no scene that has its quantity was reached in 3 runs",
+        "`tick` did not happen in 3 runs",
+        "3 cases count a part of the window only, the first is case 1: its scenes end there before 3 s",
+        "3 cases count a part of the window only, the first is case 1: their runs end before 9 s",
+    ] {
+        assert!(told.contains(words), "{words}\n{told}");
+    }
+    // A run alone tells the same numbers, and the same windows.
+    let alone = folder.0.join("alone").display().to_string();
+    let text = run(&["run", &scene, "--out", &alone]).unwrap();
+    for words in [
+        "metric `f_cut` counts up to 3 s, and its scene ends at 2 s: it is told of what lies before; write an earlier `to`\n",
+        "metric `f_late` counts from 2.5 s on, and its scene ends at 2 s: it has no value",
+        "metric `c_cut` counts up to 9 s, and the run ends at 6 s",
+    ] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+    let summary = std::fs::read_to_string(format!("{alone}/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let declared = expected.iter().filter(|(name, _)| name.contains('_'));
+    for (name, exact) in declared {
+        let found = summary["metrics"][name].as_f64().unwrap_or(f64::NAN);
+        let close = (found - exact).abs() < 1e-6 || found.is_nan() && exact.is_nan();
+        assert!(close, "{name}: {found} for {exact}");
+    }
+}
+
+/// One name, one event, and one quantity of two things: told apart, and by `check` before.
+#[test]
+fn metrics_of_one_name_that_mean_something_else_are_told_apart() {
+    let folder = Folder::new("phases_metrics_apart");
+    let scene = folder.file(
+        "one.mbd",
+        "model One { gravity: none; point a { mass: 1 kg, start at [0, 0, 0] m velocity [1, 2, 0] m/s }
+            event go = time rises 1 s { then: scene \"two.mbd\" }
+            metric far = max a.position.x; metric when = time_of go; }
+        [run]\nuntil = \"3 s\"\n",
+    );
+    folder.file(
+        "two.mbd",
+        "model Two { gravity: none; point a { mass: 1 kg } event go = time rises 2 s { }
+            metric far = max a.position.y; metric later = time_of go; }",
+    );
+    let out = folder.0.join("out").display().to_string();
+    run(&["run", &scene, "--out", &out]).unwrap();
+    let summary = std::fs::read_to_string(format!("{out}/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    for (name, exact) in [
+        ("far", 1.0),
+        ("far (2)", 6.0),
+        ("when", 1.0),
+        ("later", 2.0),
+    ] {
+        let found = summary["metrics"][name].as_f64().unwrap_or(f64::NAN);
+        assert!((found - exact).abs() < 1e-9, "{name}: {found}");
+    }
+    let told = run(&["check", &scene]).unwrap();
+    let words =
+        "the metric `far` is `max a.position.x in m` in `One` and `max a.position.y in m` in `Two`";
+    assert!(told.contains(words), "{told}");
 }
