@@ -269,6 +269,7 @@ impl Campaign {
             cases: self.cases(),
             block: self.block,
             dispersed: dispersed.collect(),
+            correlated: self.dispersions.correlated(),
             metrics: metrics.collect(),
             envelopes: self.envelopes.clone(),
             told: self.asked.clone(),

@@ -8,12 +8,19 @@ use crate::manifest::ResultColumn;
 use crate::metric::{Requirement, ends_before};
 use crate::results::{CaseRow, ITS_SCENE, LEFT_BEFORE, Results, counts_up_to, no_value};
 use crate::sampling::CaseSampling;
-use crate::statistics::{Percentile, cases_needed, first_order, percentile, spearman};
+use crate::statistics::{
+    Percentile, cases_needed, first_order, percentile, spearman, spearman_of_all,
+};
 
 /// The percentiles that are told.
 pub const PARTS: [f64; 7] = [0.00135, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99865];
 /// The confidence of their intervals.
 pub const CONFIDENCE: f64 = 0.9;
+
+/// Rank correlations of numbers that vary by themselves lie within so many standard deviations, of a thousand pairs nearly all.
+const SIGNIFICANT: f64 = 5.0;
+/// A smaller correlation moves no share of a variance by more than a hundredth.
+const SMALL: f64 = 0.1;
 
 /// A standard deviation below this part of the size of a metric is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -96,14 +103,19 @@ impl CutWindow {
 }
 
 /// A dispersed number and what a metric has of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MetricDriver {
     /// The dispersed number, by its place.
     pub number: usize,
     /// Spearman's rank correlation, −1 … 1.
     pub correlation: f64,
-    /// The part of the variance that it explains alone, its first-order Sobol index; `None` where there are not enough cases.
+    /// The part of the variance that it explains alone, its first-order Sobol index; `None` where there are not enough cases, and of one that is correlated
+    /// with others: alone it explains nothing that could be told from what they do.
     pub index: Option<f64>,
+    /// The dispersed numbers that it is correlated with, by their places, and how; the most closely first.
+    pub together: Vec<(usize, f64)>,
+    /// How much of the metric goes with it, 0 … 1: that of others is in it, too.
+    strength: f64,
 }
 
 impl Told {
@@ -199,10 +211,21 @@ impl MissingReason {
 }
 
 impl MetricDriver {
-    /// How much it explains: a rank correlation misses what rises and falls again.
-    fn strength(&self) -> f64 {
-        let square = self.correlation.powi(2);
-        self.index.map_or(square, |index| index.max(square))
+    /// Which others it is correlated with, in words: `together with wind, with which it is correlated +0.80`; nothing of one that varies by itself.
+    #[must_use]
+    pub fn company(&self, dispersed: &[ResultColumn]) -> Option<String> {
+        let named = self.together.iter().filter_map(|(number, correlation)| {
+            let name = &dispersed.get(*number)?.name;
+            Some((name.as_str(), format!("{correlation:+.2}")))
+        });
+        let (names, correlations): (Vec<&str>, Vec<String>) = named.unzip();
+        (!names.is_empty()).then(|| {
+            format!(
+                "together with {}, with which it is correlated {}",
+                names.join(" and "),
+                correlations.join(" and ")
+            )
+        })
     }
 }
 
@@ -253,7 +276,9 @@ impl CampaignSummary {
     /// Of these results.
     #[must_use]
     pub fn of(results: &Results) -> Self {
-        let metrics = (0..results.manifest.metrics.len()).map(|at| told(results, at));
+        let companions = companions(results);
+        let metrics = 0..results.manifest.metrics.len();
+        let metrics = metrics.map(|at| told(results, &companions, at));
         CampaignSummary {
             cases: results.rows.len().saturating_sub(1) as u64,
             metrics: metrics.collect(),
@@ -269,7 +294,7 @@ impl CampaignSummary {
     }
 }
 
-fn told(results: &Results, at: usize) -> Told {
+fn told(results: &Results, companions: &[Vec<(usize, f64)>], at: usize) -> Told {
     let column = &results.manifest.metrics[at];
     let values = results.metric(at);
     let numbers: Vec<(u64, f64)> = (1..)
@@ -333,7 +358,7 @@ fn told(results: &Results, at: usize) -> Told {
         percentiles: percentiles(&sorted, results.manifest.sampling),
         sorted,
         verdict,
-        drivers: drivers(results, &values, moments),
+        drivers: drivers((results, companions), &values, moments),
     }
 }
 
@@ -355,7 +380,11 @@ fn percentiles(sorted: &[f64], sampling: CaseSampling) -> Vec<Percentile> {
 }
 
 /// What drives a metric with these values, mean and standard deviation.
-fn drivers(results: &Results, values: &[f64], [mean, deviation]: [f64; 2]) -> Vec<MetricDriver> {
+fn drivers(
+    (results, companions): (&Results, &[Vec<(usize, f64)>]),
+    values: &[f64],
+    [mean, deviation]: [f64; 2],
+) -> Vec<MetricDriver> {
     // What rounding scatters follows no dispersed number, whatever the ranks say.
     if deviation <= ROUNDING * mean.abs() {
         return Vec::new();
@@ -363,18 +392,53 @@ fn drivers(results: &Results, values: &[f64], [mean, deviation]: [f64; 2]) -> Ve
     let dispersed = 0..results.manifest.dispersed.len();
     let drivers = dispersed.filter_map(|number| {
         let drawn = results.dispersed(number);
+        let correlation = spearman(&drawn, values)?;
+        let index = first_order(&drawn, values);
+        let square = correlation.powi(2);
+        let together = companions.get(number).cloned().unwrap_or_default();
         Some(MetricDriver {
             number,
-            correlation: spearman(&drawn, values)?,
-            index: first_order(&drawn, values),
+            correlation,
+            index: index.filter(|_| together.is_empty()),
+            together,
+            // A rank correlation misses what rises and falls again.
+            strength: index.map_or(square, |index| index.max(square)),
         })
     });
     let mut drivers: Vec<MetricDriver> = drivers.collect();
     drivers.sort_by(|a, b| {
-        let stronger = b.strength().total_cmp(&a.strength());
+        let stronger = b.strength.total_cmp(&a.strength);
         stronger.then(a.number.cmp(&b.number))
     });
     drivers
+}
+
+/// Of every dispersed number those that it is correlated with, the most closely first: as the campaign file asks for, or as the cases have it, by rows of one
+/// file, by a constraint.
+fn companions(results: &Results) -> Vec<Vec<(usize, f64)>> {
+    let manifest = &results.manifest;
+    let drawn = (0..manifest.dispersed.len()).map(|at| results.dispersed(at));
+    let drawn: Vec<Vec<f64>> = drawn.collect();
+    let cases = results.rows.len().max(3) as f64 - 2.0;
+    let chance = (SIGNIFICANT / cases.sqrt()).max(SMALL);
+    let mut all = vec![Vec::new(); drawn.len()];
+    let asked = |pair: &[usize; 2]| {
+        let mut asked = manifest.correlated.iter();
+        let found = asked.find(|(own, _)| own.iter().all(|number| pair.contains(number)));
+        found.map(|(_, correlation)| *correlation)
+    };
+    for (pair, found) in spearman_of_all(&drawn) {
+        let shown = (found.abs() > chance).then_some(found);
+        if let Some(correlation) = asked(&pair).or(shown) {
+            let [a, b] = pair;
+            all[a].push((b, correlation));
+            all[b].push((a, correlation));
+        }
+    }
+    for own in &mut all {
+        own.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
+    }
+    all
 }
 
 /// Why cases have no value of a metric, and how many.

@@ -125,7 +125,9 @@ fn metric(results: &Results, told: &Told) -> String {
             .map_or("", |column| &column.name);
         let share = driver.index.map(|index| format!(" {:.0} %", 100.0 * index));
         let share = share.unwrap_or_default();
-        format!("{name} {:+.2}{share}", driver.correlation)
+        let company = driver.company(&results.manifest.dispersed);
+        let company = company.map_or_else(String::new, |text| format!(" ({text})"));
+        format!("{name} {:+.2}{share}{company}", driver.correlation)
     });
     let drivers: Vec<String> = drivers.collect();
     match drivers.is_empty() {

@@ -57,6 +57,20 @@ impl Correlation {
         Ok(Correlation { members, rows })
     }
 
+    /// Every two of them that have a correlation, and which.
+    pub fn pairs(&self) -> impl Iterator<Item = ([usize; 2], f64)> + '_ {
+        let members = self.members.iter().zip(&self.rows).enumerate();
+        members.flat_map(move |(at, (member, row))| {
+            let before = self.members.iter().zip(&self.rows).take(at);
+            before.filter_map(move |(other, of)| {
+                let r: f64 = row.iter().zip(of).map(|(a, b)| a * b).sum();
+                // R = L Lᵀ but for rounding.
+                let r = twelve_digits(r);
+                (r.abs() > 1e-12).then_some(([*other, *member], r))
+            })
+        })
+    }
+
     /// Replaces independent numbers in (0, 1) by correlated ones, and notes their normal quantiles.
     pub fn mix(&self, parts: &mut [f64], quantiles: &mut [Option<f64>]) {
         let independent: Vec<f64> = self

@@ -311,6 +311,13 @@ impl Dispersions {
         values
     }
 
+    /// Those that are asked to vary together, two by two by their places, each with their correlation.
+    #[must_use]
+    pub fn correlated(&self) -> Vec<([usize; 2], f64)> {
+        let pairs = self.correlations.iter().flat_map(Correlation::pairs);
+        pairs.collect()
+    }
+
     /// Dispersed numbers, each in the unit of its column.
     #[must_use]
     pub fn in_units(&self, values: &[f64]) -> Vec<f64> {

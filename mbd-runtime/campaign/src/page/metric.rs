@@ -135,18 +135,25 @@ pub fn doubt(told: &Told) -> f64 {
 }
 
 fn drivers(results: &Results, told: &Told) -> ReportTable {
+    let dispersed = &results.manifest.dispersed;
+    let shown = || told.drivers.iter().take(DRIVERS);
+    let is_accompanied = shown().any(|driver| !driver.together.is_empty());
     let mut table = ReportTable::new(format!("What drives {}", told.name))
         .column("dispersed number", "")
         .number("rank correlation", "", 3)
         .number("share of the variance", "", 3);
-    for driver in told.drivers.iter().take(DRIVERS) {
-        let name = results
-            .manifest
-            .dispersed
+    if is_accompanied {
+        table = table.column("not alone", "");
+    }
+    for driver in shown() {
+        let name = dispersed
             .get(driver.number)
             .map_or("", |column| &column.name);
         let share = driver.index.map_or(Cell::Missing, Cell::Number);
-        table.push([name.into(), driver.correlation.into(), share]);
+        let company = driver.company(dispersed).unwrap_or_default();
+        let cells = [name.into(), driver.correlation.into(), share];
+        let company = is_accompanied.then(|| company.as_str().into());
+        table.push(cells.into_iter().chain(company));
     }
     let chance = match results.manifest.sampling {
         CaseSampling::Grid => String::new(),
@@ -155,8 +162,14 @@ fn drivers(results: &Results, told: &Told) -> ReportTable {
             doubt(told)
         ),
     };
+    let company = match is_accompanied {
+        true => {
+            " Numbers that are correlated with each other have none, and each shows what the others do, too."
+        }
+        false => "",
+    };
     table.note(format!(
-        "Spearman{chance}. The share is the first-order Sobol index, from 100 cases on: what the number explains alone."
+        "Spearman{chance}. The share is the first-order Sobol index, from 100 cases on: what the number explains alone.{company}"
     ))
 }
 

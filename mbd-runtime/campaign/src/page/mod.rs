@@ -243,7 +243,7 @@ fn strongest(results: &Results, summary: &CampaignSummary) -> ReportTable {
             table.push([told.name.as_str().into(), drivers.as_str().into()]);
         }
     }
-    table.note("With the share of the variance that each explains alone; where that is not known, with its rank correlation.")
+    table.note("With the share of the variance that each explains alone; where that is not known, or it is correlated with others, with its rank correlation.")
 }
 
 /// The strongest drivers of a metric; nothing that may as well drive nothing.
@@ -257,9 +257,10 @@ fn driven(results: &Results, told: &Told) -> String {
     });
     let told = drivers.filter_map(|driver| {
         let name = &names.get(driver.number)?.name;
-        Some(match driver.index {
-            Some(index) => format!("{name} ({:.0} %)", 100.0 * index),
-            None => format!("{name} ({:+.2})", driver.correlation),
+        Some(match (driver.index, driver.company(names)) {
+            (_, Some(company)) => format!("{name} ({:+.2}, {company})", driver.correlation),
+            (Some(index), _) => format!("{name} ({:.0} %)", 100.0 * index),
+            _ => format!("{name} ({:+.2})", driver.correlation),
         })
     });
     told.collect::<Vec<_>>().join(", ")

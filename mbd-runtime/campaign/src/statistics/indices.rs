@@ -4,7 +4,7 @@
 //!
 //! The cases are sorted by x_i and parted into groups of neighbours; the variance of the groups' means, less what chance alone gives means of so
 //! many cases, stands for the numerator: ε² of the analysis of variance (Kelley 1935). It asks nothing of the sampling but that every x_i varies by
-//! itself; of correlated numbers it also counts what the others bring along.
+//! itself; of correlated numbers it also counts what the others bring along, and is not told.
 
 /// Fewer cases part into too few groups.
 const FEWEST: usize = 100;

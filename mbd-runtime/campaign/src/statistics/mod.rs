@@ -10,4 +10,4 @@ pub use binomial::at_most;
 pub use ellipse::{Ellipse, Spot};
 pub use indices::first_order;
 pub use order::{Percentile, cases_needed, percentile, quantile, rank_above, rank_below, shows};
-pub use ranks::spearman;
+pub use ranks::{spearman, spearman_of_all};

@@ -9,7 +9,24 @@ pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() < 3 {
         return None;
     }
-    let (a, b) = (ranks(&a), ranks(&b));
+    of_ranks(&ranks(&a), &ranks(&b))
+}
+
+/// The same of every two of some lists, by their places, the first before the second; rows in which one of them has no number do not count.
+#[must_use]
+pub fn spearman_of_all(lists: &[Vec<f64>]) -> Vec<([usize; 2], f64)> {
+    let rows = lists.iter().map(Vec::len).min().unwrap_or(0);
+    let whole = |row: &usize| lists.iter().all(|list| !list[*row].is_nan());
+    let rows: Vec<usize> = (0..rows).filter(whole).collect();
+    let of = |list: &Vec<f64>| ranks(&rows.iter().map(|row| list[*row]).collect::<Vec<_>>());
+    let all: Vec<Vec<f64>> = lists.iter().map(of).collect();
+    let pairs = (0..all.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
+    let told = pairs.filter_map(|[a, b]| Some(([a, b], of_ranks(&all[a], &all[b])?)));
+    told.collect()
+}
+
+/// The correlation of ranks; `None` where some do not vary.
+fn of_ranks(a: &[f64], b: &[f64]) -> Option<f64> {
     let middle = 0.5 * (a.len() as f64 + 1.0);
     let sum = |x: &[f64], y: &[f64]| -> f64 {
         x.iter()
@@ -17,8 +34,8 @@ pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
             .map(|(x, y)| (x - middle) * (y - middle))
             .sum()
     };
-    let size = (sum(&a, &a) * sum(&b, &b)).sqrt();
-    (size > 0.0).then(|| (sum(&a, &b) / size).clamp(-1.0, 1.0))
+    let size = (sum(a, a) * sum(b, b)).sqrt();
+    (size > 0.0).then(|| (sum(a, b) / size).clamp(-1.0, 1.0))
 }
 
 /// The rank of every number, from 1; equal ones share the mean of theirs.
@@ -46,6 +63,15 @@ mod tests {
         let falls: Vec<f64> = x.iter().map(|x| -x.powi(3)).collect();
         assert!((spearman(&x, &rises).expect("it varies") - 1.0).abs() < 1e-12);
         assert!((spearman(&x, &falls).expect("it varies") + 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_two_lists_have_their_correlation_in_whole_rows() {
+        let a = vec![1.0, 2.0, 3.0, 4.0, f64::NAN];
+        let b = vec![1.0, 4.0, 9.0, 16.0, 0.0];
+        let c = vec![4.0, 3.0, 2.0, 1.0, 9.0];
+        let found = spearman_of_all(&[a, b, c]);
+        assert_eq!(found, [([0, 1], 1.0), ([0, 2], -1.0), ([1, 2], -1.0)]);
     }
 
     /// Without ties 1 − 6 Σ d² / (n (n² − 1)): ranks 1 2 3 4 5 against 2 1 4 3 5.

@@ -6,6 +6,7 @@ use super::*;
 mod arguments;
 mod campaign;
 mod campaign_phases;
+mod campaign_words;
 mod checks;
 mod compare;
 mod conversion;

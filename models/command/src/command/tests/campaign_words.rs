@@ -1,0 +1,115 @@
+//! What a campaign says of its inputs, of a folder that is another one's, and of what is asked for beyond the end of its runs.
+
+use std::path::PathBuf;
+
+/// A stone without forces: where it is at the end is its speed times 1 s, and the output adds what two params say.
+const GLIDE: &str = r#"model Glide {
+    gravity: none;
+    param wind = 0 m;
+    param gust = 0 m;
+    param push = 0 m;
+    point stone { mass: 1 kg, start at [0, 0, 0] m velocity [1, 0, 0] m/s }
+    output place = stone.position.x + wind + push;
+    metric far = final place;
+}
+[run]
+until = "1 s"
+every = "0.5 s"
+"#;
+
+fn flown(folder: &Folder, campaign: &str) -> (String, PathBuf) {
+    let scene = folder.file("glide.mbd", GLIDE);
+    let file = folder.file("dispersed.toml", campaign);
+    let out = folder.0.join("out");
+    let typed = out.display().to_string();
+    let told = run(&["campaign", &scene, &file, "--out", &typed]).unwrap();
+    run(&["report", &typed]).unwrap();
+    (told, out)
+}
+
+const NORMAL: &str = r#"
+seed = 3
+cases = 400
+sampling = "latin"
+[params]
+wind = { dist = "normal", sigma = "1 m" }
+gust = { dist = "normal", sigma = "1 m" }
+push = { dist = "normal", sigma = "1 m" }
+"#;
+
+/// Nothing hangs on `gust`, which goes with the wind by 0.8.
+#[test]
+fn a_number_that_is_correlated_with_another_explains_nothing_alone() {
+    let folder = Folder::new("campaign_correlated");
+    let correlated =
+        "[[correlated]]\nnames = [\"gust\", \"wind\"]\nmatrix = [[1.0, 0.8], [0.8, 1.0]]\n";
+    let (told, out) = flown(&folder, &format!("{NORMAL}{correlated}"));
+    let driven = told
+        .lines()
+        .find(|line| line.contains("driven by"))
+        .unwrap();
+    for words in [
+        "(together with gust, with which it is correlated +0.80)",
+        "(together with wind, with which it is correlated +0.80)",
+    ] {
+        assert!(driven.contains(words), "{driven}");
+    }
+    // A share is told of the push alone, which varies by itself: half of the variance.
+    assert_eq!(driven.matches(" %").count(), 1, "{driven}");
+    let push = driven.split("push ").nth(1).unwrap();
+    let share = push.split(' ').nth(1).unwrap().parse::<f64>().unwrap();
+    assert!((share - 50.0).abs() < 8.0, "{driven}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    for words in [
+        "together with gust, with which it is correlated +0.80",
+        "Numbers that are correlated with each other have none",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    // By itself each has its share.
+    let (told, _) = flown(&Folder::new("campaign_uncorrelated"), NORMAL);
+    let driven = told
+        .lines()
+        .find(|line| line.contains("driven by"))
+        .unwrap();
+    assert!(
+        !driven.contains("together") && driven.matches(" %").count() == 3,
+        "{driven}"
+    );
+}
+
+/// Rows of one file bring their numbers together, and a constraint does.
+#[test]
+fn numbers_that_come_to_vary_together_are_told_so() {
+    let folder = Folder::new("campaign_of_rows");
+    let rows = (0..50).map(|k| format!("{k},{}\n", 50 - k));
+    folder.file(
+        "rows.csv",
+        &format!("w [m],g [m]\n{}", rows.collect::<String>()),
+    );
+    let table = |name: &str, column: &str| {
+        format!("{name} = {{ dist = \"table\", file = \"rows.csv\", column = \"{column}\" }}\n")
+    };
+    let file = format!(
+        "seed = 1\ncases = 200\n[params]\n{}{}",
+        table("wind", "w"),
+        table("gust", "g")
+    );
+    let (told, _) = flown(&folder, &file);
+    assert!(
+        told.contains("(together with gust, with which it is correlated -1.00)"),
+        "{told}"
+    );
+    let bound =
+        "[[constraint]]\nsum = { wind = 1, push = 1 }\nat_most = \"0 m\"\nat_least = \"-0.5 m\"\n";
+    let file = NORMAL.replace("sampling = \"latin\"", "") + bound;
+    let (told, _) = flown(&Folder::new("campaign_constrained"), &file);
+    assert!(
+        told.contains("together with push, with which it is correlated -0."),
+        "{told}"
+    );
+    assert!(
+        told.contains("gust") && !told.contains("together with gust"),
+        "{told}"
+    );
+}
