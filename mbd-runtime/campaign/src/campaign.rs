@@ -20,7 +20,7 @@ use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
 use crate::histories::Choice;
-use crate::manifest::{Manifest, ResultColumn, ResultOptions};
+use crate::manifest::{Manifest, OWN_VERSION, ResultColumn, ResultOptions};
 use crate::metric::Metrics;
 use crate::results::CaseRow;
 use crate::run::always_mapped;
@@ -262,7 +262,7 @@ impl Campaign {
             declaration: hash(declaration),
             dispersions: hash(format!("{:?} {:?}", self.dispersions, self.metrics)),
             settings: hash(settings),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: OWN_VERSION.to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             sampling: self.dispersions.sampling,
             seed: self.dispersions.seed,

@@ -1,5 +1,6 @@
 //! What a folder of results belongs to: `manifest.json`. Whoever adds to the folder must have the same; what differs is told with both values.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::ops::Range;
@@ -18,6 +19,10 @@ use mbd_report::files;
 
 /// The name of its file.
 const NAME: &str = "manifest.json";
+/// The version of this program.
+pub const OWN_VERSION: &str = env!("CARGO_PKG_VERSION");
+/// What to do about the folder of another campaign.
+const REMEDY: &str = "take another folder (`--out`), delete this one, or go on with the files and the version that it was begun with";
 
 /// A column of the results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -107,8 +112,16 @@ impl Manifest {
                 path.display()
             ))
         })?;
-        serde_json::from_str(&text)
-            .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))
+        serde_json::from_str(&text).map_err(|error| {
+            // One of another version may say more, or less.
+            let there: Option<Value> = serde_json::from_str(&text).ok();
+            let version = there.as_ref().and_then(|it| it.get("version")?.as_str());
+            let by = version.map_or_else(String::new, |it| format!(" by mbd {it}"));
+            Failure::Usage(format!(
+                "{} cannot be read by mbd {OWN_VERSION}, it was written{by}: {error}; {REMEDY}",
+                path.display()
+            ))
+        })
     }
 
     /// How many files of results there are in the end.
@@ -165,19 +178,71 @@ impl Manifest {
         let (Value::Object(own), Value::Object(there)) = (own, there) else {
             return Ok(());
         };
-        let differing = own
-            .iter()
-            .filter(|(name, value)| there.get(*name) != Some(value));
-        let told: Vec<String> = differing
-            .map(|(name, value)| {
-                let other = there.get(name).unwrap_or(&Value::Null);
-                format!("  {name}: {other} there, {value} here")
-            })
-            .collect();
+        // What one of them does not have at all differs, too.
+        let names: BTreeSet<&String> = own.keys().chain(there.keys()).collect();
+        let both = names
+            .into_iter()
+            .map(|name| (name, there.get(name), own.get(name)));
+        let told = both
+            .filter(|(_, there, here)| there != here)
+            .map(|(name, there, here)| {
+                let [there, here] = [there, here].map(|it| it.unwrap_or(&Value::Null));
+                format!("  {}", difference(name, there, here))
+            });
+        let told: Vec<String> = told.collect();
         Err(Failure::Invalid(format!(
-            "{} holds another campaign; take another folder, or run what it was begun with\n{}",
+            "{} holds another campaign: {REMEDY}\n{}",
             folder.display(),
             told.join("\n")
         )))
+    }
+}
+
+/// What differs in an entry of a manifest, there and here: of columns by their names.
+fn difference(name: &str, there: &Value, here: &Value) -> String {
+    let (Some(old), Some(new)) = (there.as_array(), here.as_array()) else {
+        let what = match name {
+            "declaration" => " (the text of the scene)",
+            "dispersions" => " (distributions, constraints, metrics, numbers of tables)",
+            "settings" => " (how runs are set)",
+            _ => "",
+        };
+        return format!("{name}{what}: {there} there, {here} here");
+    };
+    let called = |column: &Value| column.get("name").cloned().unwrap_or_default();
+    let of = |list: &[Value], name: &Value| list.iter().find(|it| called(it) == *name).cloned();
+    let alone = |list: &[Value], other: &[Value], place: &str| -> Vec<String> {
+        let own = list.iter().filter(|it| of(other, &called(it)).is_none());
+        own.map(|it| format!("{} {place} alone", called(it)))
+            .collect()
+    };
+    let both = new.iter().filter_map(|it| {
+        let other = of(old, &called(it)).filter(|other| other != it)?;
+        Some(format!("{} is {other} there, {it} here", called(it)))
+    });
+    let mut told = alone(old, new, "there");
+    told.extend(alone(new, old, "here"));
+    told.extend(both);
+    if told.is_empty() {
+        told.push("in another order".to_owned());
+    }
+    format!("{name}: {}", told.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_that_differ_are_told_by_their_names() {
+        let list = |text: &str| serde_json::from_str::<Value>(text).expect("a list");
+        let there = list(r#"[{"name": "peak", "unit": "N"}, {"name": "old", "unit": "m"}]"#);
+        let here = list(r#"[{"name": "peak", "unit": "kN"}, {"name": "new", "unit": "m"}]"#);
+        let told = difference("metrics", &there, &here);
+        for words in ["\"old\" there alone", "\"new\" here alone", "\"peak\" is {"] {
+            assert!(told.contains(words), "{told}");
+        }
+        let told = difference("version", &"0.0.9".into(), &"0.1.0".into());
+        assert_eq!(told, r#"version: "0.0.9" there, "0.1.0" here"#);
     }
 }

@@ -113,3 +113,72 @@ fn numbers_that_come_to_vary_together_are_told_so() {
         "{told}"
     );
 }
+
+#[test]
+fn a_folder_of_an_older_version_is_refused_with_what_differs_and_what_to_do() {
+    let folder = Folder::new("campaign_older");
+    let (_, out) = flown(&folder, NORMAL);
+    let scene = folder.file("glide.mbd", GLIDE);
+    let file = folder.0.join("dispersed.toml").display().to_string();
+    let typed = out.display().to_string();
+    let resumed = || {
+        let error = run(&["campaign", &scene, &file, "--out", &typed, "--resume"]).unwrap_err();
+        (error.code(), error.to_string())
+    };
+    let manifest = out.join("manifest.json");
+    let own = std::fs::read_to_string(&manifest).unwrap();
+    let version = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    let with = |changes: &[(&str, &str)]| {
+        let text = changes.iter().fold(own.clone(), |text, (old, new)| {
+            assert!(text.contains(old), "{old}: {text}");
+            text.replace(old, new)
+        });
+        std::fs::write(&manifest, text).unwrap();
+    };
+    // What differs, each with both values, and the remedies.
+    with(&[
+        (&version, "\"version\": \"0.0.7\""),
+        ("\"name\": \"far\"", "\"name\": \"near\""),
+    ]);
+    let (code, told) = resumed();
+    assert_eq!(code, 2);
+    let here = format!(
+        "version: \"0.0.7\" there, \"{}\" here",
+        env!("CARGO_PKG_VERSION")
+    );
+    for words in [
+        "holds another campaign",
+        "`--out`",
+        "delete this one",
+        &here,
+        "metrics: \"near\" there alone; \"far\" here alone",
+    ] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    // An entry that this version does not know, and one that the older one did not write.
+    for change in [
+        ("\"seed\"", "\"old_entry\": 3,\n  \"seed\""),
+        ("\"block\": 100,", ""),
+    ] {
+        with(&[(&version, "\"version\": \"0.0.7\""), change]);
+        let (code, told) = resumed();
+        assert_eq!(code, 1);
+        for words in [
+            "written by mbd 0.0.7",
+            "`--out`",
+            "delete this one",
+            "field `",
+        ] {
+            assert!(told.contains(words), "{words}: {told}");
+        }
+    }
+    // What only the folder has is told, too.
+    with(&[(
+        "\"metrics\"",
+        "\"correlated\": [[[0, 1], 0.5]],\n  \"metrics\"",
+    )]);
+    let (_, told) = resumed();
+    assert!(told.contains("correlated: "), "{told}");
+    std::fs::write(&manifest, own).unwrap();
+    run(&["campaign", &scene, &file, "--out", &typed, "--resume"]).unwrap();
+}
