@@ -201,6 +201,12 @@ impl Campaign {
         })
     }
 
+    /// One sentence on what its settings ask for beyond the end of its runs.
+    #[must_use]
+    pub fn beyond(&self) -> Vec<String> {
+        self.nominal.beyond(self.nominal.until)
+    }
+
     /// All cases, with the nominal, which is case 0.
     #[must_use]
     pub fn cases(&self) -> u64 {

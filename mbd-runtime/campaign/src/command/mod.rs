@@ -90,8 +90,13 @@ pub fn campaign(
         &mut ProgressLine::new(),
     )?;
     source(&args.file).write(&folder)?;
+    let beyond: String = campaign
+        .beyond()
+        .iter()
+        .map(|text| format!("{text}\n"))
+        .collect();
     let told = format!(
-        "{} cases run, {} of them did not reach their end{}, {} were there; written to {}\n{}",
+        "{beyond}{} cases run, {} of them did not reach their end{}, {} were there; written to {}\n{}",
         done.cases,
         done.failed,
         doubtful(&done),

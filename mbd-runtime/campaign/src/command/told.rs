@@ -26,6 +26,10 @@ pub fn text(results: &Results, summary: &CampaignSummary) -> String {
     for told in &summary.metrics {
         text += &metric(results, told);
     }
+    let envelopes = results.manifest.envelopes.iter();
+    for beyond in envelopes.filter_map(|envelopes| envelopes.beyond(&results.rows)) {
+        text += &format!("\n{beyond}\n");
+    }
     for footprint in &results.manifest.told.footprints {
         text += &inside(results, footprint);
     }

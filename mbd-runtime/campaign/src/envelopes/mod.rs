@@ -5,11 +5,13 @@
 mod block;
 mod told;
 
+use mbd_runtime::scene::twelve_digits;
 use mbd_runtime::{Content, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::columns;
 use crate::dispersion::WrittenEnvelopes;
+use crate::results::CaseRow;
 use crate::run::names::{column_name, wrong};
 use crate::run::number::positive;
 use crate::run::{PlanError, RunPlan};
@@ -90,6 +92,27 @@ impl Envelopes {
     /// The instants [s].
     pub fn instants(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.count).map(|k| k as f64 * self.every)
+    }
+
+    /// What to say of instants that lie behind the end of all of these cases.
+    #[must_use]
+    pub fn beyond(&self, rows: &[CaseRow]) -> Option<String> {
+        let ends = rows.iter().filter(|row| row.reached_end());
+        let last = twelve_digits(ends.map(|row| row.time).reduce(f64::max)?);
+        let mut instants = self.instants().map(twelve_digits);
+        let first = instants.find(|instant| *instant > last);
+        let empty = first.map(|first| {
+            format!(
+                "envelopes hold no case from {first} s on: the last of the runs ends at {last} s"
+            )
+        });
+        let alone = (self.count == 1 && last > 0.0).then(|| {
+            format!(
+                "envelopes have no instant but the start: they are taken every {} s, and the last of the runs ends at {last} s; write a shorter `every` under [envelopes]",
+                twelve_digits(self.every)
+            )
+        });
+        alone.or(empty)
     }
 
     /// How many numbers there are of a case.

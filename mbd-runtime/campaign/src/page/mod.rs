@@ -89,7 +89,7 @@ impl Page<'_> {
             report = report.table(&strongest);
         }
         report = self.moving(report);
-        report = self.over_time(report);
+        report = self.over_time(report, results);
         report = footprints(report, results);
         for told in &summary.metrics {
             report = metric::metric(report, results, told);
@@ -120,14 +120,19 @@ impl Page<'_> {
         }
     }
 
-    fn over_time(&self, report: Report) -> Report {
+    fn over_time(&self, report: Report, results: &Results) -> Report {
         if self.envelopes.is_empty() {
             return report;
         }
         let figures = self.envelopes.iter().map(over_time::figure);
-        figures.fold(report.section("Over time"), |report, figure| {
+        let report = figures.fold(report.section("Over time"), |report, figure| {
             report.figure(&figure)
-        })
+        });
+        let envelopes = results.manifest.envelopes.as_ref();
+        match envelopes.and_then(|envelopes| envelopes.beyond(&results.rows)) {
+            Some(text) => report.paragraph(&text),
+            None => report,
+        }
     }
 }
 

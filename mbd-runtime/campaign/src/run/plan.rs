@@ -4,7 +4,7 @@ use mbd_compiler::{ABOUT, nearest};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
     Input, InputSource, JointStart, NodeModel, Parameter, Part, PartStart, PlacementError,
-    PlacementReport, Scene, StartFrom, StartNumber, declared_parts, place_declared,
+    PlacementReport, Scene, StartFrom, StartNumber, declared_parts, place_declared, twelve_digits,
 };
 use mbd_runtime::{
     Content, Generic, Layout, Method, Name, Options, RunError, Sampling, Scalar, Simulation,
@@ -130,6 +130,31 @@ impl RunPlan {
             estimate: settings.estimate.unwrap_or(true),
             inputs: supplied?,
         })
+    }
+
+    /// One sentence on what it asks for beyond the end of its run [s], the one it plans or the one that the run came to.
+    #[must_use]
+    pub fn beyond(&self, end: f64) -> Vec<String> {
+        // An end that an event made has rounding in its last digits.
+        let end = twelve_digits(end);
+        let later = "or a later end of the run (`until`)";
+        // A run of no time has one row, whatever was asked for.
+        let every = self.every.filter(|every| *every > end && end > 0.0);
+        let every = every.map(|every| {
+            let every = twelve_digits(every);
+            format!("warning: `every` is {every} s, and the run ends at {end} s: its history has no rows but those of its start and its end; write a shorter distance, {later}")
+        });
+        let after: Vec<String> = self
+            .instants
+            .iter()
+            .map(|instant| twelve_digits(*instant))
+            .filter(|instant| *instant > end)
+            .map(|instant| format!("{instant} s"))
+            .collect();
+        let drawn = (!after.is_empty()).then(|| {
+            format!("warning: `instants` asks for {}, and the run ends at {end} s: what is drawn is its end; write earlier instants, {later}", after.join(", "))
+        });
+        every.into_iter().chain(drawn).collect()
     }
 }
 

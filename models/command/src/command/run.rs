@@ -214,6 +214,11 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         warnings.extend(doubt);
     }
     warnings.extend(cut_windows_of_all(&all, &segments));
+    if let Some((last, first)) = segments.last().zip(segments.first())
+        && last.outcome.error.is_none()
+    {
+        warnings.extend(first.plan.beyond(last.outcome.time));
+    }
     let told = if args.json {
         warnings.iter().for_each(|warning| eprintln!("{warning}"));
         phases_json(&all, &segments).map_err(|error| unwritten(&error))?
@@ -298,7 +303,11 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     let warning = warning.into_iter().chain(many).chain(undefined(&outcome));
     let warning = warning.chain(doubt.clone()).chain(unmoved);
     let short = match outcome.error {
-        None => cut_windows(&scene, &plan, &outcome),
+        None => [
+            cut_windows(&scene, &plan, &outcome),
+            plan.beyond(outcome.time),
+        ]
+        .concat(),
         Some(_) => Vec::new(),
     };
     let warning = warning.chain(short);

@@ -246,10 +246,12 @@ impl SceneFile {
         }
     }
 
-    /// What is said of metrics that count beyond the end of the run that the file sets.
+    /// What is said of metrics that count, and of rows and drawings that are asked for, beyond the end of the run that the file sets.
     pub fn windows(&self) -> Vec<String> {
         let plan = RunPlan::new(&self.scene, &self.settings);
-        plan.map_or(Vec::new(), |plan| windows(&self.scene, plan.until))
+        plan.map_or(Vec::new(), |plan| {
+            [windows(&self.scene, plan.until), plan.beyond(plan.until)].concat()
+        })
     }
 
     /// The line of a setting in this file.

@@ -182,3 +182,67 @@ fn a_folder_of_an_older_version_is_refused_with_what_differs_and_what_to_do() {
     std::fs::write(&manifest, own).unwrap();
     run(&["campaign", &scene, &file, "--out", &typed, "--resume"]).unwrap();
 }
+
+#[test]
+fn rows_and_drawings_beyond_the_end_of_a_run_are_told() {
+    let folder = Folder::new("campaign_beyond");
+    let out = folder.0.join("out").display().to_string();
+    let asked = GLIDE.replace(
+        "every = \"0.5 s\"",
+        "every = \"4 s\"\ninstants = [\"0 s\", \"3 s\", \"5 s\"]",
+    );
+    let scene = folder.file("glide.mbd", &asked);
+    let every = "warning: `every` is 4 s, and the run ends at 1 s: its history has no rows but those of its start and its end";
+    let drawn =
+        "warning: `instants` asks for 3 s, 5 s, and the run ends at 1 s: what is drawn is its end";
+    let file = folder.file("none.toml", "seed = 1\ncases = 2\n");
+    let told = [
+        run(&["run", &scene, "--out", &out]).unwrap(),
+        run(&["check", &scene]).unwrap(),
+        run(&[
+            "campaign",
+            &scene,
+            &file,
+            "--out",
+            &folder.0.join("many").display().to_string(),
+        ])
+        .unwrap(),
+    ];
+    for text in &told {
+        assert!(text.contains(every) && text.contains(drawn), "{text}");
+    }
+    let history = std::fs::read_to_string(format!("{out}/history.csv")).unwrap();
+    assert_eq!(history.lines().count(), 3, "{history}");
+    // An event ends the runs before: envelopes hold nothing from there on.
+    let event = GLIDE.replace(
+        "metric far",
+        "event over = time rises 0.35 s { then: stop } metric far",
+    );
+    let scene = folder.file("ended.mbd", &event);
+    let envelopes = |every: &str| {
+        let text = format!(
+            "seed = 1\ncases = 2\n[envelopes]\ncolumns = [\"place\"]\nevery = \"{every}\"\n"
+        );
+        let file = folder.file("envelopes.toml", &text);
+        let out = folder
+            .0
+            .join(format!("out_{}", every.replace(' ', "_")))
+            .display()
+            .to_string();
+        run(&["campaign", &scene, &file, "--out", &out]).unwrap()
+    };
+    let told = envelopes("0.1 s");
+    assert!(
+        told.contains("envelopes hold no case from 0.4 s on: the last of the runs ends at 0.35 s"),
+        "{told}"
+    );
+    let told = envelopes("2 s");
+    assert!(
+        told.contains("envelopes have no instant but the start: they are taken every 2 s"),
+        "{told}"
+    );
+    // Nothing is said where nothing is asked for beyond.
+    let scene = folder.file("glide.mbd", GLIDE);
+    let told = run(&["run", &scene, "--out", &out]).unwrap();
+    assert!(!told.contains("the run ends at"), "{told}");
+}
