@@ -2,6 +2,10 @@
 
 use std::path::PathBuf;
 
+use clap::Parser;
+
+use super::{Cli, Folder, run};
+
 /// A stone without forces: where it is at the end is its speed times 1 s, and the output adds what two params say.
 const GLIDE: &str = r#"model Glide {
     gravity: none;
@@ -245,4 +249,31 @@ fn rows_and_drawings_beyond_the_end_of_a_run_are_told() {
     let scene = folder.file("glide.mbd", GLIDE);
     let told = run(&["run", &scene, "--out", &out]).unwrap();
     assert!(!told.contains("the run ends at"), "{told}");
+}
+
+/// The lines that the pages write for a shell and for schedulers can be typed.
+#[test]
+fn the_commands_of_the_page_about_campaigns_are_those_of_the_program() {
+    let page = include_str!("../../../../../docs/campaigns.md");
+    let mut typed = 0;
+    for line in page.lines() {
+        let line = line.split(" #").next().unwrap_or_default();
+        let line = line.replace("\"$SLURM_CPUS_PER_TASK\"", "4");
+        let begins = ["mbd ", "hq ", "srun "]
+            .iter()
+            .any(|word| line.starts_with(word));
+        let Some(at) = line.find("mbd ").filter(|_| begins) else {
+            continue;
+        };
+        let words = line[at..].split_whitespace();
+        let words: Vec<&str> = words.collect();
+        let read = Cli::try_parse_from(&words);
+        assert!(
+            read.is_ok(),
+            "{line}: {}",
+            read.err().map_or(String::new(), |error| error.to_string())
+        );
+        typed += 1;
+    }
+    assert_eq!(typed, 6, "lines of the page");
 }
