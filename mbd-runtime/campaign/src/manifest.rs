@@ -77,9 +77,10 @@ pub struct Manifest {
     pub dispersed: Vec<ResultColumn>,
     /// The metrics, in the order of the columns.
     pub metrics: Vec<ResultColumn>,
-    /// Dispersed numbers that were asked to vary together: two of them by their places among these, and their correlation.
+    /// Dispersed numbers that were asked to vary together: two of them by their places among these, and their correlation; of those that come from the rows of
+    /// one file none is asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub correlated: Vec<([usize; 2], f64)>,
+    pub correlated: Vec<([usize; 2], Option<f64>)>,
     /// What is kept of all cases over time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub envelopes: Option<Envelopes>,

@@ -89,7 +89,7 @@ impl CutWindow {
             to, cases, first, ..
         } = self;
         let [one, all] = match self.in_a_scene {
-            true => ["its scene ends", "its scenes end there"],
+            true => ["its scene ends", "its scene ends in them"],
             false => ["its run ends", "their runs end"],
         };
         let counted = match cases {
@@ -112,8 +112,9 @@ pub struct MetricDriver {
     /// The part of the variance that it explains alone, its first-order Sobol index; `None` where there are not enough cases, and of one that is correlated
     /// with others: alone it explains nothing that could be told from what they do.
     pub index: Option<f64>,
-    /// The dispersed numbers that it is correlated with, by their places, and how; the most closely first.
-    pub together: Vec<(usize, f64)>,
+    /// The dispersed numbers that it is correlated with, by their places, and how; the most closely first. One without a number comes from the same rows of a
+    /// file: one of them decides the other, whatever their correlation.
+    pub together: Vec<(usize, Option<f64>)>,
     /// How much of the metric goes with it, 0 … 1: that of others is in it, too.
     strength: f64,
 }
@@ -216,16 +217,15 @@ impl MetricDriver {
     pub fn company(&self, dispersed: &[ResultColumn]) -> Option<String> {
         let named = self.together.iter().filter_map(|(number, correlation)| {
             let name = &dispersed.get(*number)?.name;
-            Some((name.as_str(), format!("{correlation:+.2}")))
+            Some(match correlation {
+                Some(correlation) => {
+                    format!("{name}, with which it is correlated {correlation:+.2}")
+                }
+                None => format!("{name}, which comes from the same rows of a file"),
+            })
         });
-        let (names, correlations): (Vec<&str>, Vec<String>) = named.unzip();
-        (!names.is_empty()).then(|| {
-            format!(
-                "together with {}, with which it is correlated {}",
-                names.join(" and "),
-                correlations.join(" and ")
-            )
-        })
+        let named: Vec<String> = named.collect();
+        (!named.is_empty()).then(|| format!("together with {}", named.join(", and with ")))
     }
 }
 
@@ -294,7 +294,7 @@ impl CampaignSummary {
     }
 }
 
-fn told(results: &Results, companions: &[Vec<(usize, f64)>], at: usize) -> Told {
+fn told(results: &Results, companions: &[Vec<(usize, Option<f64>)>], at: usize) -> Told {
     let column = &results.manifest.metrics[at];
     let values = results.metric(at);
     let numbers: Vec<(u64, f64)> = (1..)
@@ -381,7 +381,7 @@ fn percentiles(sorted: &[f64], sampling: CaseSampling) -> Vec<Percentile> {
 
 /// What drives a metric with these values, mean and standard deviation.
 fn drivers(
-    (results, companions): (&Results, &[Vec<(usize, f64)>]),
+    (results, companions): (&Results, &[Vec<(usize, Option<f64>)>]),
     values: &[f64],
     [mean, deviation]: [f64; 2],
 ) -> Vec<MetricDriver> {
@@ -415,7 +415,7 @@ fn drivers(
 
 /// Of every dispersed number those that it is correlated with, the most closely first: as the campaign file asks for, or as the cases have it, by rows of one
 /// file, by a constraint.
-fn companions(results: &Results) -> Vec<Vec<(usize, f64)>> {
+fn companions(results: &Results) -> Vec<Vec<(usize, Option<f64>)>> {
     let manifest = &results.manifest;
     let drawn = (0..manifest.dispersed.len()).map(|at| results.dispersed(at));
     let drawn: Vec<Vec<f64>> = drawn.collect();
@@ -429,14 +429,18 @@ fn companions(results: &Results) -> Vec<Vec<(usize, f64)>> {
     };
     for (pair, found) in spearman_of_all(&drawn) {
         let shown = (found.abs() > chance).then_some(found);
-        if let Some(correlation) = asked(&pair).or(shown) {
-            let [a, b] = pair;
-            all[a].push((b, correlation));
-            all[b].push((a, correlation));
-        }
+        let correlation = match asked(&pair) {
+            Some(asked) => asked.or(shown),
+            None if shown.is_some() => shown,
+            None => continue,
+        };
+        let [a, b] = pair;
+        all[a].push((b, correlation));
+        all[b].push((a, correlation));
     }
     for own in &mut all {
-        own.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
+        let size = |of: &(usize, Option<f64>)| of.1.map_or(0.0, f64::abs);
+        own.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.0.cmp(&b.0)));
     }
     all
 }

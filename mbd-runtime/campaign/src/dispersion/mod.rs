@@ -35,6 +35,8 @@ pub struct Varied {
     /// How it is distributed.
     pub distribution: Distribution,
     spread: UnitSamples,
+    /// The file whose rows it comes from.
+    file: Option<String>,
 }
 
 /// A sum that draws keep within bounds.
@@ -121,8 +123,9 @@ impl Dispersions {
             .into_iter()
             .enumerate()
             .map(|(place, (known, read, _))| {
-                let stream = read
-                    .file
+                let file = read.file;
+                let stream = file
+                    .as_ref()
                     .map_or(known.name.clone(), |file| format!("file {file}"));
                 let mut before = streams.iter();
                 let dimension = before.position(|own| *own == stream).unwrap_or(place);
@@ -131,6 +134,7 @@ impl Dispersions {
                     spread: UnitSamples::new(sampling, written.seed, &stream, (dimension, cases)),
                     distribution: read.distribution,
                     known,
+                    file,
                 }
             });
         let mut dispersions = Dispersions {
@@ -311,11 +315,18 @@ impl Dispersions {
         values
     }
 
-    /// Those that are asked to vary together, two by two by their places, each with their correlation.
+    /// Those that are asked to vary together, two by two by their places, each with their correlation; none of those that come from the rows of one file.
     #[must_use]
-    pub fn correlated(&self) -> Vec<([usize; 2], f64)> {
+    pub fn correlated(&self) -> Vec<([usize; 2], Option<f64>)> {
         let pairs = self.correlations.iter().flat_map(Correlation::pairs);
-        pairs.collect()
+        let pairs = pairs.map(|(pair, correlation)| (pair, Some(correlation)));
+        let varied = self.varied.iter().enumerate();
+        let of_rows = varied.flat_map(|(at, own)| {
+            let before = self.varied.iter().enumerate().take(at);
+            let alike = before.filter(|(_, other)| own.file.is_some() && other.file == own.file);
+            alike.map(move |(other, _)| ([other, at], None))
+        });
+        pairs.chain(of_rows).collect()
     }
 
     /// Dispersed numbers, each in the unit of its column.

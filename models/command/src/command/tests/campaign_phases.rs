@@ -497,7 +497,7 @@ fn every_kind_of_metric_is_of_the_scenes_that_declare_it() {
         "its scene ended before 2.5 s, where its window begins, in 3 runs",
         "no scene that has its quantity was reached in 3 runs",
         "`tick` did not happen in 3 runs",
-        "3 cases count a part of the window only, the first is case 1: its scenes end there before 3 s",
+        "3 cases count a part of the window only, the first is case 1: its scene ends in them before 3 s",
         "3 cases count a part of the window only, the first is case 1: their runs end before 9 s",
     ] {
         assert!(told.contains(words), "{words}\n{told}");

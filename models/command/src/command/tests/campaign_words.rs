@@ -104,6 +104,16 @@ fn numbers_that_come_to_vary_together_are_told_so() {
         told.contains("(together with gust, with which it is correlated -1.00)"),
         "{told}"
     );
+    // Each tells the row, whatever their correlation: shares of both would be more than all.
+    let folder = Folder::new("campaign_of_mixed_rows");
+    let rows = (0..50).map(|k| format!("{k},{}\n", (17 * k) % 50));
+    folder.file(
+        "rows.csv",
+        &format!("w [m],g [m]\n{}", rows.collect::<String>()),
+    );
+    let (told, _) = flown(&folder, &file);
+    let same = "(together with gust, which comes from the same rows of a file)";
+    assert!(told.contains(same), "{told}");
     let bound =
         "[[constraint]]\nsum = { wind = 1, push = 1 }\nat_most = \"0 m\"\nat_least = \"-0.5 m\"\n";
     let file = NORMAL.replace("sampling = \"latin\"", "") + bound;
