@@ -347,6 +347,20 @@ impl Campaign {
         resources: Resources,
         mut deliver: impl FnMut(FlownCase) -> ControlFlow<()>,
     ) {
+        let judge = |history: &Trajectory| self.judge(history);
+        self.judged((count, number), resources, judge, |finished| {
+            deliver(self.flight(number(finished.case), finished))
+        });
+    }
+
+    /// The same, with something else made of each history.
+    fn judged<R: Send>(
+        &self,
+        (count, number): (usize, &(dyn Fn(usize) -> u64 + Sync)),
+        resources: Resources,
+        judge: impl Fn(&Trajectory) -> R + Sync,
+        deliver: impl FnMut(Finished<R>) -> ControlFlow<()>,
+    ) {
         let readers = self.metrics.readers();
         let first = match &self.columns {
             Some(columns) => columns.readers(0, &readers),
@@ -377,10 +391,7 @@ impl Campaign {
             .record(self.sampling(), self.metrics.content)
             .measure(first)
             .prepare(|case, run| self.begin(number(case.number()), run))
-            .each(
-                |_, history| self.judge(history),
-                |finished| deliver(self.flight(number(finished.case), finished)),
-            );
+            .each(|_, history| judge(history), deliver);
     }
 
     /// Only the params: the rest of the start is found on the thread of the case.

@@ -139,6 +139,10 @@ impl Metrics {
                 _ => own.reader.column,
             };
             own.scenes = columns::models_with(models, metrics.content, column);
+            if own.scenes.is_empty() {
+                let text = "`phase` counts the scenes of a run, and is a quantity of none: take the `time_of` the event that lets one go on";
+                return Err(reader.wrong(text));
+            }
             metrics.list.push(own);
         }
         Ok(metrics)
@@ -160,15 +164,16 @@ impl Metrics {
             .collect()
     }
 
-    /// Those that the scene does not declare, as a run tells its own.
+    /// Those that no scene of a run declares, as a run tells its own.
     #[must_use]
-    pub fn besides(&self, scene: &Scene, history: &Trajectory) -> Vec<MetricValue> {
-        let told = self.others(scene).map(|metric| metric.value_in(history));
+    pub fn besides(&self, scenes: &[&Scene], history: &Trajectory) -> Vec<MetricValue> {
+        let told = self.others(scenes).map(|metric| metric.value_in(history));
         told.collect()
     }
 
-    fn others<'s>(&'s self, scene: &'s Scene) -> impl Iterator<Item = &'s CampaignMetric> {
-        let declared = |name: &str| scene.runs.metrics.iter().any(|it| it.name == name);
+    fn others<'s>(&'s self, scenes: &'s [&Scene]) -> impl Iterator<Item = &'s CampaignMetric> {
+        let all = || scenes.iter().flat_map(|scene| &scene.runs.metrics);
+        let declared = move |name: &str| all().any(|it| it.name == name);
         self.list
             .iter()
             .filter(move |metric| !declared(&metric.name))
@@ -205,11 +210,11 @@ impl Metrics {
         told.collect()
     }
 
-    /// Such sentences on those that the scene does not declare, and whose window a run left before its end.
+    /// A sentence on each that no scene declares, and whose window a run left before its end.
     #[must_use]
-    pub fn partial_besides(&self, scene: &Scene, history: &Trajectory) -> Vec<String> {
+    pub fn partial_besides(&self, scenes: &[&Scene], history: &Trajectory) -> Vec<String> {
         let told = self
-            .others(scene)
+            .others(scenes)
             .filter_map(|metric| metric.partial(history));
         told.collect()
     }

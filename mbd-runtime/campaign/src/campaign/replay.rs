@@ -3,8 +3,10 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use mbd_runtime::scene::Scene;
 use mbd_runtime::{
-    Content, Ended, Handover, Model, RunError, Sampling, Simulation, Stop, Trajectory,
+    Content, Ended, Handover, MetricValue, MissingMetric, Model, RunError, Sampling, Simulation,
+    Stop, Trajectory,
 };
 
 use super::{Campaign, Resources};
@@ -13,6 +15,12 @@ use crate::phases::FlownPart;
 use crate::results::CaseRow;
 use crate::run::names::wrong;
 use crate::run::{PlanError, RunPlan};
+
+/// What one case takes.
+const ALONE: Resources = Resources {
+    threads: 1,
+    lanes: Some(1),
+};
 
 impl Campaign {
     /// Runs one case again, with everything in its history. The row is that of the campaign, to the bit.
@@ -28,11 +36,7 @@ impl Campaign {
     pub(crate) fn replay_parts(&self, case: u64) -> Result<(CaseRow, Vec<CasePart>), PlanError> {
         self.check(case)?;
         let mut found = None;
-        let resources = Resources {
-            threads: 1,
-            lanes: Some(1),
-        };
-        self.run(1, &|_| case, resources, |flown| {
+        self.run(1, &|_| case, ALONE, |flown| {
             found = Some(flown.row);
             ControlFlow::Break(())
         });
@@ -41,6 +45,32 @@ impl Campaign {
         // What stops the run stands in the row.
         let _ = self.fly(case, &mut parts);
         Ok((row, parts))
+    }
+
+    /// The metrics of a case that none of its scenes declares, as a run tells its own, and a sentence on each of which only a part of its window was flown.
+    ///
+    /// # Errors
+    /// There is no such case.
+    pub fn besides(&self, case: u64) -> Result<(Vec<MetricValue>, Vec<String>), PlanError> {
+        self.check(case)?;
+        let scenes: Vec<&Scene> = self.phases.iter().map(|it| it.model.scene()).collect();
+        let judge = |history: &Trajectory| {
+            let partial = self.metrics.partial_besides(&scenes, history);
+            (self.metrics.besides(&scenes, history), partial)
+        };
+        // A run that stops early has none: what it did not reach may have changed each of them.
+        let nothing = Trajectory::new(&*self.model, Sampling::Steps, Content::TIME);
+        let mut found = (self.metrics.besides(&scenes, &nothing), Vec::new());
+        for metric in &mut found.0 {
+            metric.value = Err(MissingMetric::StoppedEarly);
+        }
+        self.judged((1, &|_| case), ALONE, judge, |finished| {
+            if let Ok(told) = finished.result {
+                found = told;
+            }
+            ControlFlow::Break(())
+        });
+        Ok(found)
     }
 
     /// The history of a case over all of its parts.

@@ -8,7 +8,7 @@ use mbd_campaign::run::GivenSettings;
 use mbd_campaign::{Campaign, Metrics};
 use mbd_report::ReportTable;
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Content, Method};
+use mbd_runtime::{Content, Method, MetricValue};
 use toml::{Table, Value};
 
 use super::failure::CommandFailure;
@@ -17,9 +17,9 @@ use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 use crate::describe::warnings_of_reactions;
 use crate::run::{
-    Phase, RunOutcome, RunPlan, Segment, Settings, cut_windows, cut_windows_of_all, doubt,
-    fly_measuring, fly_phases, not_finite, phases_json, publish, publish_gltf, publish_phases,
-    summary_json, warning,
+    Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
+    cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
+    publish_gltf, publish_phases, summary_json, warning,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -182,7 +182,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
     let Some(first) = phases.files.first() else {
         return Ok(String::new());
     };
-    let plans = plans(args, phases)?;
+    let (plans, (besides, partial)) = plans(args, phases)?;
     let mut warnings = phases.decided(&names(&args.set))?;
     let mut all = Vec::with_capacity(plans.len());
     for ((file, plan), next) in phases.files.iter().zip(&plans).zip(&phases.next) {
@@ -196,7 +196,8 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
     }
     let segments = fly_phases(&all, &plans, &mut ProgressLine::new());
     let folder = args.folder();
-    let tables = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
+    let flown = (all.as_slice(), segments.as_slice());
+    let tables = publish_phases(flown, &besides, &folder).map_err(|error| unwritten(&error))?;
     let mut doubtful = false;
     for (segment, phase) in segments
         .iter()
@@ -214,6 +215,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         warnings.extend(doubt);
     }
     warnings.extend(cut_windows_of_all(&all, &segments));
+    warnings.extend(partial.iter().map(|text| cut_of_campaign(text)));
     if let Some((last, first)) = segments.last().zip(segments.first())
         && last.outcome.error.is_none()
     {
@@ -221,7 +223,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
     }
     let told = if args.json {
         warnings.iter().for_each(|warning| eprintln!("{warning}"));
-        phases_json(&all, &segments).map_err(|error| unwritten(&error))?
+        phases_json(flown, &besides).map_err(|error| unwritten(&error))?
     } else {
         let remarks = phases.files.iter().flat_map(|file| &file.remarks);
         let remarks = remarks.chain(&warnings);
@@ -252,12 +254,17 @@ fn undefined(outcome: &RunOutcome) -> Option<String> {
     not_finite(&outcome.trajectory).map(|told| format!("warning: {told}"))
 }
 
-/// How each of several scenes is flown.
-fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure> {
+/// The metrics of a campaign that no scene declares, and a sentence on each of which only a part of its window was flown.
+type BesideMetrics = (Vec<MetricValue>, Vec<String>);
+
+/// How each of several scenes is flown, and what a campaign reads of the run besides.
+fn plans(args: &RunArgs, phases: &Phases) -> Result<(Vec<RunPlan>, BesideMetrics), CommandFailure> {
     if let Some(file) = &args.campaign {
         let (first, later) = phases.of_many()?;
-        let plans = Campaign::read_phases(file, first, later)?.plans(args.case);
-        return plans
+        let campaign = Campaign::read_phases(file, first, later)?;
+        let plans = campaign.plans(args.case);
+        let both = plans.and_then(|plans| Ok((plans, campaign.besides(args.case)?)));
+        return both
             .map_err(|error| CommandFailure::Invalid(format!("{}: {error}", file.display())));
     }
     let first = phases.files.first().map(|file| file.settings.clone());
@@ -269,7 +276,7 @@ fn plans(args: &RunArgs, phases: &Phases) -> Result<Vec<RunPlan>, CommandFailure
         params: names(&args.set),
         inputs: names(&args.input),
     };
-    phases.planned(&settings, &given)
+    Ok((phases.planned(&settings, &given)?, BesideMetrics::default()))
 }
 
 /// The names that flags give a value.

@@ -25,12 +25,14 @@ pub fn metrics(scene: &Scene, outcome: &RunOutcome) -> Vec<MetricValue> {
 pub fn cut_windows(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Vec<String> {
     // An event may have ended it before.
     let mut told = windows(scene, plan.until.min(outcome.time));
-    told.extend(outcome.partial.iter().map(|text| {
-        format!(
-            "warning: metric {text}; write an earlier `to`, or a later end of the run (`until`)"
-        )
-    }));
+    told.extend(outcome.partial.iter().map(|text| cut_of_campaign(text)));
     told
+}
+
+/// The same of a metric of a campaign, by what that says of it.
+#[must_use]
+pub fn cut_of_campaign(text: &str) -> String {
+    format!("warning: metric {text}; write an earlier `to`, or a later end of the run (`until`)")
 }
 
 /// One sentence a metric whose window reaches beyond the end of the run [s], the one that is planned or the one it came to.

@@ -14,7 +14,7 @@ pub use estimate::{Estimate, doubt};
 pub use mbd_campaign::run::{
     Phase, PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table, split,
 };
-pub use metrics::{cut_windows, metrics, windows};
+pub use metrics::{cut_of_campaign, cut_windows, metrics, windows};
 pub use outcome::{RunOutcome, fly, fly_measuring, fly_model};
 pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};

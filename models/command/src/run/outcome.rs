@@ -89,8 +89,9 @@ pub fn fly_measuring(
     };
     let mut outcome = fly_on(begun(model, plan), model, (plan, history), progress).outcome;
     if let Some(metrics) = metrics {
-        outcome.besides = metrics.besides(model.scene(), &outcome.trajectory);
-        outcome.partial = metrics.partial_besides(model.scene(), &outcome.trajectory);
+        let scene = [model.scene()];
+        outcome.besides = metrics.besides(&scene, &outcome.trajectory);
+        outcome.partial = metrics.partial_besides(&scene, &outcome.trajectory);
     }
     if outcome.error.is_none() && plan.estimate {
         outcome.estimate = estimate(model, plan, &outcome.trajectory);

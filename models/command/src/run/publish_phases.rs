@@ -103,11 +103,14 @@ pub fn cut_windows_of_all(phases: &[Phase], segments: &[Segment]) -> Vec<String>
     told.collect()
 }
 
-/// The run as JSON.
+/// The run as JSON; `besides`: metrics that no scene declares.
 ///
 /// # Errors
 /// Numbers that JSON cannot hold.
-pub fn summary(phases: &[Phase], segments: &[Segment]) -> io::Result<String> {
+pub fn summary(
+    (phases, segments): (&[Phase], &[Segment]),
+    besides: &[MetricValue],
+) -> io::Result<String> {
     let mut parts = Vec::with_capacity(segments.len());
     for (_, phase, segment) in told(phases, segments) {
         let run = summary_json(phase.model.scene(), &segment.plan, &segment.outcome)?;
@@ -129,7 +132,9 @@ pub fn summary(phases: &[Phase], segments: &[Segment]) -> io::Result<String> {
     let (_, metrics) = together(phases, segments);
     let metrics = metrics.into_iter();
     let metrics: BTreeMap<String, Option<f64>> = metrics
-        .map(|(told, _)| (told.name, told.value.ok()))
+        .map(|(told, _)| told)
+        .chain(besides.iter().cloned())
+        .map(|told| (told.name, told.value.ok()))
         .collect();
     let whole = serde_json::json!({
         "status": status.map_or("ok", |error| error.cause.status()),
@@ -140,13 +145,13 @@ pub fn summary(phases: &[Phase], segments: &[Segment]) -> io::Result<String> {
     Ok(serde_json::to_string_pretty(&whole)? + "\n")
 }
 
-/// Writes everything into a folder and gives the table of the run and that of its metrics, if it has any.
+/// Writes everything into a folder and gives the table of the run and that of its metrics, if it has any; `besides`: those that no scene declares.
 ///
 /// # Errors
 /// The folder or a file cannot be written; the error names it. The summary is only there if all others are.
 pub fn publish_phases(
-    phases: &[Phase],
-    segments: &[Segment],
+    (phases, segments): (&[Phase], &[Segment]),
+    besides: &[MetricValue],
     folder: &Path,
 ) -> io::Result<Vec<ReportTable>> {
     files::make_folder(folder)?;
@@ -157,14 +162,15 @@ pub fn publish_phases(
         publish(phase.model.scene(), &segment.plan, &segment.outcome, &own)?;
     }
     let (joined, metrics) = together(phases, segments);
-    let metrics: Vec<MetricValue> = metrics.into_iter().map(|(told, _)| told).collect();
+    let metrics = metrics.into_iter().map(|(told, _)| told);
+    let metrics: Vec<MetricValue> = metrics.chain(besides.iter().cloned()).collect();
     files::write_whole(&folder.join("history.csv"), |to| joined.to_csv(to))?;
     let parts = told(phases, segments).map(|(_, phase, segment)| segment.told(phase));
     let parts: Vec<FlownPart<'_>> = parts.collect();
     let tables = [table(&parts), metrics_table(&metrics)].into_iter();
     let tables: Vec<ReportTable> = tables.filter(|table| !table.is_empty()).collect();
     page(phases, segments, &tables, (&parts, &joined)).write(folder.join("report.html"))?;
-    files::write_text(&file, &summary(phases, segments)?)?;
+    files::write_text(&file, &summary((phases, segments), besides)?)?;
     Ok(tables)
 }
 

@@ -502,6 +502,42 @@ fn every_kind_of_metric_is_of_the_scenes_that_declare_it() {
     ] {
         assert!(told.contains(words), "{words}\n{told}");
     }
+    // What is no quantity of a scene is refused.
+    let counter = folder.file(
+        "phase.toml",
+        "seed = 1\ncases = 3\n[metrics]\nlast = { max = \"phase\" }\n",
+    );
+    let error = run(&["campaign", &scene, &counter, "--out", "unused"]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("`metrics.last`: `phase` counts the scenes"),
+        "{error}"
+    );
+    // A case alone tells the metrics of the campaign file, too.
+    let alone = folder.0.join("case").display().to_string();
+    let text = run(&[
+        "run",
+        &scene,
+        "--campaign",
+        &file,
+        "--case",
+        "2",
+        "--out",
+        &alone,
+    ])
+    .unwrap();
+    assert!(text.contains("lowest") && text.contains("window"), "{text}");
+    let case = std::fs::read_to_string(format!("{alone}/summary.json")).unwrap();
+    let case: serde_json::Value = serde_json::from_str(&case).unwrap();
+    let row = cases.lines().nth(3).unwrap();
+    for name in ["any", "lowest", "window", "f_cut"] {
+        assert_eq!(
+            case["metrics"][name].as_f64(),
+            Some(cell(head, row, name)),
+            "{name}"
+        );
+    }
     // A run alone tells the same numbers, and the same windows.
     let alone = folder.0.join("alone").display().to_string();
     let text = run(&["run", &scene, "--out", &alone]).unwrap();
