@@ -42,6 +42,6 @@ pub use manifest::{Manifest, ResultColumn, ResultOptions};
 pub use metric::{CampaignMetric, Metrics, Requirement};
 pub use results::{CaseRow, LARGE_ERROR, Results};
 pub use summary::{
-    CONFIDENCE, CampaignSummary, CutWindow, Failures, MetricDriver, MissingReason, PARTS,
-    RequirementVerdict, Told,
+    CONFIDENCE, CampaignSummary, Companion, CutWindow, Failures, MetricDriver, MissingReason,
+    PARTS, RequirementVerdict, Told,
 };

@@ -102,6 +102,9 @@ impl CutWindow {
     }
 }
 
+/// A dispersed number that another one varies together with, by its place, and their correlation; none of those that come from the same rows of a file.
+pub type Companion = (usize, Option<f64>);
+
 /// A dispersed number and what a metric has of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MetricDriver {
@@ -114,7 +117,7 @@ pub struct MetricDriver {
     pub index: Option<f64>,
     /// The dispersed numbers that it is correlated with, by their places, and how; the most closely first. One without a number comes from the same rows of a
     /// file: one of them decides the other, whatever their correlation.
-    pub together: Vec<(usize, Option<f64>)>,
+    pub together: Vec<Companion>,
     /// How much of the metric goes with it, 0 … 1: that of others is in it, too.
     strength: f64,
 }
@@ -294,7 +297,7 @@ impl CampaignSummary {
     }
 }
 
-fn told(results: &Results, companions: &[Vec<(usize, Option<f64>)>], at: usize) -> Told {
+fn told(results: &Results, companions: &[Vec<Companion>], at: usize) -> Told {
     let column = &results.manifest.metrics[at];
     let values = results.metric(at);
     let numbers: Vec<(u64, f64)> = (1..)
@@ -381,7 +384,7 @@ fn percentiles(sorted: &[f64], sampling: CaseSampling) -> Vec<Percentile> {
 
 /// What drives a metric with these values, mean and standard deviation.
 fn drivers(
-    (results, companions): (&Results, &[Vec<(usize, Option<f64>)>]),
+    (results, companions): (&Results, &[Vec<Companion>]),
     values: &[f64],
     [mean, deviation]: [f64; 2],
 ) -> Vec<MetricDriver> {
@@ -415,7 +418,7 @@ fn drivers(
 
 /// Of every dispersed number those that it is correlated with, the most closely first: as the campaign file asks for, or as the cases have it, by rows of one
 /// file, by a constraint.
-fn companions(results: &Results) -> Vec<Vec<(usize, Option<f64>)>> {
+fn companions(results: &Results) -> Vec<Vec<Companion>> {
     let manifest = &results.manifest;
     let drawn = (0..manifest.dispersed.len()).map(|at| results.dispersed(at));
     let drawn: Vec<Vec<f64>> = drawn.collect();
@@ -439,7 +442,7 @@ fn companions(results: &Results) -> Vec<Vec<(usize, Option<f64>)>> {
         all[b].push((a, correlation));
     }
     for own in &mut all {
-        let size = |of: &(usize, Option<f64>)| of.1.map_or(0.0, f64::abs);
+        let size = |of: &Companion| of.1.map_or(0.0, f64::abs);
         own.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.0.cmp(&b.0)));
     }
     all
