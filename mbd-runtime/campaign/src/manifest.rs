@@ -208,7 +208,7 @@ fn difference(name: &str, there: &Value, here: &Value) -> String {
             "settings" => " (how runs are set)",
             _ => "",
         };
-        return format!("{name}{what}: {there} there, {here} here");
+        return format!("{name}: {there} there, {here} here{what}");
     };
     let called = |column: &Value| column.get("name").cloned().unwrap_or_default();
     let of = |list: &[Value], name: &Value| list.iter().find(|it| called(it) == *name).cloned();

@@ -497,9 +497,22 @@ impl CampaignMetric {
             Take::Value | Take::TimeOf if !locates => {
                 format!("`{}` is not located (`locate = false`)", self.reader.event)
             }
-            Take::Value | Take::TimeOf => format!("`{}` did not happen", self.reader.event),
-            Take::FirstAbove => "the level was not passed".to_owned(),
+            Take::Value | Take::TimeOf => {
+                format!("`{}` did not happen{}", self.reader.event, self.outside())
+            }
+            Take::FirstAbove => format!("the level was not passed{}", self.outside()),
             _ => String::new(),
+        }
+    }
+
+    /// That what did not happen may have happened where nothing counts.
+    fn outside(&self) -> String {
+        let seconds = self.reader.window.map(twelve_digits);
+        match seconds.map(f64::is_finite) {
+            [false, false] => String::new(),
+            [true, false] => format!(", or not from {} s on,", seconds[0]),
+            [false, true] => format!(", or not up to {} s,", seconds[1]),
+            [true, true] => format!(", or not between {} s and {} s,", seconds[0], seconds[1]),
         }
     }
 

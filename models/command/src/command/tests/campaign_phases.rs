@@ -496,7 +496,7 @@ fn every_kind_of_metric_is_of_the_scenes_that_declare_it() {
     for words in [
         "its scene ended before 2.5 s, where its window begins, in 3 runs",
         "no scene that has its quantity was reached in 3 runs",
-        "`tick` did not happen in 3 runs",
+        "`tick` did not happen, or not up to 3 s, in 3 runs",
         "3 cases count a part of the window only, the first is case 1: its scene ends in them before 3 s",
         "3 cases count a part of the window only, the first is case 1: their runs end before 9 s",
     ] {

@@ -261,6 +261,26 @@ fn rows_and_drawings_beyond_the_end_of_a_run_are_told() {
     assert!(!told.contains("the run ends at"), "{told}");
 }
 
+/// What happened outside of a window is not said not to have happened.
+#[test]
+fn what_happens_outside_of_a_window_is_told_as_that() {
+    let folder = Folder::new("campaign_outside");
+    let windows = "event half = time rises 0.5 s { } metric early = time_of half { to: 0.2 s };
+        metric late = value place { at: half, from: 0.7 s }; metric high = first_above place { level: 0.1 m, from: 0.01 s, to: 0.05 s };
+        metric far";
+    let scene = folder.file("glide.mbd", &GLIDE.replace("metric far", windows));
+    let file = folder.file("dispersed.toml", "seed = 1\ncases = 2\n");
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&["campaign", &scene, &file, "--out", &out]).unwrap();
+    for words in [
+        "because `half` did not happen, or not up to 0.2 s, in 2 runs",
+        "because `half` did not happen, or not from 0.7 s on, in 2 runs",
+        "because the level was not passed, or not between 0.01 s and 0.05 s, in 2 runs",
+    ] {
+        assert!(told.contains(words), "{words}\n{told}");
+    }
+}
+
 /// The lines that the pages write for a shell and for schedulers can be typed.
 #[test]
 fn the_commands_of_the_page_about_campaigns_are_those_of_the_program() {
