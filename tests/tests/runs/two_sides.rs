@@ -164,7 +164,8 @@ fn the_load_of_a_static_node_that_jumps_is_no_energy_made_or_lost() {
             let word = format!("{load}, {}", options.method.name());
             let model = Interpreted::<f64>::new(scene.clone(), &[]).expect("a model");
             let mut run = Simulation::new(&model, options).expect("a model that runs");
-            run.run(3.0).unwrap_or_else(|error| panic!("{word}: {error}"));
+            run.run(3.0)
+                .unwrap_or_else(|error| panic!("{word}: {error}"));
             let imbalance = run.imbalance();
             let is_small = imbalance.is_none_or(|it| it.relative() < 1e-8);
             assert!(is_small, "{word}: {imbalance:?}");
