@@ -95,7 +95,7 @@ fn a_row_of_a_grid_that_falls_on_an_event_is_of_one_side() {
     for options in methods() {
         let word = options.method.name();
         for until in [2.0, 3.0] {
-            let history = recorded(&scene, options.clone(), (until, Sampling::Every(0.5)));
+            let history = recorded(&scene, options, (until, Sampling::Every(0.5)));
             assert_eq!(history.times()[4], 2.0, "{word}");
             let both = &history.column("both").expect("an output")[..5];
             assert!(both.iter().all(|x| *x == 110.0), "{word}: {both:?}");
