@@ -21,6 +21,8 @@ use crate::trajectory::Trajectory;
 pub(crate) const ENERGIES: usize = 3;
 /// What of the sizes of the energies rounding may leave, in units of the precision.
 const ROUNDING: f64 = 64.0;
+/// How many roundings of the places of its ends the stretch of a line may be off by over a run.
+const ROUNDED_ENDS: f64 = 8.0;
 
 /// Steps that differ by less than this part are even.
 const EVEN: f64 = 1e-6;
@@ -99,6 +101,9 @@ pub(crate) struct EnergyBalance {
     kinetic: f64,
     size: f64,
     most: f64,
+    /// ½ ΣK L² of lines, whose ends have places as large as L [J]: what of it rounding of places makes is no change.
+    #[serde(default)]
+    lines: f64,
 }
 
 impl EnergyBalance {
@@ -185,6 +190,22 @@ impl EnergyBalance {
             .max(now.energies.iter().map(|part| part.abs()).sum());
     }
 
+    /// Begins to follow lines with ½ ΣK L² [J].
+    pub(crate) fn with_lines(lines: f64) -> Self {
+        EnergyBalance {
+            lines,
+            ..EnergyBalance::default()
+        }
+    }
+
+    /// What rounding makes at this precision: of the sums, and of the energy of lines that are straight or almost so, E = ½ K s² with s off by ε L.
+    fn rounding(&self, precision: f64) -> f64 {
+        let by_stretches = |ends: f64| ends * precision * self.lines.sqrt();
+        let unstretched = by_stretches(ROUNDING).powi(2);
+        let stretched = by_stretches(ROUNDED_ENDS) * self.moved().sqrt();
+        ROUNDING * precision * self.size + unstretched + stretched
+    }
+
     /// What moved so far [J].
     fn moved(&self) -> f64 {
         let changed = self.ranges.iter().map(ValueRange::extent);
@@ -196,14 +217,14 @@ impl EnergyBalance {
         Imbalance {
             energy: self.most,
             moved: self.moved(),
-            rounding: ROUNDING * precision * self.size,
+            rounding: self.rounding(precision),
         }
     }
 
     /// The most that was made (positive, if more is made than lost now) or lost, over the energy that moved, without what rounding at this `precision`
     /// explains.
     pub(crate) fn excess(&self, precision: f64) -> f64 {
-        let over = (self.most - ROUNDING * precision * self.size).max(0.0);
+        let over = (self.most - self.rounding(precision)).max(0.0);
         match (over > 0.0, self.moved()) {
             (false, _) => 0.0,
             (true, moved) if moved > 0.0 => over.copysign(self.surplus) / moved,

@@ -194,6 +194,8 @@ pub struct Simulation<T: Float> {
     rounding: Rounding,
     /// How far what the origin follows may get from it [m].
     length: f64,
+    /// The sum of the stiffnesses of all lines and springs between places [N/m].
+    line_stiffness: f64,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
     /// What rounding of time makes of what follows it, and whether anything does.

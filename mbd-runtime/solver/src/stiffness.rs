@@ -74,6 +74,11 @@ impl Stiffness {
         lines.map(|line| line.stiffness).sum::<f64>() + self.along(owner, false, unilateral)
     }
 
+    /// The sum over all lines and springs between places [N/m].
+    pub(crate) fn of_lines(&self) -> f64 {
+        self.lines.iter().map(|line| line.stiffness).sum()
+    }
+
     /// The same of lines and springs whose other end is in the world.
     pub(crate) fn to_world(&self, owner: &Moving) -> f64 {
         let world = |end: &Place| matches!(end, Place::World(_));

@@ -328,3 +328,35 @@ fn looks_into_quiet_steps_are_few() {
     // The pulse itself takes some 60 steps.
     assert!(run.statistics().rhs < 2000, "{:?}", run.statistics());
 }
+
+model! {
+    /// A mass on a spring whose free length has a pulse: long before it the spring is straight but for rounding.
+    pub model Drawn {
+        gravity: none;
+        point mass { mass: 1 kg, start at [1, 0, 0] m }
+        spring tie from world to mass { free_length: 1 m + 0.05 m * exp(-((time - 50.3 s) / (0.05 s))^2), stiffness: 100 N/m }
+    }
+}
+
+#[test]
+fn where_a_spring_is_straight_but_for_rounding_no_fixed_step_makes_energy() {
+    let model = Drawn::new(DrawnParams::default()).expect("defaults");
+    let state = |options| {
+        let run = flown(&model, options, 51.0);
+        let imbalance = run.imbalance();
+        let is_small = imbalance.is_none_or(|it| it.relative() < 1e-6);
+        assert!(is_small, "{options:?}: {imbalance:?}");
+        DrawnState::from_slice(run.state()).expect("a state").mass()
+    };
+    // x'' = -100 (x - 0.05 e^(-u²)) / s²: 0.5 √π w e^(-(ω w / 2)²) m/s at the pulse, by its Fourier transform, and cos from there on.
+    let push = 100.0 * 0.05 * 0.05 * std::f64::consts::PI.sqrt() * (-0.0625_f64).exp();
+    let exact = 1.0 + push / 10.0 * (10.0_f64 * 0.7).sin();
+    for options in [
+        Options::rk4(1e-3),
+        Options::rk4(1e-4),
+        Options::tsit5(1e-10),
+    ] {
+        let x = state(options).position[0];
+        assert!((x - exact).abs() < 1e-8, "{options:?}: {x} {exact}");
+    }
+}

@@ -8,6 +8,7 @@ use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
 use crate::columns::part_name;
 use crate::error::{RunError, Source, StepError};
 use crate::integrate::stiffness;
+use crate::moving::moving;
 use crate::rounding::{REFUSED, TimeRounding};
 use crate::system::WORKS;
 use crate::trajectory::{Trajectory, resolution};
@@ -62,8 +63,11 @@ impl<T: Float> Simulation<T> {
         let start = self
             .system
             .energy_and_power(self.meter, self.time, &self.state);
+        let places = moving(self.system.model.layout()).flat_map(|part| part.position);
+        let places = places.filter_map(|place| self.state.get(place));
+        let reach = places.fold(self.length, |most, x| most.max(x.to_f64().abs()));
         self.balance = start.map(|start| {
-            let mut balance = EnergyBalance::default();
+            let mut balance = EnergyBalance::with_lines(0.5 * self.line_stiffness * reach * reach);
             balance.take_up(start);
             balance
         });

@@ -186,6 +186,7 @@ impl<T: Float> Simulation<T> {
             good: Snapshot::default(),
             rounding,
             length: scales.length,
+            line_stiffness: stiffness.of_lines(),
             rounded: 0.0,
             time_rounding: TimeRounding::default(),
             reads_time: OnceCell::new(),
