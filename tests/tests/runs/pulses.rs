@@ -334,7 +334,10 @@ model! {
     pub model Drawn {
         gravity: none;
         point mass { mass: 1 kg, start at [1, 0, 0] m }
-        spring tie from world to mass { free_length: 1 m + 0.05 m * exp(-((time - 50.3 s) / (0.05 s))^2), stiffness: 100 N/m }
+        spring tie from world to mass {
+            free_length: 1 m + 0.05 m * exp(-((time - 50.3 s) / (0.05 s))^2),
+            stiffness: 100 N/m,
+        }
     }
 }
 
