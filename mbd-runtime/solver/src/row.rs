@@ -127,13 +127,14 @@ impl RowMaker {
     ) -> Result<bool, StepError> {
         let (content, row) = (self.content, &mut self.row);
         let told = time;
-        let time = match place {
-            RowPlace::Before(time, _) => time,
-            _ => time,
+        let (time, span) = match place {
+            RowPlace::After(span) => (time, Some(span)),
+            RowPlace::Before(time, span) => (time, Some(span)),
+            RowPlace::End => (time, None),
         };
-        match place {
-            RowPlace::After(span) | RowPlace::Before(_, span) => system.look(time, span, state)?,
-            RowPlace::End => system.look_at_end(time, state)?,
+        match span {
+            Some(span) => system.look(time, span, state)?,
+            None => system.look_at_end(time, state)?,
         }
         let state_alone = state.get(..system.nx).unwrap_or_default();
         let forces = content.reactions || content.outputs || content.energy;

@@ -396,7 +396,7 @@ impl TimeFunctions {
         (zero, positive): (f64, bool),
         whole: [f64; 2],
     ) -> Option<f64> {
-        let (_, guard) = self.guards.iter().find(|(own, _)| *own == event)?;
+        let guard = self.guard_of(event)?;
         let sign = if positive { 1.0 } else { -1.0 };
         let during = |span: [f64; 2]| {
             let range = self.during(scene, guard, STILL, span);
@@ -422,6 +422,13 @@ impl TimeFunctions {
         first
     }
 
+    /// The guard of an event, if it is of time alone.
+    fn guard_of(&self, event: usize) -> Option<&TimeFunction> {
+        let mut guards = self.guards.iter();
+        let own = guards.find(|(own, _)| *own == event);
+        own.map(|(_, guard)| guard)
+    }
+
     /// When the guard of an event, less `zero`, passes to the other side in a span, as close as times are [s]; `None` as of the first passing.
     #[must_use]
     pub fn passes(
@@ -432,7 +439,7 @@ impl TimeFunctions {
         whole: [f64; 2],
     ) -> Option<f64> {
         let behind = self.first_passing(scene, event, (zero, positive), whole)?;
-        let (_, guard) = self.guards.iter().find(|(own, _)| *own == event)?;
+        let guard = self.guard_of(event)?;
         let off = |time: f64| (self.at(scene, guard, STILL, time) - zero).abs();
         let before = behind.next_down();
         Some(if off(before) < off(behind) {

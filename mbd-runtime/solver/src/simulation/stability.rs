@@ -118,15 +118,13 @@ impl<T: Float> Simulation<T> {
     /// Takes up the energy anew after something jumped.
     pub(crate) fn rebase(&mut self) {
         self.jumped = true;
-        self.take_up_energy(self.time);
-    }
-
-    /// Takes up the energy as it is at a time, which is one with that of the run [s].
-    pub(super) fn take_up_energy(&mut self, time: f64) {
         let Some(balance) = &mut self.balance else {
             return;
         };
-        if let Some(now) = self.system.energy_and_power(self.meter, time, &self.state) {
+        if let Some(now) = self
+            .system
+            .energy_and_power(self.meter, self.time, &self.state)
+        {
             balance.take_up(now);
         }
     }
