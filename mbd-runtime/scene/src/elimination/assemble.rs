@@ -490,7 +490,9 @@ impl<S: Real> Evaluation<'_, S> {
                 return None;
             };
             let (near, far) = (self.motions.get(on)?, self.motions.get(body)?);
-            let reach = far.position + far.arm(&self.arm_of(declared.child)?) - near.position;
+            // The terms of the rows' reach.
+            let apart = far.position - near.position;
+            let reach = apart + far.arm(&self.arm_of(declared.child)?);
             parent.outward.back(&reach)
         };
         Some(parent.lever(&(parent.arm() - point)))
