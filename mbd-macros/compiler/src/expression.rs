@@ -252,6 +252,23 @@ impl Graph {
         }
     }
 
+    /// The number −c of a number c, if it is there: it is where a term is multiplied by c.
+    pub(crate) fn opposite_number(&self, expr: Expr) -> Option<Expr> {
+        let number = TermKind::Constant((-self.constant(expr)?).to_bits());
+        Some(Expr(self.found.find(code(number))? as u32))
+    }
+
+    /// The term of a node, if it has been asked for since the trace began: what is not of this trace may not be needed.
+    pub(crate) fn asked(&self, node: TermKind) -> Option<Expr> {
+        let index = self.found.find(code(node))?;
+        (self.epochs[index] == self.epoch).then_some(Expr(index as u32))
+    }
+
+    /// The term at a place in the order of creation.
+    pub(crate) fn term(&self, index: usize) -> Expr {
+        Expr(index as u32)
+    }
+
     /// The value of a mask known beforehand.
     pub(crate) fn truth(&self, expr: Expr) -> Option<bool> {
         match self.node(expr) {
@@ -411,7 +428,8 @@ mod tests {
             assert_eq!(-x * y, -(x * y));
             assert_eq!(-x * -y, x * y);
             assert_eq!(-x / -y, x / y);
-            assert_eq!(-(x - y), y - x);
+            assert_eq!((-(x - y)) * y, -((x - y) * y));
+            assert_eq!(x + -(x - y), x - (x - y));
             assert_eq!(-x - y, -(x + y));
         });
     }
@@ -424,6 +442,8 @@ mod tests {
             assert_eq!(number(9.0).sqrt(), number(3.0));
             assert_eq!(number(-0.0), number(0.0));
             assert_eq!(-x * number(2.0), x * number(-2.0));
+            assert_eq!(x * number(-2.0), -(x * number(2.0)));
+            assert_eq!(x * number(3.0), -(x * number(-3.0)));
             let quotient = number(1.0) / number(0.0);
             assert!(matches!(quotient.node(), TermKind::Apply(_)));
             assert_eq!(number(1.0).max(number(2.0)), number(2.0));

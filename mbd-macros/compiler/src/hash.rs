@@ -72,6 +72,19 @@ pub struct WordPairs {
 }
 
 impl WordPairs {
+    /// The place of a pair that has been asked for before.
+    pub fn find(&self, pair: [u64; 2]) -> Option<usize> {
+        let last = self.cells.len().checked_sub(1)?;
+        let mut cell = hash(pair) as usize & last;
+        while let Some(place) = (self.cells[cell] as usize).checked_sub(1) {
+            if self.pairs[place] == pair {
+                return Some(place);
+            }
+            cell = (cell + 1) & last;
+        }
+        None
+    }
+
     /// The place of a pair in the order of first asking; a new one gets the next place.
     pub fn place(&mut self, pair: [u64; 2]) -> usize {
         if self.cells.len() < 2 * (self.pairs.len() + 1) {
@@ -119,9 +132,12 @@ mod tests {
     fn a_pair_keeps_the_place_at_which_it_was_first_asked_for() {
         let mut found = WordPairs::default();
         let pair = |index: u64| [index % 7, index << 40];
+        assert_eq!(found.find(pair(0)), None);
         for index in 0..5000 {
+            assert_eq!(found.find(pair(index)), None);
             assert_eq!(found.place(pair(index)), index as usize);
             assert_eq!(found.place(pair(index / 2)), index as usize / 2);
+            assert_eq!(found.find(pair(index)), Some(index as usize));
         }
     }
 }

@@ -25,6 +25,7 @@ mod phases;
 mod program;
 mod reading;
 mod resolve;
+mod signs;
 mod simplify;
 mod solution;
 mod strided;

@@ -6,6 +6,7 @@ use crate::directional::MatrixColumns;
 use crate::expression::{Expr, Graph, Label, Slot, Term, TermKind};
 use crate::hash::FastMap;
 use crate::operation::{Binary, Comparison, Op, Unary};
+use crate::signs::Operations;
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -172,7 +173,8 @@ impl Program {
         order: &[Term],
         derived: &TermPlaces,
     ) -> Self {
-        let scheduled = schedule(graph, outputs, order, derived);
+        let operations = Operations::new(graph, outputs, derived);
+        let scheduled = schedule(graph, &operations, outputs, order);
         let mut constants: Vec<Expr> = Vec::new();
         let mut slots: Vec<(Slot, Expr)> = Vec::new();
         let mut entered = vec![false; graph.len()];
@@ -187,7 +189,7 @@ impl Program {
             }
         };
         for term in &scheduled {
-            if let TermKind::Apply(op) = graph.node(term.expr) {
+            if let Some(op) = operations.of(term.expr) {
                 for argument in op.arguments() {
                     enter(argument);
                 }
@@ -213,10 +215,10 @@ impl Program {
         let registers = file.as_slice();
         let mut instructions = Vec::with_capacity(scheduled.len());
         for term in &scheduled {
-            if let TermKind::Apply(op) = graph.node(term.expr) {
+            if let Some(op) = operations.of(term.expr) {
                 instructions.push(Instruction {
                     op: op.map(|a| Register(registers[a.index()])),
-                    name: graph.name(term.expr),
+                    name: operations.name(term.expr),
                     section: term.section,
                 });
             }
@@ -382,7 +384,8 @@ impl TermPlaces {
         TermPlaces { places, slot }
     }
 
-    fn of(&self, expr: Expr) -> Option<Slot> {
+    /// The number from outside that a term is.
+    pub(crate) fn of(&self, expr: Expr) -> Option<Slot> {
         match self.places.get(expr.index()) {
             None | Some(0) => None,
             Some(&place) => Some((self.slot)(place as usize - 1)),
@@ -410,11 +413,11 @@ fn leaf(graph: &Graph, expr: Expr, derived: &TermPlaces) -> Option<Leaf> {
 /// The operations that `outputs` need, in the order the law asked for them, arguments always before their use.
 fn schedule(
     graph: &Graph,
+    operations: &Operations<'_>,
     outputs: &[(usize, Expr)],
     order: &[Term],
-    derived: &TermPlaces,
 ) -> Vec<Term> {
-    let needed = needed(graph, outputs, derived);
+    let needed = operations.needed(outputs);
     let mut sections = vec![0; graph.len()];
     for term in order {
         sections[term.expr.index()] = term.section;
@@ -436,7 +439,7 @@ fn schedule(
                 continue;
             }
             let before = open.len();
-            if let TermKind::Apply(op) = graph.node(expr) {
+            if let Some(op) = operations.of(expr) {
                 for argument in op.arguments() {
                     if missing[argument.index()] {
                         open.push(argument);
@@ -452,26 +455,4 @@ fn schedule(
         }
     }
     scheduled
-}
-
-/// Which terms must be computed: operations that the outputs reach without passing a derived term.
-fn needed(graph: &Graph, outputs: &[(usize, Expr)], derived: &TermPlaces) -> Vec<bool> {
-    let mut needed = vec![false; graph.len()];
-    let known = needed.as_mut_slice();
-    let mut open: Vec<Expr> = outputs.iter().map(|&(_, expr)| expr).collect();
-    while let Some(expr) = open.pop() {
-        if known[expr.index()] {
-            continue;
-        }
-        let TermKind::Apply(op) = graph.node(expr) else {
-            continue;
-        };
-        if derived.of(expr).is_none() {
-            known[expr.index()] = true;
-            for argument in op.arguments() {
-                open.push(argument);
-            }
-        }
-    }
-    needed
 }

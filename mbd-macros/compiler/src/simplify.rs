@@ -1,5 +1,8 @@
 //! What a term becomes when it is made: constants fold, nothing is added, nothing is multiplied by one, signs move outwards.
 //!
+//! −x is x with a sign, and (−c) x the product c x with a sign where that has been asked for: what a law does to a lever and to its opposite, or
+//! to two places of a body on either side of its centre, is shared. Where a sign stays, [`crate::signs`] has a place for it.
+//!
 //! Every rule gives the bits of the operation it replaces, signs of zero and what is not finite apart. Nothing is re-associated.
 
 use crate::expression::{Expr, Graph, TermKind};
@@ -23,9 +26,6 @@ impl Graph {
         }
         match (kind, self.node(a)) {
             (Unary::Neg, TermKind::Apply(Op::Unary(Unary::Neg, inner))) => inner,
-            (Unary::Neg, TermKind::Apply(Op::Binary(Binary::Sub, x, y))) => {
-                self.binary(Binary::Sub, y, x)
-            }
             (Unary::Abs, TermKind::Apply(Op::Unary(Unary::Neg, inner))) => {
                 self.unary(Unary::Abs, inner)
             }
@@ -118,6 +118,19 @@ impl Graph {
                         self.unary(Unary::Neg, product)
                     }
                 });
+            }
+            if let Some(c) = c {
+                // What is multiplied by −c already differs by a sign.
+                let c = self.number(-c);
+                let (first, second) = if c.index() < y.index() {
+                    (c, y)
+                } else {
+                    (y, c)
+                };
+                let opposite = TermKind::Apply(Op::Binary(Binary::Mul, first, second));
+                if let Some(opposite) = self.asked(opposite) {
+                    return Some(self.unary(Unary::Neg, opposite));
+                }
             }
         }
         None

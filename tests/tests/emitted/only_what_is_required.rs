@@ -233,14 +233,14 @@ fn gravity_that_is_not_declared_costs_nothing() {
         cost(&down, what),
         "without another force the acceleration is the constant g"
     );
-    // Energy −m (g·r): one product an axis, joined by additions, times m, and a sign.
+    // Energy −m (g·r): one product an axis, joined by additions, times −m.
     let energy = Quantity::Energy;
     assert_eq!(
-        cost(&none, energy) + operations([1, 2, 0, 0, 0, 0]),
+        cost(&none, energy) + operations([0, 2, 0, 0, 0, 0]),
         cost(&down, energy)
     );
     assert_eq!(
-        cost(&none, energy) + operations([3, 4, 0, 0, 0, 0]),
+        cost(&none, energy) + operations([2, 4, 0, 0, 0, 0]),
         cost(&skew, energy)
     );
     // In a chain each point adds g to its acceleration, along every axis that has it.

@@ -244,9 +244,9 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
-/// | [`energy`](Self::energy) | 6 of 6 | 489 |
+/// | [`energy`](Self::energy) | 6 of 6 | 488 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
-/// | [`bias_force`](Self::bias_force) | 12 of 12 | 57 |
+/// | [`bias_force`](Self::bias_force) | 12 of 12 | 54 |
 /// | [`forces`](Self::forces) | 12 of 12 | 460 |
 #[derive(Clone, Debug)]
 pub struct Parachute<T = f64> {
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 831 operations (357 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 831 operations (357 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -385,7 +385,7 @@ const _: () = {
         /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
         ///
         /// 6 \[J, J, J, W, W, W\].
-        /// 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
+        /// 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
         #[must_use]
         #[inline]
         pub fn energy(
@@ -434,7 +434,7 @@ const _: () = {
         /// Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.
         ///
         /// 12 \[N, N m\].
-        /// 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
+        /// 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
         #[must_use]
         #[inline]
         pub fn bias_force(
@@ -729,7 +729,7 @@ const _: () = {
                 (
                     "energy",
                     ::mbd_runtime::Cost {
-                        adds: 211,
+                        adds: 210,
                         muls: 225,
                         divs: 6,
                         sqrts: 7,
@@ -751,7 +751,7 @@ const _: () = {
                 (
                     "bias_force",
                     ::mbd_runtime::Cost {
-                        adds: 16,
+                        adds: 13,
                         muls: 37,
                         divs: 2,
                         sqrts: 2,
@@ -2977,7 +2977,7 @@ const _: () = {
     }
     /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
     /// 6 [J, J, J, W, W, W].
-    /// 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
+    /// 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
     #[inline(never)]
     fn energy<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -3309,9 +3309,9 @@ const _: () = {
             + half * (c_47000 * (leg_0_t_2 * leg_0_t_2))
             + half * (c_47000 * (leg_1_t_4 * leg_1_t_4)) + leg_2_t_5;
         let leg_2_t_6 = leg_2_rate * (leg_2_tension.max(zero) - c_47000 * leg_2_t_4);
-        let damper_power = -(riser_rate * (riser_tension.max(zero) - riser_k * riser_t)
-            + leg_0_rate * (leg_0_tension.max(zero) - c_47000 * leg_0_t_2) + leg_1_t_5
-            + leg_2_t_6);
+        let damper_power = riser_rate * (riser_k * riser_t - riser_tension.max(zero))
+            - leg_0_rate * (leg_0_tension.max(zero) - c_47000 * leg_0_t_2) - leg_1_t_5
+            - leg_2_t_6;
         let leg_2_scaled_canopy_wy = c_1_57 * canopy_wy;
         let leg_2_scaled_canopy_wx = c_1_57 * canopy_wx;
         let leg_2_v_x_2 = canopy_vx
@@ -3371,7 +3371,7 @@ const _: () = {
     }
     /// Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.
     /// 12 [N, N m].
-    /// 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
+    /// 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
     #[inline(never)]
     fn bias_force<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -3386,7 +3386,7 @@ const _: () = {
         let [_, m_cap, _] = *params;
         let c = T::from_f64(-3404590.0);
         let c_2 = T::from_f64(4.2828e13);
-        let c_m16 = T::from_f64(-16.0);
+        let c_16 = T::from_f64(16.0);
         let c_30 = T::from_f64(30.0);
         let c_m30 = T::from_f64(-30.0);
         let c_300 = T::from_f64(300.0);
@@ -3401,9 +3401,9 @@ const _: () = {
             + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
         let canopy_gravity = c_2 / (canopy_d_squared * canopy_distance);
-        let canopy_vx_bias = -(canopy_x * canopy_gravity * c_m16);
-        let canopy_vy_bias = -(canopy_y * canopy_gravity * c_m16);
-        let canopy_vz_bias = -(canopy_d_z * canopy_gravity * c_m16);
+        let canopy_vx_bias = canopy_x * canopy_gravity * c_16;
+        let canopy_vy_bias = canopy_y * canopy_gravity * c_16;
+        let canopy_vz_bias = canopy_d_z * canopy_gravity * c_16;
         let canopy_gyro_x = c_30 * (canopy_wy * canopy_wz);
         let canopy_gyro_y = c_m30 * (canopy_wx * canopy_wz);
         /// `capsule`: where it is, how it moves.

@@ -1,0 +1,215 @@
+//! Which operation computes a term: a sign that nothing took up goes into what it stands before, where it costs nothing.
+//!
+//! ```text
+//! −(x − y) = y − x     −(c x) = (−c) x     −(x y) = (−x) y     −(x / y) = (−x) / y     −(x + y) = (−x) − y          (1)
+//! ```
+//!
+//! The first two hold for any term. The others ask for the opposite of x instead of x, so x must be read there alone, and be one of (1) in turn.
+//! All give the bits of what they replace, signs of zero apart.
+
+use crate::expression::{Expr, Graph, Label, TermKind};
+use crate::operation::{Binary, Op, Unary};
+use crate::program::TermPlaces;
+
+/// How deep a sign is looked for a place: the search ends in a program of any depth.
+const DEEPEST: usize = 32;
+
+/// The operations of a program.
+pub(crate) struct Operations<'a> {
+    graph: &'a Graph,
+    derived: &'a TermPlaces,
+    /// Terms of which the opposite is computed.
+    turned: Vec<bool>,
+}
+
+impl<'a> Operations<'a> {
+    /// Those that `outputs` need; terms of `derived` are computed already.
+    pub(crate) fn new(
+        graph: &'a Graph,
+        outputs: &[(usize, Expr)],
+        derived: &'a TermPlaces,
+    ) -> Self {
+        let mut operations = Operations {
+            graph,
+            derived,
+            turned: vec![false; graph.len()],
+        };
+        let needed = operations.needed(outputs);
+        let mut reads = vec![0_u32; graph.len()];
+        let mut signs = Vec::new();
+        for index in (0..graph.len()).filter(|&index| needed[index]) {
+            let expr = graph.term(index);
+            if let Some(op) = operations.of(expr) {
+                op.arguments().for_each(|a| reads[a.index()] += 1);
+                if let Op::Unary(Unary::Neg, a) = op {
+                    signs.push(a);
+                }
+            }
+        }
+        for &(_, expr) in outputs {
+            reads[expr.index()] += 1;
+        }
+        for a in signs {
+            operations.turn(a, &reads, DEEPEST);
+        }
+        operations
+    }
+
+    /// The operation that computes a term, or the opposite of it where that is what is computed.
+    pub(crate) fn of(&self, expr: Expr) -> Option<Op<Expr>> {
+        let TermKind::Apply(op) = self.graph.node(expr) else {
+            return None;
+        };
+        let opposite = match op {
+            Op::Unary(Unary::Neg, a) => self.opposite(a),
+            _ if self.is_turned(expr) => self.opposite(expr),
+            _ => None,
+        };
+        Some(opposite.unwrap_or(op))
+    }
+
+    /// The name of what is computed.
+    pub(crate) fn name(&self, expr: Expr) -> Option<Label> {
+        let name = self.graph.name(expr)?;
+        let opposite = name.opposite != self.is_turned(expr);
+        Some(Label { opposite, ..name })
+    }
+
+    /// Whether the opposite of a term is computed in its place.
+    fn is_turned(&self, expr: Expr) -> bool {
+        self.turned[expr.index()]
+    }
+
+    /// Which terms must be computed: operations that the outputs reach without passing a derived term.
+    pub(crate) fn needed(&self, outputs: &[(usize, Expr)]) -> Vec<bool> {
+        let mut needed = vec![false; self.graph.len()];
+        let known = needed.as_mut_slice();
+        let mut open: Vec<Expr> = outputs.iter().map(|&(_, expr)| expr).collect();
+        while let Some(expr) = open.pop() {
+            if known[expr.index()] || self.derived.of(expr).is_some() {
+                continue;
+            }
+            if let Some(op) = self.of(expr) {
+                known[expr.index()] = true;
+                open.extend(op.arguments());
+            }
+        }
+        needed
+    }
+
+    /// The operation that computes the opposite of a term, by (1).
+    fn opposite(&self, expr: Expr) -> Option<Op<Expr>> {
+        if self.derived.of(expr).is_some() {
+            return None;
+        }
+        let TermKind::Apply(Op::Binary(kind, x, y)) = self.graph.node(expr) else {
+            return None;
+        };
+        let turned = self.is_turned(x) || self.is_turned(y);
+        match kind {
+            Binary::Sub => Some(Op::Binary(kind, y, x)),
+            Binary::Mul | Binary::Div if turned => Some(Op::Binary(kind, x, y)),
+            Binary::Mul => match self.graph.opposite_number(x) {
+                Some(x) => Some(Op::Binary(kind, x, y)),
+                None => Some(Op::Binary(kind, x, self.graph.opposite_number(y)?)),
+            },
+            Binary::Add if self.is_turned(x) => Some(Op::Binary(Binary::Sub, x, y)),
+            Binary::Add if turned => Some(Op::Binary(Binary::Sub, y, x)),
+            _ => None,
+        }
+    }
+
+    /// Has the opposite of a term computed in its place, where only a sign reads it and that costs nothing.
+    fn turn(&mut self, expr: Expr, reads: &[u32], deep: usize) -> bool {
+        if reads[expr.index()] != 1 || deep == 0 || self.derived.of(expr).is_some() {
+            return false;
+        }
+        let TermKind::Apply(Op::Binary(kind, x, y)) = self.graph.node(expr) else {
+            return false;
+        };
+        let free = self.opposite(expr).is_some();
+        let inside = matches!(kind, Binary::Add | Binary::Mul | Binary::Div);
+        let found =
+            free || inside && (self.turn(x, reads, deep - 1) || self.turn(y, reads, deep - 1));
+        self.turned[expr.index()] = found;
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expression::{Slot, Term, recorded, session};
+    use crate::program::Program;
+    use mbd_scene::Real;
+
+    /// How many operations a term takes, and its value at x = 3, y = 5, z = 7.
+    fn computed(law: impl Fn(Expr, Expr, Expr) -> Vec<Expr>) -> (usize, Vec<f64>) {
+        let numbers = [3.0, 5.0, 7.0];
+        let ((values, order), graph): ((Vec<Expr>, Vec<Term>), Graph) = session(|| {
+            let [x, y, z] = [0, 1, 2].map(|index| Expr::slot(Slot::State(index)));
+            recorded(|| law(x, y, z))
+        });
+        let outputs: Vec<(usize, Expr)> = values.into_iter().enumerate().collect();
+        let places = TermPlaces::default();
+        let program = Program::build(&graph, None, &outputs, outputs.len(), &order, &places);
+        let mut file: Vec<f64> = program.constants.clone();
+        for slot in &program.slots {
+            if let Slot::State(index) = *slot {
+                file.push(numbers[index]);
+            }
+        }
+        for instruction in &program.instructions {
+            let value = match instruction.op {
+                Op::Unary(kind, a) => kind.value(file[a.index()]),
+                Op::Binary(kind, a, b) => kind.value(file[a.index()], file[b.index()]),
+                _ => f64::NAN,
+            };
+            file.push(value);
+        }
+        let found = program.outputs.iter().map(|&(_, r)| file[r.index()]);
+        (program.instructions.len(), found.collect())
+    }
+
+    #[test]
+    fn a_sign_before_a_difference_or_a_multiple_is_no_operation() {
+        assert_eq!(computed(|x, y, _| vec![-(x - y)]), (1, vec![2.0]));
+        let twice = |x: Expr| x * Expr::from_f64(2.0);
+        assert_eq!(computed(|x, _, _| vec![-twice(x)]), (1, vec![-6.0]));
+        assert_eq!(computed(|x, y, _| vec![x - y, -(x - y)]).0, 2);
+    }
+
+    #[test]
+    fn a_sign_goes_into_products_quotients_and_sums_that_nothing_else_reads() {
+        let twice = |x: Expr| x * Expr::from_f64(2.0);
+        assert_eq!(computed(|x, y, z| vec![-((x - y) * z)]), (2, vec![14.0]));
+        assert_eq!(computed(|x, y, z| vec![-(x / (y - z))]), (2, vec![1.5]));
+        assert_eq!(
+            computed(|x, y, z| vec![-(twice(x) * y + x * z)]),
+            (4, vec![-51.0])
+        );
+        assert_eq!(
+            computed(|x, y, z| vec![-(z + (x - y) * x) * y]),
+            (4, vec![-5.0])
+        );
+    }
+
+    #[test]
+    fn a_sign_stays_where_what_it_stands_before_is_read_elsewhere_too() {
+        assert_eq!(
+            computed(|x, y, z| {
+                let product = (x - y) * z;
+                vec![-product, product]
+            }),
+            (3, vec![14.0, -14.0])
+        );
+        assert_eq!(
+            computed(|x, y, z| {
+                let difference = x - y;
+                vec![-(difference * z), difference]
+            }),
+            (3, vec![14.0, -2.0])
+        );
+        assert_eq!(computed(|x, y, _| vec![-(x + y)]), (2, vec![-8.0]));
+    }
+}
