@@ -1,0 +1,319 @@
+//! From settings to numbers: everything a run needs, checked against the scene.
+
+mod method;
+mod start;
+mod supplied;
+
+use mbd_runtime::scene::{PlacementReport, Scene, StartFrom, twelve_digits};
+use mbd_runtime::{
+    Content, Generic, Layout, Name, Options, RunError, Sampling, Scalar, Simulation, Trajectory,
+};
+use toml::{Table, Value};
+
+use super::names::{PlanError, column_name, flat, no_column, setting_in_table, wrong};
+use super::number::{not_bare, not_negative, number, positive};
+use super::settings::Settings;
+pub(crate) use start::{about, coordinate_unit, whole_name};
+
+use method::options;
+use start::{in_motion, in_numbers, placed, start, with_declared};
+use supplied::{inputs, params};
+
+/// Everything a run needs, in SI numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunPlan {
+    /// End of the run [s].
+    pub until: f64,
+    /// Method, step, events.
+    pub options: Options,
+    /// Distance of the rows of the history [s]; `None`: every step.
+    pub every: Option<f64>,
+    /// The params, in declaration order.
+    pub params: Vec<f64>,
+    /// The state at the start, x = [q | v | z].
+    pub state: Vec<f64>,
+    /// The bodies and points that the settings place or set in motion.
+    pub placed: Vec<String>,
+    /// Those of them whose velocity is said.
+    pub moving: Vec<String>,
+    /// Those of them whose angular velocity is said.
+    pub turning: Vec<String>,
+    /// The joint coordinates that the settings start, and where [m or rad, and per second]: the state does not tell full turns.
+    pub joints: Vec<(String, f64)>,
+    /// What placing the bodies decided: starts that are about a value, coordinates that nothing decides.
+    pub assembly: PlacementReport,
+    /// Where the equilibrium points are searched from [m], 3 a node; `None` if nothing was said.
+    pub nodes: Option<Vec<f64>>,
+    /// What the caller supplies, held constant.
+    pub inputs: Vec<f64>,
+    /// Whether a second, finer run tells the error of the first.
+    pub estimate: bool,
+    /// When the mechanism is drawn [s]; empty: evenly over the run.
+    pub instants: Vec<f64>,
+    /// Titles of figures, and the columns each shows.
+    pub figures: Vec<(String, Vec<String>)>,
+}
+
+impl RunPlan {
+    /// Checks settings against a scene.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used.
+    pub fn new(scene: &Scene, settings: &Settings) -> Result<RunPlan, PlanError> {
+        RunPlan::with_layout((scene, &Layout::new(scene)), settings)
+    }
+
+    /// The same where somebody has the layout of the scene already.
+    pub(crate) fn with_layout(
+        (scene, layout): (&Scene, &Layout),
+        settings: &Settings,
+    ) -> Result<RunPlan, PlanError> {
+        let until = settings.until.as_ref().ok_or_else(|| {
+            wrong(
+                "until",
+                "say when the run ends: `until = \"10 s\"` under [run], or `--until 10`",
+            )
+        })?;
+        // A run of no time shows where the scene begins.
+        let until = not_negative("until", until, "s")?;
+        let every = settings.every.as_ref();
+        let every = every
+            .map(|value| positive("every", value, "s"))
+            .transpose()?;
+        let params = params(scene, &settings.params)?;
+        let given = in_numbers((scene, layout), &settings.start)?;
+        let placed = placed(scene, &given);
+        // Inputs that are missing are told behind everything else.
+        let supplied = inputs(scene, layout, &settings.inputs);
+        let from = StartFrom {
+            inputs: supplied.as_deref().ok(),
+            ..StartFrom::new(&params, 0.0)
+        };
+        let start = start((scene, layout), from, &given, &placed)?;
+        let placed = with_declared(scene, &given, placed);
+        let [moving, turning] = in_motion(scene, &given, &placed);
+        let instants = settings.instants.as_deref().unwrap_or_default();
+        let instants = instants
+            .iter()
+            .map(|value| number("instants", value, "s"))
+            .collect::<Result<_, _>>()?;
+        let options = options(scene, layout, settings)?;
+        if let Some(rows) = every
+            .or(options.method.fixed_step())
+            .map(|every| until / every)
+        {
+            fits(scene, rows)?;
+        }
+        Ok(RunPlan {
+            instants,
+            figures: figures(scene, &settings.figures)?,
+            until,
+            options,
+            every,
+            params,
+            state: start.state,
+            placed,
+            moving,
+            turning,
+            joints: start.joints,
+            assembly: start.assembly,
+            nodes: start.nodes,
+            estimate: settings.estimate.unwrap_or(true),
+            inputs: supplied?,
+        })
+    }
+
+    /// One sentence on what it asks for beyond the end of its run [s], the one it plans or the one that the run came to.
+    #[must_use]
+    pub fn beyond(&self, end: f64) -> Vec<String> {
+        // An end that an event made has rounding in its last digits.
+        let end = twelve_digits(end);
+        let later = "or a later end of the run (`until`)";
+        // A run of no time has one row, whatever was asked for.
+        let every = self.every.filter(|every| *every > end && end > 0.0);
+        let every = every.map(|every| {
+            let every = twelve_digits(every);
+            format!("warning: `every` is {every} s, and the run ends at {end} s: its history has no rows but those of its start and its end; write a shorter distance, {later}")
+        });
+        let after: Vec<String> = self
+            .instants
+            .iter()
+            .map(|instant| twelve_digits(*instant))
+            .filter(|instant| *instant > end)
+            .map(|instant| format!("{instant} s"))
+            .collect();
+        let drawn = (!after.is_empty()).then(|| {
+            format!("warning: `instants` asks for {}, and the run ends at {end} s: what is drawn is its end; write earlier instants, {later}", after.join(", "))
+        });
+        every.into_iter().chain(drawn).collect()
+    }
+}
+
+/// Refuses numbers without a unit in settings that somebody wrote, where SI is seldom meant. What a campaign gives its cases is in SI.
+///
+/// # Errors
+/// The first such number.
+pub fn check_units(scene: &Scene, settings: &Settings) -> Result<(), PlanError> {
+    let params = scene.params.iter().map(|it| ("params", &it.name, &it.unit));
+    let inputs = scene.inputs.iter().map(|it| ("inputs", &it.name, &it.unit));
+    for (table, name, unit) in params.chain(inputs) {
+        let given = match table {
+            "params" => &settings.params,
+            _ => &settings.inputs,
+        };
+        if let Some(value) = given.get(name) {
+            not_bare(&format!("{table}.{name}"), value, &unit.text)?;
+        }
+    }
+    for (name, value) in flat(&settings.start) {
+        if let Some(unit) = coordinate_unit(scene, &name) {
+            not_bare(&format!("start.{name}"), value, unit)?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a history that memory or disk have no room for.
+fn fits(scene: &Scene, rows: f64) -> Result<(), PlanError> {
+    let model = Generic::<f64>::with_defaults(scene.clone());
+    let history = model.map(|model| Trajectory::new(&model, Sampling::Steps, Content::ALL));
+    let columns = history.map_or(1, |history| history.names().len());
+    let numbers = rows * columns as f64;
+    let most = Trajectory::MOST_NUMBERS;
+    if numbers <= most {
+        return Ok(());
+    }
+    let text = format!(
+        "asks for {rows:.1e} rows of history with {columns} columns, {numbers:.1e} numbers; at most {most:.0e} fit: write a longer distance of the rows, or an earlier end"
+    );
+    Err(wrong("every", text))
+}
+
+impl RunPlan {
+    /// Another start, for the params and the inputs that are planned now.
+    pub(crate) fn place(
+        &mut self,
+        scene: (&Scene, &Layout),
+        given: &Table,
+    ) -> Result<(), PlanError> {
+        let placed = placed(scene.0, given);
+        let from = StartFrom::new(&self.params, 0.0).with_inputs(&self.inputs);
+        let start = start(scene, from, given, &placed)?;
+        (self.state, self.nodes) = (start.state, start.nodes);
+        (self.joints, self.assembly) = (start.joints, start.assembly);
+        self.placed = with_declared(scene.0, given, placed);
+        [self.moving, self.turning] = in_motion(scene.0, given, &self.placed);
+        Ok(())
+    }
+
+    /// Puts a run where it begins, with the inputs that are held.
+    ///
+    /// # Errors
+    /// Numbers that do not fit the model of the run.
+    pub fn begin<T: Scalar>(&self, run: &mut Simulation<T>) -> Result<(), RunError> {
+        let numbers = |list: &[f64]| -> Vec<T> { list.iter().map(|x| T::from_f64(*x)).collect() };
+        run.set_inputs(&numbers(&self.inputs))?;
+        run.set_state(0.0, &numbers(&self.state))?;
+        let joints = self.joints.iter();
+        let joints: Vec<(&str, f64)> = joints.map(|(name, x)| (name.as_str(), *x)).collect();
+        run.set_turns(&joints)?;
+        match &self.nodes {
+            Some(nodes) => run.set_nodes(&numbers(nodes)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Figures by title; their columns exist. A figure has one unit: columns of several are one figure a unit, the second with a 2 behind its title.
+fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, PlanError> {
+    let mut figures = Vec::new();
+    let model = Generic::<f64>::with_defaults(scene.clone());
+    let history = model.map(|model| Trajectory::new(&model, Sampling::Steps, Content::ALL));
+    let names: &[Name] = history.as_ref().map_or(&[], Trajectory::names);
+    for (title, value) in given {
+        let setting = format!("figures.{title}");
+        let Value::Array(list) = value else {
+            let text = "give the columns it shows: [\"riser.tension\", \"leg[0].tension\"]";
+            return Err(wrong(setting, text));
+        };
+        let mut of_units: Vec<(&str, Vec<String>)> = Vec::new();
+        for value in list {
+            let written = value.as_str().unwrap_or_default();
+            let column = column_name(written);
+            let Some(name) = names.iter().find(|name| name.name == column) else {
+                let known = names.iter().map(|name| name.name.as_str());
+                let misplaced = setting_in_table(&setting, title);
+                let told = misplaced.unwrap_or_else(|| no_column(scene, written, known));
+                return Err(wrong(setting, told));
+            };
+            let same = |(unit, _): &(&str, _)| *unit == name.unit;
+            match of_units.iter().position(same) {
+                Some(place) => of_units[place].1.push(column),
+                None => of_units.push((&name.unit, vec![column])),
+            }
+        }
+        let figures_of_units = of_units.into_iter().zip(1..);
+        figures.extend(figures_of_units.map(|((_, columns), number)| match number {
+            1 => (title.clone(), columns),
+            _ => (format!("{title} {number}"), columns),
+        }));
+    }
+    Ok(figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rattle_in_relative_coordinates_is_told_before_a_run() {
+        let arm = |family: &str| {
+            let text = format!(
+                "model Arm {{ coordinates: {family}; gravity: none;
+                    body arm {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+                    joint pin: hinge from world to arm.com {{ axis: y }} }}"
+            );
+            let scene = mbd_compiler::read_text(&text).scene.expect("an arm");
+            let run = "[run]\nuntil = 1\nmethod = \"rattle\"\nstep = \"1 ms\"\n";
+            RunPlan::new(&scene, &Settings::read(run).unwrap()).map(|_| ())
+        };
+        assert_eq!(arm("absolute"), Ok(()));
+        let error = arm("relative").unwrap_err();
+        assert_eq!(error.setting, "method");
+        assert!(error.text.contains("`--method vern7`"), "{error}");
+    }
+
+    #[test]
+    fn params_and_inputs_without_a_unit_are_in_si_as_their_declaration_is() {
+        let read = mbd_compiler::read_text(
+            "model Cart {
+                gravity: none;
+                param m = 2 kg;
+                param m_g = 50 g;
+                input push: force = 2 kN;
+                input aim: angle;
+                point cart { mass: m + m_g }
+                load drive on cart = [push * cos(aim), 0, 0];
+            }",
+        );
+        let scene = read.scene.expect("a cart");
+        let told = |table: &str| {
+            let settings = Settings::read(&format!("[run]\nuntil = 1\n{table}")).unwrap();
+            check_units(&scene, &settings)?;
+            let plan = RunPlan::new(&scene, &settings)?;
+            Ok::<_, PlanError>((plan.params, plan.inputs))
+        };
+        let numbers = |table: &str| told(table).map_err(|error| error.to_string());
+        let si = numbers("[run.params]\nm = 3\n[run.inputs]\npush = 3\n");
+        assert_eq!(si, Ok((vec![3.0, 0.05], vec![3.0, 0.0])));
+        for (table, why) in [
+            ("[run.params]\nm_g = 3\n", "declared in g"),
+            ("[run.params]\nm = \"3\"\n", "needs a unit, such as kg"),
+            ("[run.inputs]\npush = \"3\"\n", "needs a unit, such as N"),
+            ("[run.inputs]\naim = 30\n", "more than a full turn"),
+        ] {
+            let error = numbers(table).unwrap_err();
+            assert!(error.contains(why), "{table}: {error}");
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The numbers that a scene takes from its user: params, and what its caller supplies.
+
+use mbd_runtime::Layout;
+use mbd_runtime::scene::{Input, InputSource, Parameter, Scene};
+use toml::Table;
+
+use crate::run::names::{PlanError, unknown, wrong};
+use crate::run::number::{number, numbers as numbers_of, zeros};
+
+/// The params, in declaration order.
+pub(super) fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
+    let mut params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let names = || scene.params.iter().map(|param| param.name.as_str());
+    for (name, value) in given {
+        let setting = format!("params.{name}");
+        let Some((param, slot)) = scene
+            .params
+            .iter()
+            .zip(&mut params)
+            .find(|(param, _)| param.name == *name)
+        else {
+            let mut inputs = scene.inputs.iter();
+            return Err(match inputs.find(|input| input.name == *name) {
+                Some(input) => wrong(setting, held(input)),
+                None => unknown(&setting, name, names()),
+            });
+        };
+        *slot = number(&setting, value, &param.unit.text)?;
+    }
+    Ok(params)
+}
+
+/// What is said where an input is given as a param.
+fn held(input: &Input) -> String {
+    let (name, unit) = (&input.name, &input.unit.text);
+    let value = match input.components {
+        3 => format!("[1, 0, 0] {unit}"),
+        _ => format!("1 {unit}"),
+    };
+    format!(
+        "`{name}` is an input and no param: what it is held at stands under [run.inputs], `{name} = \"{}\"`, or behind `--input` of `mbd run`",
+        value.trim_end()
+    )
+}
+
+/// What is said where a param is given as an input.
+fn set_as(param: &Parameter) -> String {
+    let name = &param.name;
+    let value = param.unit.told(param.default);
+    format!(
+        "`{name}` is a param and no input: its value stands under [run.params], `{name} = \"{value}\"`, or behind `--set` of `mbd run`"
+    )
+}
+/// What the caller supplies, in the order of the layout.
+pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, PlanError> {
+    let mut numbers = layout.default_inputs(scene);
+    let mut known: Vec<&str> = Vec::new();
+    for slots in &layout.inputs {
+        let (name, units): (Option<&str>, Vec<&str>) = match slots.source {
+            InputSource::Input(index) => {
+                let input = scene.inputs.get(index);
+                let unit = input.map_or("", |input| input.unit.text.as_str());
+                (
+                    input.map(|input| input.name.as_str()),
+                    vec![unit; slots.len],
+                )
+            }
+            InputSource::Load(index) => {
+                let units = ["N", "N", "N", "N*m", "N*m", "N*m"];
+                (
+                    scene.loads.get(index).map(|load| load.name.as_str()),
+                    units.to_vec(),
+                )
+            }
+            InputSource::BodyGravity(index) => (
+                scene.bodies.get(index).map(|body| body.name.as_str()),
+                vec!["m/s^2"; 3],
+            ),
+            InputSource::PointGravity(index) => (
+                scene.points.get(index).map(|point| point.name.as_str()),
+                vec!["m/s^2"; 3],
+            ),
+        };
+        let name = name.unwrap_or_default();
+        known.push(name);
+        let setting = format!("inputs.{name}");
+        let Some(value) = given.get(name) else {
+            if matches!(slots.source, InputSource::Input(_)) {
+                continue;
+            }
+            let units = units.get(..slots.len).unwrap_or(&units);
+            let text = format!(
+                "this scene takes `{name}` from its caller: give {} number(s) under [run.inputs], such as `{name} = {}`",
+                slots.len,
+                zeros(units)
+            );
+            return Err(wrong(setting, text));
+        };
+        // A load on a point with mass has a force alone.
+        let units = units.get(..slots.len).unwrap_or(&units);
+        let given = numbers_of(&setting, value, units)?;
+        let own = numbers.iter_mut().skip(slots.at);
+        own.zip(given).for_each(|(to, value)| *to = value);
+    }
+    match given.keys().find(|name| !known.contains(&name.as_str())) {
+        Some(name) => {
+            let setting = format!("inputs.{name}");
+            let mut params = scene.params.iter();
+            Err(match params.find(|param| param.name == *name) {
+                Some(param) => wrong(setting, set_as(param)),
+                None => unknown(&setting, name, known.into_iter()),
+            })
+        }
+        None => Ok(numbers),
+    }
+}
