@@ -81,7 +81,7 @@ impl Laws {
         at: &At<'_, T>,
         law: impl FnOnce(&Scene, &Layout, &Numbers<f64>, &At<'_, f64>, &mut Scratch<f64>),
     ) {
-        self.arguments.read(at, |x| x.to_f64());
+        self.arguments.read(at, T::to_f64);
         law(
             model.scene(),
             model.layout(),

@@ -456,7 +456,7 @@ impl<T: Float> System<T> {
     pub(crate) fn in_double(&self, time: f64, state: &[T]) -> (Numbers<f64>, Arguments<f64>) {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let mut arguments = Arguments::default();
-        arguments.read(&at, |x| x.to_f64());
+        arguments.read(&at, T::to_f64);
         (numbers_of(&*self.model), arguments)
     }
 

@@ -393,8 +393,8 @@ pub fn locked(
 }
 
 /// Appends one number a formula [SI].
-pub fn scalars<'f>(
-    formulas: impl IntoIterator<Item = &'f Formula>,
+pub fn scalars(
+    formulas: &mut dyn Iterator<Item = &Formula>,
     scene: &Scene,
     layout: &Layout,
     numbers: &Numbers<f64>,
@@ -403,8 +403,7 @@ pub fn scalars<'f>(
     out: &mut Vec<f64>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    let all = formulas.into_iter();
-    out.extend(all.map(|one| formula::scalar(one, &evaluation)));
+    out.extend(formulas.map(|one| formula::scalar(one, &evaluation)));
 }
 
 /// What a motor is told, or a line that is wound.
@@ -423,7 +422,7 @@ pub fn folded(
     numbers: &Numbers<f64>,
     at: &At<'_, f64>,
     scratch: &mut Scratch<f64>,
-    joined: impl Fn(usize) -> bool,
+    joined: &dyn Fn(usize) -> bool,
 ) -> Option<(usize, Fold)> {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let mut folding = scene.folding_joints().filter(|(joint, _)| joined(*joint));

@@ -97,7 +97,8 @@ impl<T: Float> Simulation<T> {
                         ..*at
                     };
                     let mut found = Vec::with_capacity(set.len());
-                    mbd_scene::scalars(&asked, scene, layout, numbers, &at, scratch, &mut found);
+                    let asked = &mut asked.iter();
+                    mbd_scene::scalars(asked, scene, layout, numbers, &at, scratch, &mut found);
                     rows.push(found);
                     if let Some(unit) = unit {
                         state[unit] = 0.0;

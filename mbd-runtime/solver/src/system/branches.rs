@@ -66,7 +66,7 @@ impl<T: Float> System<T> {
         let mut folded = None;
         let laws = self.laws.get_or_insert_with(|| Laws::new(model));
         laws.run(model, &at, |scene, layout, numbers, at, scratch| {
-            folded = mbd_scene::folded(scene, layout, numbers, at, scratch, joined);
+            folded = mbd_scene::folded(scene, layout, numbers, at, scratch, &joined);
         });
         match folded {
             Some((joint, fold)) => Err(StepError::FoldedJoint {

@@ -93,7 +93,7 @@ impl<T: Float> System<T> {
         let mut values = Vec::new();
         laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
             let all = scene.events.iter().flat_map(|event| &event.actions.set);
-            let all = all.map(|setting| &setting.value);
+            let all = &mut all.map(|setting| &setting.value);
             mbd_scene::scalars(all, scene, layout, numbers, at, scratch, &mut values);
         });
         Ok(values)

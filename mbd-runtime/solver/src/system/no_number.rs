@@ -1,8 +1,7 @@
 //! Which part of the declaration has no number where the rates have none: a load, a force along a joint, the rate of a state.
 
-use mbd_scene::laws::Numbers;
 use mbd_scene::{
-    Arguments, Float, Formula, Layout, LoadKind, Output, Quantity, Scene, Scratch, Starts, Unit,
+    Arguments, Float, Formula, Layout, LoadKind, Output, Quantity, Scene, Starts, Unit, double,
 };
 
 use super::System;
@@ -42,15 +41,15 @@ impl<T: Float> System<T> {
         let params: Vec<f64> = self.model.params().iter().map(|x| x.to_f64()).collect();
         let mut arguments = Arguments::default();
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        arguments.read(&at, |x| x.to_f64());
+        arguments.read(&at, T::to_f64);
         let mut out = vec![0.0; layout.len(Quantity::Outputs)];
-        mbd_scene::evaluate(
+        double::evaluate(
             Quantity::Outputs,
             &shown,
             &layout,
-            &Numbers::new(&shown, &params),
+            &double::numbers(&shown, &params),
             &arguments.at(),
-            &mut Scratch::new(&layout),
+            &mut double::scratch(&layout),
             &mut out,
         );
         let mut rest = out.as_slice();
