@@ -32,31 +32,27 @@ pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
     }
 }
 
-/// Where stretches of `N` numbers begin that cover a list of a length, the last two of them overlapping; none in a shorter list.
-#[inline]
-fn stretches<const N: usize>(length: usize) -> impl Iterator<Item = usize> {
-    let last = length.checked_sub(N);
-    let count = last.map_or(0, |last| last.div_ceil(N) + 1);
-    (0..count).map(move |index| (N * index).min(last.unwrap_or_default()))
-}
-
 /// Whether every number is finite.
 #[inline]
 pub(crate) fn all_finite<T: Float>(list: &[T]) -> bool {
-    let zero = T::zero();
-    if list.len() < WIDE {
-        // One by one: whoever has just written them wrote one by one.
-        return list.iter().all(|x| x.is_finite());
-    }
-    let mut faults = [zero; WIDE];
-    for start in stretches::<WIDE>(list.len()) {
-        if let Some(own) = own::<T, WIDE>(list, start) {
-            for (fault, x) in faults.iter_mut().zip(own) {
-                *fault += zero * *x;
-            }
+    let one_by_one = || list.iter().all(|x| x.is_finite());
+    let (stretches, rest) = list.as_chunks::<WIDE>();
+    let Some(last) = list.last_chunk::<WIDE>() else {
+        // Whoever has just written them wrote one by one.
+        return one_by_one();
+    };
+    let mut sums = [T::zero(); WIDE];
+    let mut look = |own: &[T; WIDE]| {
+        for (sum, x) in sums.iter_mut().zip(own) {
+            *sum += *x;
         }
+    };
+    stretches.iter().for_each(&mut look);
+    if !rest.is_empty() {
+        look(last);
     }
-    total(faults) == zero
+    // No sum that has met a number which is not finite is, and almost every other is.
+    total(sums).is_finite() || one_by_one()
 }
 
 /// How many lists a combination takes.
@@ -89,11 +85,11 @@ impl<T: Real> Combination<T> {
     }
 
     /// out = state + h Σ w k, every number in the order of the lists, in one pass over the state.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add(&self, state: &[T], h: T, stages: &[T], out: &mut [T]) {
         let length = state.len();
         let term = |&(weight, list): &(T, usize)| {
-            let own = stages.get(list * length..(list + 1) * length);
+            let own = stages.get(list * length..);
             (h * weight, own.unwrap_or_default())
         };
         // A loop that knows how many terms there are needs no list of them.
@@ -106,7 +102,8 @@ impl<T: Real> Combination<T> {
             more => {
                 let mut list: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
                 for (slot, of) in list.iter_mut().zip(more) {
-                    *slot = term(of);
+                    let (factor, own) = term(of);
+                    *slot = (factor, own.get(..length).unwrap_or_default());
                 }
                 add_all(state, list.get(..more.len()).unwrap_or_default(), out);
             }
@@ -127,7 +124,7 @@ pub(crate) fn combine<T: Real>(state: &[T], h: T, weights: &[T], stages: &[T], o
     add_all(state, list.get(..count).unwrap_or_default(), out);
 }
 
-/// out = state + Σ factor × list, every number in the order of the terms.
+/// out = state + Σ factor × list, every number in the order of the terms; no list is shorter than `out`.
 #[inline(always)]
 fn add<T: Real, const K: usize>(state: &[T], terms: [(T, &[T]); K], out: &mut [T]) {
     let shortest = terms.iter().map(|(_, list)| list.len());
@@ -140,51 +137,47 @@ fn add<T: Real, const K: usize>(state: &[T], terms: [(T, &[T]); K], out: &mut [T
     add_all(state, &terms, out);
 }
 
-/// The same for a number of terms that is not known to the compiler.
+/// The same for a number of terms that is not known to the compiler, of lists that are as long as `out`.
 #[inline(always)]
 fn add_all<T: Real>(state: &[T], terms: &[(T, &[T])], out: &mut [T]) {
-    match out.len() {
-        WIDE.. => add_stretches::<T, WIDE>(state, terms, out),
+    if out.len() < WIDE {
         // One by one: whoever has just written them wrote one by one.
-        _ => {
-            for (index, (out, x)) in out.iter_mut().zip(state).enumerate() {
-                let parts = terms
-                    .iter()
-                    .filter_map(|(factor, list)| Some(*factor * *list.get(index)?));
-                *out = parts.fold(*x, |sum, part| sum + part);
-            }
+        for (index, (out, x)) in out.iter_mut().zip(state).enumerate() {
+            let parts = terms
+                .iter()
+                .filter_map(|(factor, list)| Some(*factor * *list.get(index)?));
+            *out = parts.fold(*x, |sum, part| sum + part);
         }
+        return;
+    }
+    let (stretches, rest) = out.as_chunks_mut::<WIDE>();
+    let is_whole = rest.is_empty();
+    for (index, out) in stretches.iter_mut().enumerate() {
+        add_stretch(state, terms, out, |list| list.as_chunks().0.get(index));
+    }
+    // The last stretch begins inside the one before.
+    if let (false, Some(out)) = (is_whole, out.last_chunk_mut()) {
+        add_stretch(state, terms, out, |list| list.last_chunk());
     }
 }
 
-/// The same over lists of at least `N` numbers, `N` at a time.
+/// The same over one stretch of the lists.
 #[inline(always)]
-fn add_stretches<T: Real, const N: usize>(state: &[T], terms: &[(T, &[T])], out: &mut [T]) {
-    for start in stretches::<N>(out.len()) {
-        let (Some(out), Some(state)) = (own_mut(out, start), own::<T, N>(state, start)) else {
-            continue;
-        };
-        let mut sums = *state;
-        for (factor, list) in terms {
-            if let Some(numbers) = own::<T, N>(list, start) {
-                for (sum, number) in sums.iter_mut().zip(numbers) {
-                    *sum += *factor * *number;
-                }
-            }
+fn add_stretch<'a, T: Real>(
+    state: &'a [T],
+    terms: &[(T, &'a [T])],
+    out: &mut [T; WIDE],
+    own: impl Fn(&'a [T]) -> Option<&'a [T; WIDE]>,
+) {
+    let Some(mut sums) = own(state).copied() else {
+        return;
+    };
+    for (factor, list) in terms {
+        for (sum, number) in sums.iter_mut().zip(own(list).into_iter().flatten()) {
+            *sum += *factor * *number;
         }
-        *out = sums;
     }
-}
-
-/// The stretch of a list that begins at a place.
-#[inline]
-fn own<T, const N: usize>(list: &[T], start: usize) -> Option<&[T; N]> {
-    list.get(start..)?.first_chunk()
-}
-
-#[inline]
-fn own_mut<T, const N: usize>(list: &mut [T], start: usize) -> Option<&mut [T; N]> {
-    list.get_mut(start..)?.first_chunk_mut()
+    *out = sums;
 }
 
 /// The sum of the lanes.
@@ -192,49 +185,38 @@ fn total<T: Real>([a, b, c, d, e, f, g, h]: [T; WIDE]) -> T {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-/// Σ w (b − a)² and Σ w a² over three lists.
-pub(crate) fn weighted_squares<T: Float>(weights: &[T], a: &[T], b: &[T]) -> [T; 2] {
-    let [differences, sizes, _] = weighted_differences(weights, a, b, b);
-    [differences, sizes]
+/// Σ w a² over two lists.
+#[inline]
+pub(crate) fn weighted_size<T: Real>(weights: &[T], a: &[T]) -> T {
+    weighted([weights, a], |[w, a]| w * a * a)
 }
 
-/// Σ w (b − a)², Σ w a² and Σ w (c − b)² over four lists.
+/// Σ w (b − a)² over three lists.
 #[inline]
-pub(crate) fn weighted_differences<T: Real>(weights: &[T], a: &[T], b: &[T], c: &[T]) -> [T; 3] {
-    let lists = [weights, a, b, c];
-    let common = lists
-        .iter()
-        .fold(usize::MAX, |least, list| least.min(list.len()));
-    let [weights, a, b, c] = lists.map(|list| list[..common].as_chunks::<WIDE>());
-    let terms = |w: T, a: T, b: T, c: T| {
-        let (before, after) = (b - a, c - b);
-        [w * before * before, w * a * a, w * after * after]
-    };
-    let mut sums = [[T::zero(); WIDE]; 3];
-    // One half of the lanes after the other: their sums stay in registers.
-    for half in [0, WIDE / 2] {
-        let mut own = [[T::zero(); WIDE / 2]; 3];
-        for (((w, a), b), c) in weights.0.iter().zip(a.0).zip(b.0).zip(c.0) {
-            #[allow(clippy::needless_range_loop, reason = "one place of seven lists")]
-            for lane in 0..WIDE / 2 {
-                let at = half + lane;
-                let [before, size, after] = terms(w[at], a[at], b[at], c[at]);
-                own[0][lane] += before;
-                own[1][lane] += size;
-                own[2][lane] += after;
-            }
-        }
-        for (sums, own) in sums.iter_mut().zip(own) {
-            sums[half..half + WIDE / 2].copy_from_slice(&own);
+pub(crate) fn weighted_change<T: Real>(weights: &[T], a: &[T], b: &[T]) -> T {
+    weighted([weights, a, b], |[w, a, b]| {
+        let change = b - a;
+        w * change * change
+    })
+}
+
+/// The sum of terms over the places of some lists.
+#[inline(always)]
+fn weighted<T: Real, const N: usize>(lists: [&[T]; N], term: impl Fn([T; N]) -> T) -> T {
+    let lengths = lists.iter().map(|list| list.len());
+    let common = lengths.min().unwrap_or_default();
+    let lists = lists.map(|list| list[..common].as_chunks::<LANES>());
+    let mut sums = [T::zero(); LANES];
+    for index in 0..common / LANES {
+        let own = lists.map(|(stretches, _)| &stretches[index]);
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            *sum += term(own.map(|numbers| numbers[lane]));
         }
     }
-    let mut totals = sums.map(total);
-    for (((w, a), b), c) in weights.1.iter().zip(a.1).zip(b.1).zip(c.1) {
-        for (total, term) in totals.iter_mut().zip(terms(*w, *a, *b, *c)) {
-            *total += term;
-        }
-    }
-    totals
+    let [a, b, c, d] = sums;
+    let rest = 0..common % LANES;
+    let rest = rest.map(|index| term(lists.map(|(_, rest)| rest[index])));
+    rest.fold((a + c) + (b + d), |sum, term| sum + term)
 }
 
 #[cfg(test)]
@@ -260,7 +242,8 @@ mod tests {
     #[test]
     fn a_list_is_finite_where_all_its_numbers_are() {
         for length in 0..40 {
-            let mut list: Vec<f64> = (0..length).map(|i| -1e306 * f64::from(i)).collect();
+            // The sum of some of them is not.
+            let mut list: Vec<f64> = (0..length).map(|i| -1e307 * f64::from(i % 18)).collect();
             assert!(all_finite(&list));
             for index in 0..list.len() {
                 for fault in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -293,14 +276,12 @@ mod tests {
             let a: Vec<f64> = (0..count).map(f64::from).collect();
             let weights: Vec<f64> = a.iter().map(|x| x + 1.0).collect();
             let b = vec![1.0; a.len() + 3];
-            let [differences, sizes] = weighted_squares(&weights, &a, &b);
-            assert_eq!(sizes, a.iter().map(|x| (x + 1.0) * x * x).sum::<f64>());
+            assert_eq!(
+                weighted_size(&weights, &a),
+                a.iter().map(|x| (x + 1.0) * x * x).sum::<f64>()
+            );
             let want = a.iter().map(|x| (x + 1.0) * (1.0 - x) * (1.0 - x));
-            assert_eq!(differences, want.sum::<f64>());
-            let c: Vec<f64> = a.iter().map(|x| 3.0 - x).collect();
-            let [_, _, after] = weighted_differences(&weights, &a, &b, &c);
-            let want = a.iter().map(|x| (x + 1.0) * (2.0 - x) * (2.0 - x));
-            assert_eq!(after, want.sum::<f64>());
+            assert_eq!(weighted_change(&weights, &a, &b), want.sum::<f64>());
         }
     }
 }

@@ -25,7 +25,7 @@ use crate::stiffness::Stiffness;
 use crate::turns;
 
 /// What hρ may not exceed often.
-const LIMIT: f64 = 2.5;
+pub(crate) const LIMIT: f64 = 2.5;
 /// Differences of stages below this part of k₁ are not looked at.
 pub(crate) const NEGLIGIBLE: f64 = 1e-3;
 /// The part of the energy that moved that a fixed-step run may make or lose.

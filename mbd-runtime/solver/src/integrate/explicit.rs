@@ -14,7 +14,7 @@ use mbd_scene::{Float, Real};
 use super::Rates;
 use super::tableau::Tableau;
 use crate::error::StepError;
-use crate::list::{Combination, MOST_TERMS, combine, weighted_differences, weighted_squares};
+use crate::list::{Combination, MOST_TERMS, combine, weighted_change, weighted_size};
 
 /// Rounding units of rates below which two of them agree.
 const ROUNDING: f64 = 1e4;
@@ -195,14 +195,22 @@ impl<T: Real> Explicit<T> {
         [&mut self.stages, &mut self.next]
     }
 
-    /// |k₂ − k₁|², |k₁|² and |k₃ − k₂|² of the first stages of the last attempt, |k|² = Σ weight k².
+    /// The rates k₁, k₂ and k₃ of the first stages of the last attempt.
     #[inline]
+    fn first_three(&self) -> Option<[&[T]; 3]> {
+        let mut stages = self.stages.chunks_exact(self.length.max(1));
+        Some([stages.next()?, stages.next()?, stages.next()?])
+    }
+
+    /// |k₂ − k₁|², |k₁|² and |k₃ − k₂|² of the first stages of the last attempt, |k|² = Σ weight k².
     pub(crate) fn squares(&self, weights: &[T]) -> [T; 3] {
-        let n = self.length;
-        let stages = [0..n, n..2 * n, 2 * n..3 * n].map(|own| self.stages.get(own));
-        match stages {
-            [Some(k1), Some(k2), Some(k3)] => weighted_differences(weights, k1, k2, k3),
-            _ => [T::zero(); 3],
+        match self.first_three() {
+            Some([k1, k2, k3]) => [
+                weighted_change(weights, k1, k2),
+                weighted_size(weights, k1),
+                weighted_change(weights, k2, k3),
+            ],
+            None => [T::zero(); 3],
         }
     }
 
@@ -392,10 +400,19 @@ impl<T: Float> Explicit<T> {
     }
 
     /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it; zero where the stages agree to
-    /// `negligible` of k₁. |k|² = Σ weight k².
+    /// `negligible` of k₁, and where it is no more than `limit`. |k|² = Σ weight k².
     #[inline]
-    pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
-        stiffness(self.squares(weights), negligible)
+    pub(crate) fn stiffness(&self, weights: &[T], [negligible, limit]: [f64; 2]) -> f64 {
+        let Some([k1, k2, k3]) = self.first_three() else {
+            return 0.0;
+        };
+        // Almost no step is above the limit: only then they are compared with k₁.
+        let below = weighted_change(weights, k1, k2).to_f64();
+        let above = weighted_change(weights, k2, k3).to_f64();
+        match 2.0 * (above / below).sqrt() > limit {
+            true => stiffness(self.squares(weights), negligible),
+            false => 0.0,
+        }
     }
 
     /// h |f(a) − f(b)| / |a − b| of the two stages of the last attempt that are at the same time; zero where these agree to rounding.
@@ -417,13 +434,14 @@ impl<T: Float> Explicit<T> {
             &self.stages,
             &mut self.trial,
         );
-        let [_, between] = weighted_squares(weights, &self.trial, &self.trial);
+        let between = weighted_size(weights, &self.trial);
         let stage = |stage: usize| {
             let first = stage * self.length;
             let own = self.stages.get(first..first + self.length);
             own.unwrap_or_default()
         };
-        let [apart, size] = weighted_squares(weights, stage(one), stage(other));
+        let apart = weighted_change(weights, stage(one), stage(other));
+        let size = weighted_size(weights, stage(one));
         let ends = stage(one).iter().zip(stage(other));
         for (slot, (a, b)) in self.trial.iter_mut().zip(ends) {
             *slot = *b - *a;

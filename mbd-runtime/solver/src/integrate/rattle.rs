@@ -22,7 +22,7 @@ use mbd_scene::Float;
 
 use super::Rates;
 use crate::error::StepError;
-use crate::list::weighted_squares;
+use crate::list::{weighted_change, weighted_size};
 use crate::watch::Instability;
 
 /// 1/(4 − 4^⅓).
@@ -359,8 +359,8 @@ impl<T: Float> Rattle<T> {
         let lists: [&[T]; 4] = [weights, &self.pushed, &self.force, &self.slid];
         let [weights, before, after, moved] =
             lists.map(|list| list.get(self.speeds.clone()).unwrap_or_default());
-        let [changed, size] = weighted_squares(weights, before, after);
-        let [_, moved] = weighted_squares(weights, moved, moved);
+        let changed = weighted_change(weights, before, after);
+        let [size, moved] = [before, moved].map(|list| weighted_size(weights, list));
         let (changed, size, moved) = (changed.to_f64(), size.to_f64(), moved.to_f64());
         if moved > 0.0 && changed > negligible * negligible * size {
             (self.step * (changed / moved).sqrt() / PART).sqrt()

@@ -175,11 +175,12 @@ impl<T: Float> Stepper<T> {
         }
     }
 
-    /// What [`Explicit::stiffness`] or [`Rattle::stiffness`] says; zero of a method that is stable whatever the step.
+    /// What [`Explicit::stiffness`] or [`Rattle::stiffness`] says, of the first where it is above a limit; zero of a method that is stable whatever
+    /// the step.
     #[inline]
-    pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
+    pub(crate) fn stiffness(&self, weights: &[T], [negligible, limit]: [f64; 2]) -> f64 {
         match &self.method {
-            Family::Explicit(method) => method.stiffness(weights, negligible),
+            Family::Explicit(method) => method.stiffness(weights, [negligible, limit]),
             Family::Implicit(_) => 0.0,
             Family::Symmetric(method) => method.stiffness(weights, negligible),
         }

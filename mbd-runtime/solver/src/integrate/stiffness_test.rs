@@ -9,7 +9,7 @@
 use mbd_scene::Float;
 use serde::{Deserialize, Serialize};
 
-use crate::list::weighted_squares;
+use crate::list::weighted_size;
 
 /// How many steps are remembered, and how many of them at the limit are stiffness.
 const WINDOW: u32 = 20;
@@ -57,7 +57,7 @@ impl StiffnessTest {
 /// The largest rate of a linear system ẋ = A x, by powers of A; `x` and `y` are room for a state. |x|² = Σ weight x².
 pub(crate) fn fastest<T: Float>(matrix: &[T], weights: &[T], x: &mut [T], y: &mut [T]) -> f64 {
     let length = x.len();
-    let size = |x: &[T]| weighted_squares(weights, x, x)[1].to_f64().sqrt();
+    let size = |x: &[T]| weighted_size(weights, x).to_f64().sqrt();
     x.fill(T::zero());
     for (index, (x, weight)) in x.iter_mut().zip(weights).enumerate() {
         // No direction is left out.

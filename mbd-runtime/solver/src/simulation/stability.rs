@@ -12,7 +12,7 @@ use crate::moving::moving;
 use crate::rounding::{REFUSED, TimeRounding};
 use crate::system::WORKS;
 use crate::trajectory::{Trajectory, resolution};
-use crate::watch::{Instability, NEGLIGIBLE, Watch};
+use crate::watch::{Instability, LIMIT, NEGLIGIBLE, Watch};
 
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
 pub(super) const OFTEN: u64 = 10;
@@ -135,7 +135,9 @@ impl<T: Float> Simulation<T> {
     /// The step is too long.
     pub(super) fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
         if self.watched {
-            let rho = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
+            let rho = self
+                .method
+                .stiffness(&self.watch_weights, [NEGLIGIBLE, LIMIT]);
             if self.watch.sees(rho) {
                 return Err(self.unstable(step, Instability::Stages(rho)));
             }
