@@ -37,6 +37,7 @@ pub struct Scratch<S: Real> {
     rates: Vec<S>,
     bodies: Vec<[Vector3<S>; 2]>,
     nodes: Vec<S>,
+    pulls: Vec<Option<S>>,
     still: Vec<S>,
     residual: Vec<S>,
     columns: Vec<S>,
@@ -56,6 +57,7 @@ impl<S: Real> Scratch<S> {
             rates: Vec::new(),
             bodies: Vec::new(),
             nodes: Vec::new(),
+            pulls: Vec::new(),
             still: Vec::new(),
             residual: Vec::new(),
             columns: Vec::new(),
@@ -131,6 +133,7 @@ pub fn evaluate<S: Real>(
         rates,
         bodies,
         nodes,
+        pulls,
         still: _,
         residual,
         columns: _,
@@ -200,14 +203,17 @@ pub fn evaluate<S: Real>(
             let (rates, rest) = out.split_at_mut(layout.nx());
             nodes.clear();
             nodes.extend_from_slice(at.nodes);
+            pulls.clear();
             if what == Quantity::Rates {
                 let (ends, certificates) = rest.split_at_mut(layout.len(Quantity::AnchorStates));
                 measured::ends(&evaluation, ends);
-                rate::velocities(&evaluation, nodes, certificates);
+                pulls.resize(layout.lines.len(), None);
+                rate::velocities(&evaluation, nodes, certificates, pulls);
             }
             let at = At { nodes, ..*at };
             let evaluation = Evaluation {
                 at: &at,
+                pulls,
                 ..evaluation
             };
             assembly.collect(&evaluation);

@@ -111,7 +111,11 @@ impl<S: Real> Element<'_, S> {
     ///
     /// Without damping the force is continuous at the slack edge, but its slope is not: held, a trial step across the edge stays smooth.
     pub fn tension(&self, stretch: S, rate: S, hold: S) -> S {
-        let pull = self.pull(stretch, rate);
+        self.tension_of(self.pull(stretch, rate), stretch, hold)
+    }
+
+    /// The same of a pull that is known.
+    pub fn tension_of(&self, pull: S, stretch: S, hold: S) -> S {
         if !self.kind.is_unilateral() {
             return pull.label("tension");
         }

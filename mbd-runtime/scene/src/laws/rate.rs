@@ -74,11 +74,13 @@ pub fn mean<S: Real>(vectors: impl Iterator<Item = Vector3<S>>) -> Vector3<S> {
 }
 
 /// Finds the velocities of all nodes of a scene that [solves them with its derivative](Layout::solves_rates), on the lines whose hold is positive,
-/// and writes them into `nodes`, 3 a node; into `certificates` what [`Quantity::Rates`](crate::Quantity::Rates) says of nodes and lines.
+/// and writes them into `nodes`, 3 a node; into `certificates` what [`Quantity::Rates`](crate::Quantity::Rates) says of nodes and lines; into `pulls`, a line
+/// each, the pulls by which the lines balance there: what they do to bodies need not be found anew.
 pub fn velocities<S: Real>(
     evaluation: &Evaluation<'_, S>,
     nodes: &mut [S],
     certificates: &mut [S],
+    pulls: &mut [Option<S>],
 ) {
     let layout = evaluation.layout;
     let (of_nodes, of_lines) = certificates.split_at_mut(2 * layout.nodes.len());
@@ -106,8 +108,12 @@ pub fn velocities<S: Real>(
             let opening = leg.toward(leg.damping * along);
             let size = leg.push.abs() + opening.abs();
             largest = largest.max(S::select(leg.carries, size, zero));
+            let found = (leg.push - opening).label("pull");
             if let Some([stretch, pull]) = written.next() {
-                (*stretch, *pull) = (leg.geometry.stretch, leg.push - opening);
+                (*stretch, *pull) = (leg.geometry.stretch, found);
+            }
+            if let Some(pull) = pulls.get_mut(leg.line) {
+                *pull = Some(found);
             }
         }
         write(nodes, 3 * node, &(mean + slip.velocity));
@@ -119,6 +125,7 @@ pub fn velocities<S: Real>(
 
 /// A line of a `rate` node at a state.
 struct LineAtState<S: Real> {
+    line: usize,
     /// From its `from` end to its `to` end, as its tension is found.
     geometry: line::Geometry<S>,
     /// Whether that is from the node to the anchor: its direction is u, else −u.
@@ -152,6 +159,7 @@ impl<S: Real> LineAtState<S> {
             false => mean - velocity,
         });
         Some(LineAtState {
+            line,
             outward,
             damping: element.numbers.damping,
             push: element.pull(geometry.stretch, opening),

@@ -155,6 +155,7 @@ impl<'a> Configuration<'a> {
             reactions: &[],
             accelerations: &[],
             body_accelerations: &[],
+            pulls: &[],
             links: &[],
             origin: None,
         })
