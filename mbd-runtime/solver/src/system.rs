@@ -82,8 +82,8 @@ pub(crate) struct System<T: Float> {
     pub latest: f64,
     /// And not behind events, where something jumps.
     near: Option<Box<NearSide<T>>>,
-    /// Whether rates are the derivative at a state and inputs and nothing else: no line, stop or equilibrium point, no row, no work that is integrated,
-    /// nothing that jumps.
+    /// Whether rates are the derivative at a state, inputs and modes and nothing else: no equilibrium point, no row, no work that is integrated, nothing
+    /// that jumps.
     takes_derivative: bool,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
@@ -138,7 +138,10 @@ impl<T: Float> System<T> {
         let projection = Projection::new(layout.nc, layout.nv, layout.nx());
         let may_fold = model.scene().folding_joints().next().is_some();
         System {
-            takes_derivative: nodes.is_idle() && !projection.any() && !works && near.is_none(),
+            takes_derivative: !nodes.has_networks()
+                && !projection.any()
+                && !works
+                && near.is_none(),
             latest: f64::INFINITY,
             near,
             unsupplied: controls.is_empty() && layout.needs_caller(),

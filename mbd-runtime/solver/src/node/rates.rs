@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use mbd_scene::{Float, Quantity, Real, Work};
+use mbd_scene::{At, Float, Quantity, Real, Work};
 
 use super::error::NodeError;
 use super::memory::NodeMemory;
@@ -35,9 +35,8 @@ impl<T: Float> Nodes<T> {
                 return Ok(());
             }
             self.solve_networks(stage, span, memory, work)?;
-        } else if !self.is_idle() && !self.held {
-            self.hold_modes(memory);
-            self.has_held();
+        } else {
+            self.hold_once(memory);
         }
         let at = self.at(stage.time, stage.state, stage.inputs);
         stage.model.evaluate(Quantity::Derivative, &at, work, out);
@@ -51,10 +50,11 @@ impl<T: Float> Nodes<T> {
             return false;
         }
         self.hold_modes(memory);
-        for plan in &self.plans {
-            for (_, line) in &plan.legs {
-                let places = (self.hold.get_mut(line.line), memory.modes.get(line.line));
-                if let (Some(hold), Some(mode)) = places {
+        if !self.frozen {
+            let legs = self.plans.iter().flat_map(|plan| &plan.legs);
+            for (_, leg) in legs {
+                let mode = memory.modes.get(leg.line);
+                if let (Some(hold), Some(mode)) = (self.hold.get_mut(leg.line), mode) {
                     *hold = mode.hold();
                 }
             }
@@ -68,17 +68,10 @@ impl<T: Float> Nodes<T> {
         &mut self,
         stage: Stage<'_, T>,
         span: T,
-        memory: &NodeMemory<T>,
         fill: impl FnOnce(&mut [T]),
     ) -> bool {
-        let mut rates = std::mem::take(&mut self.rates);
-        fill(&mut rates);
-        let found = self.take_rates(stage, &rates, memory);
-        if found {
-            self.span = span;
-        }
-        self.rates = rates;
-        found
+        fill(&mut self.rates);
+        self.take_rates(stage, span)
     }
 
     /// Finds nodes and derivative at once; `false`: nothing is found, the rules of [`RateNode`](super::RateNode) decide.
@@ -90,33 +83,25 @@ impl<T: Float> Nodes<T> {
         work: &mut Work<T>,
         out: &mut [T],
     ) -> bool {
-        if self.rates.is_empty() {
-            return false;
-        }
-        let nx = self.layout.nx();
-        if out.len() != nx || !self.held && !self.hold_for_rates(memory) {
+        if self.rates.is_empty() || !self.held && !self.hold_for_rates(memory) {
             return false;
         }
         self.has_held();
-        let mut rates = std::mem::take(&mut self.rates);
-        // A model that does not find them leaves this as it is.
-        let margins = self.margins_of_rates();
-        rates[margins].fill(T::from_f64(f64::NAN));
-        let at = self.at(stage.time, stage.state, stage.inputs);
-        stage.model.evaluate(Quantity::Rates, &at, work, &mut rates);
-        let found = self.take_rates(stage, &rates, memory);
-        if found {
-            self.span = span;
-            out.copy_from_slice(&rates[..nx]);
+        // A model that does not find them leaves these numbers as they were made, and nothing holds.
+        let at = At {
+            nodes: &self.nodes,
+            effective: &self.effective,
+            hold: &self.hold,
+            ends: &self.ends,
+            ..At::of_state(stage.time, stage.state, stage.inputs)
+        };
+        let rates = &mut self.rates;
+        stage.model.evaluate(Quantity::Rates, &at, work, rates);
+        let found = self.take_rates(stage, span);
+        if let (true, Some(own)) = (found, self.rates.get(..out.len())) {
+            out.copy_from_slice(own);
         }
-        self.rates = rates;
         found
-    }
-
-    /// Where the margins of the nodes are in [`Quantity::Rates`], each with the largest term of a pull behind it.
-    fn margins_of_rates(&self) -> Range<usize> {
-        let first = self.layout.nx() + self.ends.len();
-        first..first + 2 * self.layout.nodes.len()
     }
 
     /// Whether the lines that carry may span space at every node, and none is detached.
@@ -133,16 +118,19 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Takes over nodes, anchors and lines out of [`Quantity::Rates`], if the lines that were held are those which carry.
-    fn take_rates(&mut self, stage: Stage<'_, T>, rates: &[T], memory: &NodeMemory<T>) -> bool {
-        let carries = |line: usize| memory.modes.get(line) == Some(&Mode::Active);
-        let holds = self.layout_of_rates().holds(rates, T::EPSILON, carries);
+    fn take_rates(&mut self, stage: Stage<'_, T>, span: T) -> bool {
+        let zero = T::zero();
+        let carries = |line: usize| self.hold.get(line).is_some_and(|hold| zero < *hold);
+        let holds = self
+            .layout_of_rates()
+            .holds(&self.rates, T::EPSILON, carries);
         if !holds {
             return false;
         }
         // What its lines do is read off where somebody asks: most stages are followed by others.
         for plan in &mut self.plans {
             if let (Some(&node), Some(z)) = (plan.nodes.first(), plan.z) {
-                let velocity = rates.get(z..).and_then(<[T]>::first_chunk::<3>);
+                let velocity = self.rates.get(z..).and_then(<[T]>::first_chunk::<3>);
                 let place = stage.state.get(z..).and_then(<[T]>::first_chunk::<3>);
                 let node = self.nodes.get_mut(3 * node..);
                 if let (Some(velocity), Some(place)) = (velocity, place)
@@ -154,13 +142,13 @@ impl<T: Float> Nodes<T> {
             }
         }
         self.count_solves(1);
-        (self.spanned, self.stretched) = (true, false);
+        (self.span, self.spanned, self.stretched) = (span, true, false);
         true
     }
 
     /// Stretches and modes of the lines of nodes that were found along with the derivative.
     pub(super) fn measure_along(&mut self) {
-        let lines = self.rates.get(self.margins_of_rates().end..);
+        let lines = self.rates.get(self.margins.end..);
         let mut lines = lines.unwrap_or_default().as_chunks::<2>().0.iter();
         for plan in &self.plans {
             for ((_, leg), &[stretch, _]) in plan.legs.iter().zip(&mut lines) {
@@ -183,7 +171,7 @@ impl<T: Float> Nodes<T> {
     pub(crate) fn layout_of_rates(&self) -> RatesLayout<'_, T> {
         RatesLayout {
             plans: &self.plans,
-            margins: self.margins_of_rates(),
+            margins: self.margins.clone(),
             frozen: self.frozen,
         }
     }
@@ -217,23 +205,21 @@ impl<T: Float> RatesLayout<'_, T> {
     ) -> S::Mask {
         let zero = S::zero();
         let (no, mut all) = (zero.lt(zero), zero.le(zero));
+        let nodes = rates.get(self.margins.clone()).unwrap_or_default();
         let lines = rates.get(self.margins.end..).unwrap_or_default();
-        let mut lines = lines.as_chunks::<2>().0.iter();
+        let (nodes, mut lines) = (nodes.as_chunks::<2>().0, lines.as_chunks::<2>().0);
         for plan in self.plans {
-            let own = plan.nodes.first().and_then(|node| {
-                let at = self.margins.start + 2 * node;
-                rates.get(at..)?.first_chunk().filter(|_| plan.is_rate())
-            });
-            let Some(&[margin, size]) = own else {
+            let node = plan.nodes.first().filter(|_| plan.is_rate());
+            let own = node.and_then(|node| nodes.get(*node));
+            let (Some(&[margin, size]), Some((own, rest))) =
+                (own, lines.split_at_checked(plan.legs.len()))
+            else {
                 return no;
             };
-            let rounding = size * epsilon * S::from_f64(ROUNDING);
+            lines = rest;
             // Where nothing pulls, or D may have lost a direction, the node follows other rules.
             let mut most = zero;
-            for (_, leg) in &plan.legs {
-                let Some(&[stretch, pull]) = lines.next() else {
-                    return no;
-                };
+            for ((_, leg), &[stretch, pull]) in plan.legs.iter().zip(own) {
                 let carries = carries(leg.line);
                 if !self.frozen {
                     // Of a line that carries both are positive, or there is no pull; of another one of them is not.
@@ -243,6 +229,7 @@ impl<T: Float> RatesLayout<'_, T> {
                 }
                 most = S::select(carries, most.max(pull), most);
             }
+            let rounding = size * epsilon * S::from_f64(ROUNDING);
             all = S::both(all, S::both(rounding.lt(most), zero.lt(margin)));
         }
         all

@@ -1,5 +1,7 @@
 //! The nodes of a model at one stage of an integration step.
 
+use std::ops::Range;
+
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{At, Float, Layout, Model, Quantity, Work};
 use nalgebra::Vector3;
@@ -40,8 +42,10 @@ pub struct Nodes<T: Float> {
     kept: bool,
     /// Whether the elements are held in the modes of the memory, and have been since it was kept.
     pub(super) held: bool,
-    /// Room for `Quantity::Rates`; empty where the nodes are not found that way.
+    /// Room for `Quantity::Rates`, no number before they are found; empty where the nodes are not found that way.
     pub(crate) rates: Vec<T>,
+    /// Where the margins of the nodes are in it, each with the largest term of a pull behind it.
+    pub(super) margins: Range<usize>,
     /// Whether the last solve found all nodes along with the derivative, by lines that span space.
     pub(crate) spanned: bool,
     /// Time since the last accepted step, of the last solve.
@@ -84,6 +88,7 @@ impl<T: Float> Nodes<T> {
     #[must_use]
     pub fn new(layout: &Layout) -> Self {
         let list = |n: usize| vec![T::zero(); n];
+        let margins = layout.nx() + layout.len(Quantity::AnchorStates);
         Nodes {
             plans: NetworkPlan::of(layout),
             ends: list(layout.len(Quantity::AnchorStates)),
@@ -98,7 +103,8 @@ impl<T: Float> Nodes<T> {
             frozen: false,
             kept: false,
             held: false,
-            rates: list(layout.len(Quantity::Rates)),
+            rates: vec![T::from_f64(f64::NAN); layout.len(Quantity::Rates)],
+            margins: margins..margins + 2 * layout.nodes.len(),
             spanned: false,
             span: T::zero(),
             against: list(3 * layout.nodes.len()),
@@ -195,6 +201,15 @@ impl<T: Float> Nodes<T> {
     #[inline]
     pub(crate) fn keep(&mut self, kept: bool) {
         (self.kept, self.held) = (kept, false);
+    }
+
+    /// Holds the elements in the modes of the memory, unless that is done.
+    #[inline]
+    pub(crate) fn hold_once(&mut self, memory: &NodeMemory<T>) {
+        if !self.held && !self.modes.is_empty() {
+            self.hold_modes(memory);
+            self.has_held();
+        }
     }
 
     /// The elements are in the modes of the memory.
@@ -384,7 +399,7 @@ impl<T: Float> Nodes<T> {
                 .iter()
                 .all(|line| taut(&self.stretch, line) == taut(&memory.stretch, line));
         }
-        memory.previous.copy_from_slice(&memory.stretch);
+        std::mem::swap(&mut memory.previous, &mut memory.stretch);
         memory.step = h;
         memory.make_room();
         for plan in self.plans.iter().filter(|plan| plan.z.is_none()) {

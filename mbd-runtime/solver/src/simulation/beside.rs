@@ -266,7 +266,7 @@ impl<T: Float> crate::system::System<T> {
             }
             (_, true) => nodes.receive_warm(span, |into| attempt.nodes(into)),
             _ => {
-                if !nodes.receive_rates(stage, span, memory, |into| attempt.rates(into)) {
+                if !nodes.receive_rates(stage, span, |into| attempt.rates(into)) {
                     return false;
                 }
             }

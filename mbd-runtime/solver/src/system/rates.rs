@@ -82,7 +82,8 @@ impl<T: Float> System<T> {
         Ok(())
     }
 
-    /// The rates of a scene that is nothing but a state and inputs.
+    /// The rates of a scene that is nothing but a state, inputs and modes.
+    #[inline]
     fn derivative_as_rates(
         &mut self,
         time: f64,
@@ -91,6 +92,7 @@ impl<T: Float> System<T> {
     ) -> Result<(), StepError> {
         let time = time.min(self.latest);
         self.supply(time, state)?;
+        self.nodes.hold_once(&self.memory);
         let at = self
             .nodes
             .at_no_node(T::from_f64(time), state, &self.inputs);
