@@ -55,6 +55,17 @@ pub(crate) fn all_finite<T: Float>(list: &[T]) -> bool {
     total(sums).is_finite() || one_by_one()
 }
 
+/// Copies a list in pairs: numbers that have just been written, one by one or in pairs, are slow to be read many at once.
+#[inline]
+pub(crate) fn copy<T: Real>(from: &[T], to: &mut [T]) {
+    let ((pairs, rest), (from, last)) = (to.as_chunks_mut::<2>(), from.as_chunks());
+    pairs
+        .iter_mut()
+        .zip(from)
+        .for_each(|(to, from)| *to = *from);
+    rest.iter_mut().zip(last).for_each(|(to, from)| *to = *from);
+}
+
 /// How many lists a combination takes.
 pub(crate) const MOST_TERMS: usize = 16;
 
@@ -252,6 +263,16 @@ mod tests {
                     list[index] = kept;
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_copy_has_every_number() {
+        for length in 0..12 {
+            let list: Vec<f64> = (0..length).map(f64::from).collect();
+            let mut copied = vec![f64::NAN; list.len()];
+            copy(&list, &mut copied);
+            assert_eq!(copied, list);
         }
     }
 

@@ -10,6 +10,7 @@ use super::memory::NodeMemory;
 use super::rate::ROUNDING;
 use super::scene::NetworkPlan;
 use super::stage::{Nodes, Stage};
+use crate::list::copy;
 use crate::unilateral::Mode;
 
 /// Lines that span space.
@@ -99,7 +100,7 @@ impl<T: Float> Nodes<T> {
         stage.model.evaluate(Quantity::Rates, &at, work, rates);
         let found = self.take_rates(stage, span);
         if let (true, Some(own)) = (found, self.rates.get(..out.len())) {
-            out.copy_from_slice(own);
+            copy(own, out);
         }
         found
     }
