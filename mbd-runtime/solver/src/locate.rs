@@ -481,6 +481,10 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         self.system.switch(self.time, &self.state, switches)?;
+        if self.system.nodes.carries_by_place() {
+            // The line that goes slack may have held a node beside there by as much as its tolerance.
+            self.system.project(&mut self.state);
+        }
         for &(element, mode) in switches {
             self.note(Happening::Switch(element, mode));
             let counters = &mut self.system.counters;

@@ -140,7 +140,7 @@ impl<T: Float> Nodes<T> {
         if plan.rate.unbalanced() {
             return Err(NodeError::Unsupported {
                 node,
-                why: "its load acts in a direction that no taut line spans; declare `equilibrium: stepwise`",
+                why: "its load acts in a direction that no taut line spans: take shorter steps, or declare `equilibrium: stepwise`",
             });
         }
         NodeError::check_finite("velocity of a rate node", velocity.as_slice())?;
@@ -153,6 +153,13 @@ impl<T: Float> Nodes<T> {
                 uneven: None,
             }),
         }
+    }
+
+    /// Whether the last solve left a rate node where its lines carry its load by their directions only: what the step leaves it beside that place is
+    /// an error that no stage shows where the load turns.
+    pub(crate) fn carries_by_place(&self) -> bool {
+        let mut plans = self.plans.iter().filter(|plan| plan.z.is_some());
+        !self.spanned && plans.any(|plan| plan.rate.is_carried_with_load())
     }
 
     /// Puts rate nodes whose carrying lines do not span space back on the line or plane through their anchors (rule 4), which an integration

@@ -11,7 +11,10 @@
 //! 2. D of full rank (λ_min > 1e-6 λ_max): one Cholesky.
 //! 3. Rank missing and nothing pulls: w = v̄ + D⁺ (…): no force hangs on the missing directions.
 //! 4. Rank missing and something pulls: the missing directions are algebraic, w_⊥ = Σ (T/d) v_⊥ / Σ (T/d), and the node belongs on the line or in
-//!    the plane through the carrying anchors ([`RateNode::projected`]), for as long as these are in one: four anchors may be for an instant.
+//!    the plane through the carrying anchors ([`RateNode::projected`]), for as long as these are in one: four anchors may be for an instant. Where they are
+//!    too few for that a load W completes it: two lines carry W in the plane through both anchors along W, one line right in front of its anchor, and
+//!    the node is put there at the lengths that its lines have. w_⊥ is that of a load whose direction stays; what another one leaves beside that
+//!    place is an error of the step.
 //! 5. Independent taut lines without force that pull the node into such a line or plane: it is put there ([`RateNode::crossing`]).
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
 //!    (`RateNode::limit`).
@@ -50,6 +53,8 @@ const MOST_CHANGES: usize = 30;
 const DASHPOT: f64 = 1e-8;
 /// ε of rule 6 over the shortest C/K.
 const AHEAD: f64 = 1e-4;
+/// How far a step may leave a node beside the place where its lines carry its load (rule 4), over the length of the shortest of them.
+const BESIDE: f64 = 0.1;
 
 /// One line of a rate node at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -431,19 +436,55 @@ impl<T: Float> RateNode<T> {
     }
 
     /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere, and where
-    /// fewer anchors carry than a line or a plane goes through: what one line pulls is rounding then, as nothing holds against it.
+    /// fewer anchors carry than a line or a plane goes through and no load completes it: what one line pulls is rounding then, as nothing holds
+    /// against it.
     #[must_use]
     pub fn projected(&self) -> Option<Vector3<T>> {
         if self.spread != RateOutcome::Algebraic {
             return None;
         }
         let rounding = self.rounding();
-        let carrying = self.legs.iter().filter(|leg| leg.pulls(rounding)).count();
-        if carrying <= self.rank {
+        let offset = match self.carrying_count() > self.rank {
+            true => self.to_hull(self.rank, |leg| leg.pulls(rounding)),
+            false => self.beside_load()?,
+        };
+        Some(self.position + offset)
+    }
+
+    /// How many lines pull.
+    fn carrying_count(&self) -> usize {
+        let rounding = self.rounding();
+        self.legs.iter().filter(|leg| leg.pulls(rounding)).count()
+    }
+
+    /// Whether the load of the node completes the line or plane that it is on: one anchor less carries than go through that.
+    pub(crate) fn is_carried_with_load(&self) -> bool {
+        self.spread == RateOutcome::Algebraic
+            && self.load != Vector3::zeros()
+            && self.carrying_count() == self.rank
+    }
+
+    /// From the node to where its one or two carrying lines, of the lengths that they have, carry its load: on their sphere or circle as far as the load
+    /// draws it. `None` where the load completes nothing.
+    fn beside_load(&self) -> Option<Vector3<T>> {
+        if !self.is_carried_with_load() {
             return None;
         }
-        let offset = self.to_hull(self.rank, |leg| leg.pulls(rounding));
-        Some(self.position + offset)
+        let rounding = self.rounding();
+        let legs = self.legs.iter().filter(|leg| leg.pulls(rounding));
+        let mut arms = legs.map(|leg| leg.anchor - self.position);
+        let first = arms.next()?;
+        let axis = arms.next().map(|second| second - first);
+        let across = |vector: Vector3<T>| match axis {
+            Some(axis) => {
+                let part = axis.dot(&vector) / axis.dot(&axis);
+                vector - axis.map(|x| part * x)
+            }
+            None => vector,
+        };
+        let (center, load) = (across(first), across(self.load));
+        let ratio = (center.dot(&center) / load.dot(&load)).sqrt();
+        ratio.is_finite().then(|| center + load.map(|w| ratio * w))
     }
 
     /// Rule 5, the singular approach: independent taut lines without force whose node reaches the line or plane through their anchors within
@@ -483,11 +524,19 @@ impl<T: Float> RateNode<T> {
         projection(&eigen(&scatter)[rank..], &center)
     }
 
-    /// Whether a load acts that the lines cannot balance: W has a part in the missing directions.
+    /// Whether a load acts that the lines cannot balance: W has a part in the missing directions, and the node is not where it has none.
     #[must_use]
     pub fn unbalanced(&self) -> bool {
         if self.spread == RateOutcome::Full || self.load == Vector3::zeros() {
             return false;
+        }
+        if let Some(offset) = self.beside_load() {
+            let rounding = self.rounding();
+            let carrying = self.legs.iter().filter(|leg| leg.pulls(rounding));
+            let lengths = carrying.map(|leg| leg.length);
+            let shortest = lengths.reduce(|a, b| a.min(b)).unwrap_or_default();
+            let most = T::from_f64(BESIDE) * shortest;
+            return offset.dot(&offset) > most * most;
         }
         let directions = eigen(&self.damping());
         let missing = projection(&directions[self.rank.min(3)..], &self.load);

@@ -432,7 +432,7 @@ impl<T: Float> Simulation<T> {
             // A step that turns too far is shortened as one whose error is too large.
             let most = self.options.max_angle.min(turns::MOST);
             let by_angle = (swept / most).powf(self.method.exponent());
-            let error = self.error_of(step).max(by_angle);
+            let error = self.error_of(step).max(by_angle).max(self.beside_loads());
             let part = match error <= 1.0 {
                 true => self.overlooks(step, error)?,
                 false => None,
@@ -477,6 +477,22 @@ impl<T: Float> Simulation<T> {
                 let (error, next) = self.method.estimate(step);
                 norm.measure(error, &self.state, next)
             }
+            Pace::Fixed(_) => 0.0,
+        }
+    }
+
+    /// How far the last attempt left rate nodes beside where their lines carry their loads, in tolerances.
+    fn beside_loads(&mut self) -> f64 {
+        if !self.system.nodes.carries_by_place() {
+            return 0.0;
+        }
+        self.inside.copy_from_slice(self.method.next());
+        self.system.project(&mut self.inside);
+        for (place, next) in self.inside.iter_mut().zip(self.method.next()) {
+            *place -= *next;
+        }
+        match &self.pace {
+            Pace::Adaptive(_, norm) => norm.size(&self.inside, &self.state, self.method.next()),
             Pace::Fixed(_) => 0.0,
         }
     }
