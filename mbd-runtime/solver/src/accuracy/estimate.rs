@@ -1,8 +1,9 @@
 //! The error of a run by a second, finer one, and a run that is tightened until its error is small enough.
 //!
-//! Half a fixed step, or a tenth of a tolerance: what is left of the error then is a sixteenth, or about a tenth, so that the difference of the two
-//! runs is the error of the first. Rejected: the sum of the embedded errors of the steps, which knows nothing of how the motion carries an error on
-//! (a pendulum forgets, a double pendulum multiplies by a thousand a second).
+//! A quarter of a fixed step, or a tenth of a tolerance: what is left of the error then is little, or about a tenth, so that the difference of the two
+//! runs is the error of the first. Rejected: half a fixed step, at which a run half sees what a whole one half sees, a pulse as short as a step, so that
+//! the difference may tell an eighth of the error; the sum of the embedded errors of the steps, which knows nothing of how the motion carries an error
+//! on (a pendulum forgets, a double pendulum multiplies by a thousand a second).
 
 use super::{Answer, Deviation, Question, TradeError, Unanswered, Variant};
 use crate::options::{Method, Options};
@@ -13,6 +14,8 @@ use crate::turns;
 const FINEST: f64 = 1e-13;
 /// How much finer a tolerance is.
 const TENTH: f64 = 0.1;
+/// How much finer a fixed step is.
+const QUARTER: f64 = 0.25;
 /// How many times as many steps a finer run may take.
 const MORE_STEPS: u64 = 4;
 /// Part of the wanted error that a tightened run aims at.
@@ -23,11 +26,11 @@ const STEP_BY_TOLERANCE: f64 = 0.2;
 const TRIES: usize = 12;
 
 impl Options {
-    /// The same with half the step, or a tenth of the tolerance; `None` where nothing finer is told apart from rounding.
+    /// The same with a quarter of the step, or a tenth of the tolerance; `None` where nothing finer is told apart from rounding.
     #[must_use]
     pub fn finer(self) -> Option<Options> {
         match (self.method.fixed_step(), self.method.tolerance()) {
-            (Some(_), _) => Some(self.tightened(0.5)),
+            (Some(_), _) => Some(self.tightened(QUARTER)),
             (None, Some([rtol, _])) if rtol * TENTH >= FINEST => Some(self.tightened(TENTH)),
             (None, _) => None,
         }

@@ -33,8 +33,8 @@ pub(super) enum Meter {
 
 impl<T: Float> Simulation<T> {
     /// Energy that the run made or lost so far, over the energy that moved: an estimate of what its steps got wrong of everything that has an energy.
-    /// `None` where it cannot be told: gravity is the caller's, the model does not emit its energy, adaptive steps do not integrate
-    /// the [work](crate::Options::work) of what gives and takes it, or nothing has run yet.
+    /// `None` where it cannot be told, which says nothing good of the run: gravity is the caller's, the model does not emit its energy, nothing has run
+    /// yet, or the scene has loads, dampers or motors and the steps are adaptive without their work: ask for [`Options::work`](crate::Options::work).
     #[must_use]
     pub fn imbalance(&self) -> Option<Imbalance> {
         let balance = self.balance.as_ref();

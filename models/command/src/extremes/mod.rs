@@ -141,8 +141,8 @@ impl ExtremeCase {
         match self.measure {
             ExtremeMeasure::Energy => {
                 run.run(self.until)?;
-                // Without energy that moved there is nothing to lose.
-                worst = run.imbalance().map_or(0.0, |it| it.relative());
+                // Without energy that moved there is nothing to lose; a balance that is not known passes nothing.
+                worst = run.imbalance().map_or(f64::NAN, |it| it.relative());
             }
             ExtremeMeasure::LostForGood => {
                 run.start()?;
@@ -154,7 +154,7 @@ impl ExtremeCase {
                         least = least.min((energy(run)? - start).abs());
                     }
                 }
-                worst = run.imbalance().map_or(0.0, |it| least / it.moved);
+                worst = run.imbalance().map_or(f64::NAN, |it| least / it.moved);
             }
             ExtremeMeasure::Momentum => {
                 let start = angular_momentum(run)?;
