@@ -307,13 +307,14 @@ fn a_chattering_line_is_reported_by_name_instead_of_grinding_on() {
     let error = simulation.run(1e4).unwrap_err();
     let StepError::EventChatter {
         line,
+        is_event,
         count,
         window,
     } = &error.cause
     else {
         panic!("{error}");
     };
-    assert_eq!((line.as_str(), *count), ("cord", 200));
+    assert_eq!((line.as_str(), *is_event, *count), ("cord", false, 200));
     assert!((*window - 10.0).abs() < 1e-9);
     assert!(started.elapsed().as_secs_f64() < 5.0);
 }

@@ -435,14 +435,29 @@ step_errors! {
     EventChatter {
         /// The line, the stop or the event.
         line: String,
+        /// Whether it is an event, which acts, and not a line or a stop, which switches.
+        is_event: bool,
         /// Switches and actions counted in the window.
         count: usize,
         /// The window [s].
         window: f64,
     }
     "event_limit",
-    format!("`{line}` goes on without end: {count} switches between slack and taut or actions of events in {window} s", window = plain(*window, 4)),
-    "a line or a stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless; where it has much damping, take a method for stiff systems: `rodas5p`, `auto`; an event whose action lets it happen again at once acts `acts: once`, or leaves more room between what it sets and what it waits for";
+    {
+        let times = match (is_event, count) {
+            (true, 2) => "acts, and happens again at once: twice".to_owned(),
+            (true, _) => format!("goes on without end: with it events acted and lines switched {count} times"),
+            (false, _) => format!("goes on without end: with it lines and stops switched and events acted {count} times"),
+        };
+        match *window > 0.0 {
+            true => format!("`{line}` {times} within {} s", plain(*window, 4)),
+            false => format!("`{line}` {times} at one instant"),
+        }
+    },
+    match is_event {
+        true => "where bounces get shorter without end, as those of a ball that comes to rest, say what holds then: another event that locks it or ends the run (`then: stop`), or a stop with stiffness and damping instead of the event; otherwise let it act `acts: once`, or leave more room between what it sets and what it waits for",
+        false => "a line or a stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless; where it has much damping, take a method for stiff systems: `rodas5p`, `auto`",
+    };
 
     /// An event cannot do what it says. The run stands at its instant, before it acted.
     Action {

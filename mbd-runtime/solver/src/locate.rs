@@ -493,6 +493,7 @@ impl<T: Float> Simulation<T> {
                 let model = &self.system.model;
                 return Err(StepError::EventChatter {
                     line: name(model.scene(), model.layout(), element),
+                    is_event: false,
                     count: MOST_SWITCHES,
                     window: self.chatter.window,
                 });

@@ -183,6 +183,7 @@ pub fn go_on(
     if before + 1 >= MOST {
         return Err(failed(StepError::EventChatter {
             line: name,
+            is_event: true,
             count: MOST,
             window: progress.time,
         }));

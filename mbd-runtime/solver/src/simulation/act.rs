@@ -134,6 +134,7 @@ impl<T: Float> Simulation<T> {
             if self.happens_at_once(event) {
                 return Err(StepError::EventChatter {
                     line: self.event_names(&[event]),
+                    is_event: true,
                     count: 2,
                     window: self.time - self.margins.rearmed_at(event).unwrap_or(self.time),
                 });
@@ -141,6 +142,7 @@ impl<T: Float> Simulation<T> {
             if self.chatter.sees(self.time) {
                 return Err(StepError::EventChatter {
                     line: self.event_names(&[event]),
+                    is_event: true,
                     count: MOST_SWITCHES,
                     window: self.chatter.window,
                 });

@@ -59,10 +59,17 @@ fn a_ball_bounces_by_its_closed_form_and_where_it_lies_the_run_ends_with_its_eve
             // However far the run is asked to go.
             for end in [4.2, 5.0, 60.0] {
                 let told = run.run(end).expect_err("it lies there");
-                let StepError::EventChatter { line, .. } = &told.cause else {
+                let StepError::EventChatter { line, is_event, .. } = &told.cause else {
                     panic!("{word}: {told}");
                 };
-                assert_eq!(line, "hit", "{word}");
+                assert_eq!((line.as_str(), *is_event), ("hit", true), "{word}");
+                let words = told.to_string();
+                assert!(words.contains("say what holds then"), "{words}");
+                // There is no line in the scene that could be too stiff or slack.
+                assert!(
+                    !words.contains("stiff for") && !words.contains("slack"),
+                    "{words}"
+                );
                 let [_, lies] = hits(0.8, 1);
                 assert_close(&[run.time()], &[lies], 0.0, 1e-7, &word);
                 assert!(run.state()[0].abs() < 1e-7, "{word}: {:?}", run.state());
