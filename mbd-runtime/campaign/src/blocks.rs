@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::manifest::Manifest;
 use crate::progress::ProgressLine;
 use crate::results::{CaseRow, head, join};
-use crate::table::number;
+use crate::table::{counted, number};
 use mbd_report::files;
 
 /// A part of a campaign: which, from 1, of how many.
@@ -164,7 +164,12 @@ pub fn run(
         done.add(&flown);
         progress.show(
             done.cases as f64 / all as f64,
-            &format!("{} of {all} cases, {} failed", done.cases, done.failed),
+            &format!(
+                "{} of {}, {} failed",
+                done.cases,
+                counted(all as u64, "case"),
+                done.failed
+            ),
         );
         let case = flown.row.case;
         written.add(&manifest, &flown);

@@ -9,7 +9,7 @@ use mbd_runtime::scene::twelve_digits;
 use crate::failure::Failure;
 use crate::manifest::{Manifest, ResultColumn};
 use crate::parquet::{self, ParquetCells};
-use crate::table::{cell, cells, heading, number};
+use crate::table::{cell, cells, counted, heading, number};
 
 /// One case.
 #[derive(Clone, Debug, PartialEq)]
@@ -192,9 +192,9 @@ impl Results {
         }
         if rows.len() as u64 != manifest.cases {
             return Err(wrong(format!(
-                "{} of {} cases: gather it anew",
+                "{} of {}: gather it anew",
                 rows.len(),
-                manifest.cases
+                counted(manifest.cases, "case")
             )));
         }
         Ok(Results { manifest, rows })

@@ -22,8 +22,9 @@ const SIGNIFICANT: f64 = 5.0;
 /// A smaller correlation moves no share of a variance by more than a hundredth.
 const SMALL: f64 = 0.1;
 
-/// A standard deviation below this part of the size of a metric is rounding.
-const ROUNDING: f64 = 1e-12;
+/// A standard deviation below this part of the size of a metric, or of the largest one of its unit, is what rounding and steps scatter: a metric that
+/// is zero has no size of its own.
+const ROUNDING: f64 = 1e-10;
 
 /// A metric over all cases that reached their end.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +55,8 @@ pub struct Told {
     pub percentiles: Vec<Percentile>,
     /// What is required, and what became of it.
     pub verdict: Option<RequirementVerdict>,
+    /// Whether its spread is no more than what rounding and steps scatter.
+    pub is_rounding: bool,
     /// What drives it, the strongest first; nothing where its spread is rounding.
     pub drivers: Vec<MetricDriver>,
 }
@@ -123,12 +126,16 @@ pub struct MetricDriver {
 }
 
 impl Told {
-    /// What is to be known of a quantity of which there are many.
+    /// What is to be known of a quantity of which there are many, or whose spread is none.
     #[must_use]
     pub fn caution(&self) -> Option<String> {
-        (!self.remark.is_empty()).then(|| {
-            "its reaction is not unique, because rows of joints repeat each other: what it shows is one choice of many".to_owned()
-        })
+        match (self.remark.is_empty(), self.is_rounding) {
+            (false, _) => Some(
+                "its reaction is not unique, because rows of joints repeat each other: what it shows is one choice of many".to_owned(),
+            ),
+            (true, true) => Some("its spread is rounding: nothing drives it".to_owned()),
+            (true, false) => None,
+        }
     }
 
     /// Why cases have no value; `None` where all have one.
@@ -347,6 +354,7 @@ fn told(results: &Results, companions: &[Vec<Companion>], at: usize) -> Told {
                 .map(|confidence| cases_needed(missed, require.share, confidence)),
         }
     });
+    let is_rounding = is_rounding(results, at, moments);
     Told {
         name: column.name.clone(),
         unit: column.unit.clone(),
@@ -361,8 +369,27 @@ fn told(results: &Results, companions: &[Vec<Companion>], at: usize) -> Told {
         percentiles: percentiles(&sorted, results.manifest.sampling),
         sorted,
         verdict,
-        drivers: drivers((results, companions), &values, moments),
+        is_rounding,
+        // What rounding scatters follows no dispersed number, whatever the ranks say.
+        drivers: match is_rounding {
+            true => Vec::new(),
+            false => drivers((results, companions), &values),
+        },
     }
+}
+
+/// Whether the spread of a metric with this mean and standard deviation is no more than what rounding scatters.
+fn is_rounding(results: &Results, at: usize, [mean, deviation]: [f64; 2]) -> bool {
+    let columns = results.manifest.metrics.iter().enumerate();
+    let unit = results.manifest.metrics.get(at).map(|own| &own.unit);
+    // What has no unit may be anything.
+    let alike = columns.filter(|(number, other)| {
+        *number == at || !other.unit.is_empty() && Some(&other.unit) == unit
+    });
+    let values = alike.flat_map(|(other, _)| results.metric(other));
+    let sizes = values.filter(|x| x.is_finite()).map(f64::abs);
+    let size = sizes.fold(mean.abs(), f64::max);
+    deviation > 0.0 && deviation <= ROUNDING * size
 }
 
 /// The percentiles of sorted values; those of a grid are shares of its points, and have no intervals.
@@ -382,16 +409,11 @@ fn percentiles(sorted: &[f64], sampling: CaseSampling) -> Vec<Percentile> {
     }
 }
 
-/// What drives a metric with these values, mean and standard deviation.
+/// What drives a metric with these values.
 fn drivers(
     (results, companions): (&Results, &[Vec<Companion>]),
     values: &[f64],
-    [mean, deviation]: [f64; 2],
 ) -> Vec<MetricDriver> {
-    // What rounding scatters follows no dispersed number, whatever the ranks say.
-    if deviation <= ROUNDING * mean.abs() {
-        return Vec::new();
-    }
     let dispersed = 0..results.manifest.dispersed.len();
     let drivers = dispersed.filter_map(|number| {
         let drawn = results.dispersed(number);

@@ -48,6 +48,14 @@ pub fn percent(part: f64, places: usize) -> String {
     }
 }
 
+/// `1 case`, `2 cases`: so many of what is called so.
+pub fn counted(count: u64, one: &str) -> String {
+    match count {
+        1 => format!("1 {one}"),
+        _ => format!("{count} {one}s"),
+    }
+}
+
 /// `name [unit]`, or the name alone.
 pub fn heading(name: &str, unit: &str) -> String {
     match unit {

@@ -401,7 +401,9 @@ const ROUNDED: &str = "model Stone {
     param height = 20 m in 1 m ..= 100 m;
     point stone { mass: 1 kg, start at [0.0, 0.0, height] }
     output same = sqrt(height) * sqrt(height) / height * 7;
+    output off = sqrt(height) * sqrt(height) - height;
     metric always = final same;
+    metric nothing = final off;
     metric way = final stone.position.z;
 }";
 
@@ -414,8 +416,8 @@ fn nothing_drives_a_metric_whose_spread_is_rounding() {
     let campaign = campaign_of(&folder, model.share(), text).expect("valid");
     let (_, results) = flown(&campaign, &folder.0.join("out"));
     let summary = CampaignSummary::of(&results);
-    let [always, way] = &summary.metrics[..] else {
-        panic!("two metrics");
+    let [always, nothing, way] = &summary.metrics[..] else {
+        panic!("three metrics");
     };
     let [mean, deviation] = always.moments;
     assert!(
@@ -423,12 +425,18 @@ fn nothing_drives_a_metric_whose_spread_is_rounding() {
         "{mean} {deviation}"
     );
     assert!(always.drivers.is_empty(), "{:?}", always.drivers);
+    // One that is zero has the size of what else is measured in metres.
+    let [mean, deviation] = nothing.moments;
+    assert!(mean.abs() < 1e-13 && deviation > 0.0, "{mean} {deviation}");
+    assert!(nothing.drivers.is_empty(), "{:?}", nothing.drivers);
     assert_eq!(
         way.drivers.first().map(|driver| driver.correlation),
         Some(1.0)
     );
     let told = mbd_campaign::text(&results, &summary);
     assert_eq!(told.matches("driven by").count(), 1, "{told}");
+    let rounding = "its spread is rounding: nothing drives it";
+    assert_eq!(told.matches(rounding).count(), 2, "{told}");
 }
 
 /// Runs all of a campaign into a folder.

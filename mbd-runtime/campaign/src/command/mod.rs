@@ -19,6 +19,7 @@ use crate::progress::ProgressLine;
 use crate::results::Results;
 use crate::run::Phase;
 use crate::summary::CampaignSummary;
+use crate::table::counted;
 use mbd_report::files;
 
 pub use program::main;
@@ -96,11 +97,17 @@ pub fn campaign(
         .map(|text| format!("{text}\n"))
         .collect();
     let told = format!(
-        "{beyond}{} cases run, {} of them did not reach their end{}, {} were there; written to {}\n{}",
-        done.cases,
+        "{beyond}{} run, {} of them did not reach {}{}, {} {} there; written to {}\n{}",
+        counted(done.cases, "case"),
         done.failed,
+        if done.failed == 1 {
+            "its end"
+        } else {
+            "their end"
+        },
         doubtful(&done),
         done.skipped,
+        if done.skipped == 1 { "was" } else { "were" },
         folder.display(),
         in_lanes(&done, args.lanes, has_lanes)
     );

@@ -4,7 +4,7 @@ use crate::footprint::Footprint;
 use crate::results::Results;
 use crate::sampling::CaseSampling;
 use crate::summary::{CONFIDENCE, CampaignSummary, RequirementVerdict, Told};
-use crate::table::{heading, percent};
+use crate::table::{counted, heading, percent};
 
 /// Digits behind the point of parts in percent: 0.135 has three.
 const PLACES: usize = 4;
@@ -16,10 +16,12 @@ pub fn text(results: &Results, summary: &CampaignSummary) -> String {
     let cases = summary.cases;
     let mut text = match results.manifest.sampling {
         CaseSampling::Grid => format!(
-            "{model}: {cases} points of a grid beside the nominal; percentiles are shares of these points: a grid is no random sample, and has no confidence\n"
+            "{model}: {} of a grid beside the nominal; percentiles are shares of these points: a grid is no random sample, and has no confidence\n",
+            counted(cases, "point")
         ),
         _ => format!(
-            "{model}: {cases} cases beside the nominal; percentiles by order statistics, with intervals of {:.0} % confidence\n",
+            "{model}: {} beside the nominal; percentiles by order statistics, with intervals of {:.0} % confidence\n",
+            counted(cases, "case"),
             100.0 * CONFIDENCE
         ),
     };
@@ -54,8 +56,9 @@ fn inside(results: &Results, footprint: &Footprint) -> String {
     let held = spread.ellipses.iter().map(|ellipse| {
         let inside = ellipse.inside;
         format!(
-            "\n  {:>8} %  {inside} of {of} cases inside",
-            percent(ellipse.part, PLACES)
+            "\n  {:>8} %  {inside} of {} inside",
+            percent(ellipse.part, PLACES),
+            counted(of as u64, "case")
         )
     });
     let held: String = held.collect();
@@ -190,15 +193,17 @@ impl RequirementVerdict {
             without => format!(", {without} of them without a value"),
         };
         let what = format!(
-            "{what} of all cases with {confidence} % confidence: {} of {} cases miss it{without}{}",
+            "{what} of all cases with {confidence} % confidence: {} of {} {} it{without}{}",
             self.missed,
-            self.of,
+            counted(self.of, "case"),
+            if self.missed == 1 { "misses" } else { "miss" },
             self.in_part()
         );
         match (self.holds(), self.needed) {
             (Some(true), _) => format!("shown: {what}"),
             (None, Some(needed)) => format!(
-                "NOT ENOUGH CASES: {what}, and {needed} cases with no more misses would show it"
+                "NOT ENOUGH CASES: {what}, and {} with no more misses would show it",
+                counted(needed, "case")
             ),
             _ => format!("NOT MET: {what}"),
         }
@@ -213,8 +218,9 @@ impl RequirementVerdict {
         };
         let kept = self.of - self.missed;
         format!(
-            "{word}: {what} of the points: of the {} points of the grid {kept} keep it{without}{}; a grid has no confidence",
-            self.of,
+            "{word}: {what} of the points: of the {} of the grid {kept} {} it{without}{}; a grid has no confidence",
+            counted(self.of, "point"),
+            if kept == 1 { "keeps" } else { "keep" },
             self.in_part()
         )
     }
@@ -223,6 +229,7 @@ impl RequirementVerdict {
     fn in_part(&self) -> String {
         match self.partial {
             0 => String::new(),
+            1 => "; of 1 that keeps it only a part of the window was flown".to_owned(),
             cases => format!("; of {cases} that keep it only a part of the window was flown"),
         }
     }

@@ -8,6 +8,7 @@ use super::chosen::case;
 use crate::results::Results;
 use crate::statistics::spearman;
 use crate::summary::Failures;
+use crate::table::counted;
 
 /// Failed cases of one kind that are listed.
 const LISTED: usize = 5;
@@ -29,7 +30,7 @@ pub fn failed(
         .paragraph(&format!(
             "{}: {}. The first says: {}",
             failures.status,
-            counted(failures.cases.len()),
+            counted(failures.cases.len() as u64, "case"),
             failures.why
         ))
         .command(&commands.join("\n"))
@@ -56,13 +57,6 @@ fn first(results: &Results, folder: &Path, failures: &Failures) -> ReportTable {
         ]);
     }
     table
-}
-
-fn counted(cases: usize) -> String {
-    match cases {
-        1 => "1 case".to_owned(),
-        n => format!("{n} cases"),
-    }
 }
 
 /// How failures are spread over the deciles of the dispersed number that they follow most.

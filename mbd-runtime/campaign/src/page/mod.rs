@@ -18,6 +18,7 @@ use crate::histories::{self, Chosen};
 use crate::results::{CaseRow, Results};
 use crate::sampling::CaseSampling;
 use crate::summary::{CONFIDENCE, CampaignSummary, Told};
+use crate::table::counted;
 use spread::FootprintCurves;
 
 /// The page of a campaign, beside what its results say.
@@ -160,7 +161,9 @@ fn opening(summary: &CampaignSummary) -> String {
     };
     let failed = count(&|status| !told.contains(&status));
     let failures = match failed {
+        0 if summary.cases == 1 => "it reached its end".to_owned(),
         0 => "all of them reached their end".to_owned(),
+        1 if summary.cases == 1 => "it did not reach its end".to_owned(),
         1 => "1 of them did not reach its end".to_owned(),
         n => format!("{n} of them did not reach their end"),
     };
@@ -178,8 +181,8 @@ fn opening(summary: &CampaignSummary) -> String {
             });
     let doubtful: String = doubtful.collect();
     format!(
-        "{} cases beside the nominal; {failures}{doubtful}.",
-        summary.cases
+        "{} beside the nominal; {failures}{doubtful}.",
+        counted(summary.cases, "case")
     )
 }
 

@@ -3,6 +3,7 @@
 use mbd_report::{Figure, Look, Series};
 
 use crate::envelopes::Envelope;
+use crate::table::counted;
 
 /// The bands: the first of its lines below and the one above, with what lies between.
 const BANDS: [([usize; 2], &str); 3] = [
@@ -19,8 +20,8 @@ pub fn figure(envelope: &Envelope) -> Figure<'_> {
     let (first, last) = ends(&envelope.cases);
     let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
     let cases = match first == last {
-        true => format!("{first} cases"),
-        false => format!("{first} cases at the start, {last} at the end"),
+        true => counted(first, "case"),
+        false => format!("{} at the start, {last} at the end", counted(first, "case")),
     };
     let mut figure = Figure::new(format!("{} over time", envelope.name))
         .x("time", "s")

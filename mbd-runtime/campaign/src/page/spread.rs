@@ -76,6 +76,7 @@ impl FootprintCurves {
 pub fn spread(report: Report, spread: &FootprintStatistics) -> Report {
     let report = match spread.without {
         0 => report,
+        1 => report.paragraph("1 case does not have both values and is left out."),
         n => report.paragraph(&format!(
             "{n} cases do not have both values and are left out."
         )),

@@ -109,7 +109,7 @@ fn a_sweep_over_a_grid_keeps_its_exit_codes_and_claims_no_confidence() {
         let (told, ended) =
             flown.map_or_else(|error| (error.to_string(), error.code()), |told| (told, 0));
         assert_eq!(ended, code, "{told}");
-        let verdict = "of the 2 points of the grid 1 keep it, 1 of the others without a value; a grid has no confidence";
+        let verdict = "of the 2 points of the grid 1 keeps it, 1 of the others without a value; a grid has no confidence";
         assert!(
             told.contains(verdict) && told.contains(&format!("{word}: way")),
             "{told}"
