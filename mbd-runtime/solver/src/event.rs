@@ -7,7 +7,7 @@
 //! the end of a step only (a margin can leave and return inside it).
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Direction, Float, Layout, Model, Place, Scene};
+use mbd_scene::{Direction, Float, Formula, Layout, Model, Place, Scene};
 
 use crate::approach::FEW_LOOKS;
 use crate::moving::moving;
@@ -53,6 +53,8 @@ enum WatchedGuard {
         acts: bool,
         /// Whether its guard is of time alone.
         of_time: bool,
+        /// Whether nothing but time moves its guard between events: a clock, whose alarm a state may be that events set.
+        is_clock: bool,
     },
 }
 
@@ -90,6 +92,18 @@ pub(crate) struct Margins {
     pub looks: Vec<f64>,
     /// Whether an event that acts passes so close behind the last step that its end is of the same instant.
     pub acts_behind: bool,
+}
+
+/// Whether a guard follows from time, and from declared states without a rate, alone.
+fn is_clock(scene: &Scene, guard: &Formula) -> bool {
+    let moves = |part: &Formula| match part {
+        Formula::State(state) => {
+            let declared = scene.states.get(*state);
+            declared.is_none_or(|state| !scene.is_zero(&state.rate))
+        }
+        _ => false,
+    };
+    scene.is_of_time_and_states(guard) && !scene.contains(guard, moves)
 }
 
 /// The longest C/K of some lines [s].
@@ -166,6 +180,7 @@ impl Margins {
                     direction: declared.direction,
                     acts: declared.actions.changes(),
                     of_time: scene.is_of_time(&declared.guard),
+                    is_clock: is_clock(scene, &declared.guard),
                 }),
         );
         let count = watched.len();
@@ -357,10 +372,10 @@ impl Margins {
         })
     }
 
-    /// Whether a watched margin is of a guard of time alone.
-    pub(crate) fn is_of_time(&self, index: usize) -> bool {
+    /// Whether a watched margin is of a guard that nothing but time moves between events.
+    pub(crate) fn is_clock(&self, index: usize) -> bool {
         let watched = self.watched.get(index);
-        matches!(watched, Some(WatchedGuard::Declared { of_time: true, .. }))
+        matches!(watched, Some(WatchedGuard::Declared { is_clock: true, .. }))
     }
 
     /// The margins at the start of the step as the first of four looks, or else those of the last look.

@@ -568,7 +568,8 @@ impl<T: Float> Simulation<T> {
         self.begin_sides()
     }
 
-    /// What hangs on time alone and starts at its value comes from where it was before: `time rises t0` passes in a run from t0.
+    /// What nothing but time moves and starts at its value comes from where it was before: `time rises t0` passes in a run from t0, and so does
+    /// `time rises next` where the state `next` starts at t0.
     pub(crate) fn settle_clocks(&mut self, clocks: &[usize]) -> Result<(), StepError> {
         if clocks.is_empty() {
             return Ok(());
@@ -601,11 +602,11 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// The margins of declared events whose guards are of time alone.
+    /// The margins of declared events whose guards nothing but time moves.
     pub(crate) fn clocks(&self) -> Vec<usize> {
         let declared = self.margins.declared().map(|(index, _)| index);
         declared
-            .filter(|index| self.margins.is_of_time(*index))
+            .filter(|index| self.margins.is_clock(*index))
             .collect()
     }
 

@@ -1,6 +1,6 @@
 //! Actions that bring about their own event.
 
-use mbd_runtime::{Simulation, StepError, model};
+use mbd_runtime::{Happening, Simulation, StepError, model};
 
 use super::methods;
 
@@ -62,5 +62,59 @@ fn a_level_that_is_approached_in_halves_is_passed_in_the_end_or_told() {
             ),
         }
         assert!((run.events()[1].time - 1.5).abs() < 1e-12);
+    }
+}
+
+model! {
+    /// A clock whose first alarm is at the start, one whose first is later, and a place that begins at its value.
+    model Alarm {
+        gravity: none;
+        param first = 0 s in 0 s ..= 1 s;
+        const speed = 1 m/s;
+        state next = first { rate: 0 }
+        state ticks = 0 { rate: 0 }
+        state later = 50 ms { rate: 0 }
+        state tocks = 0 { rate: 0 }
+        state place = 0 m { rate: speed }
+        point idle { mass: 1 kg }
+        event tick = time rises next { set: [ticks = ticks + 1, next = next + 100 ms] }
+        event tock = time rises later { set: [tocks = tocks + 1, later = later + 100 ms] }
+        event left = place rises 0 m;
+    }
+}
+
+/// A controller that asks for its next instant with `time rises next` acts at t0 + k T from t0 on: from the start where t0 is the start, as
+/// `time rises 0 s` does. It never acted, as its guard was on the far side from the start.
+#[test]
+fn a_clock_whose_first_alarm_is_at_the_start_ticks_from_the_start() {
+    for (first, ticks) in [(0.0, 11), (1e-9, 11), (0.1, 10)] {
+        let mut params = AlarmParams::default();
+        params.first = first;
+        let model = Alarm::new(params).expect("in range");
+        for options in methods() {
+            let mut run = Simulation::new(&model, options).expect("options that fit");
+            run.run(1.05).expect("a run");
+            let at = |event: usize| -> Vec<f64> {
+                let own = run.events().iter();
+                let own = own.filter(|it| it.what == Happening::Declared(event));
+                own.map(|it| it.time).collect()
+            };
+            let found = at(0);
+            assert_eq!(
+                found.len(),
+                ticks,
+                "{first} s, {:?}: {found:?}",
+                options.method
+            );
+            for (k, time) in found.iter().enumerate() {
+                let expected = first + 0.1 * k as f64;
+                assert!((time - expected).abs() < 1e-11, "{time} {expected}");
+            }
+            assert_eq!(at(1).len(), 11, "{:?}", options.method);
+            assert!(
+                at(2).is_empty(),
+                "what begins at its value has not passed it"
+            );
+        }
     }
 }
