@@ -15,7 +15,7 @@ use mbd_scene::{Model, plain};
 
 use crate::columns::Name;
 use crate::compiled::Scalar;
-use crate::linearise::{LinearisationError, StateSpace};
+use crate::linearise::{Kink, LinearisationError, StateSpace};
 use crate::system::Remembered;
 use crate::{RunError, Simulation};
 
@@ -98,6 +98,8 @@ pub enum TrimError {
         iterations: usize,
         /// Lines that are slack there, by name: what hangs on them has nothing that holds it.
         slack: Vec<String>,
+        /// A kink of a rate there, by what was free: on the one side it may have no derivative that leads on.
+        kink: Option<Box<Kink>>,
     },
     /// An input that there is not.
     UnknownInput {
@@ -134,6 +136,7 @@ impl std::fmt::Display for TrimError {
                 counts: [unknowns, residuals],
                 iterations,
                 slack,
+                kink,
             } => {
                 let what = match is_state {
                     true => "a rate",
@@ -144,6 +147,15 @@ impl std::fmt::Display for TrimError {
                     "no balance found: `{worst}` keeps {what} of {} {unit} after {iterations} steps, with {unknowns} unknowns for {residuals} accelerations and rates of states",
                     plain(*residual, 4)
                 )?;
+                if let Some(kink) = kink {
+                    let [one, other] = kink.sides.map(|side| plain(side, 4));
+                    return write!(
+                        f,
+                        ": the search stands at a kink, where the rate of `{}` changes by {one} per unit of `{by}` on one side and by {other} on the other; let it begin beside the kink, with another value of `{by}`",
+                        kink.of.name,
+                        by = kink.by.name,
+                    );
+                }
                 match (unknowns < residuals, slack.is_empty()) {
                     (true, _) => write!(f, ": fix fewer coordinates, or free an input"),
                     (false, true) => write!(f, ": give a better guess, or fix less"),

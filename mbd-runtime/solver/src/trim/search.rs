@@ -4,13 +4,13 @@ use mbd_scene::{JointStart, LINE_NUMBERS, Model, Quantity, Scene, StartFrom, Sta
 use nalgebra::{DMatrix, DVector};
 
 use super::{TrimError, TrimProblem, Trimmed};
-use crate::columns::a_second;
+use crate::columns::{Name, a_second};
 use crate::compiled::Scalar;
 use crate::linearise::chart::{
     Chart, ChartOrder, MinimalCoordinate, input_names, known, with_unit,
 };
 use crate::linearise::moment::{SceneMoment, check_given, check_lists};
-use crate::linearise::{LinearisationError, StateSpace, motors_follow};
+use crate::linearise::{Kink, LinearisationError, StateSpace, motors_follow};
 use crate::simulation::start::declared_start;
 
 /// Steps at most.
@@ -402,6 +402,7 @@ impl Search {
                 counts: [self.free.len() + self.inputs.len() + rest, n + rest],
                 iterations,
                 slack: self.slack(),
+                kink: self.kink(&space),
             });
         }
         let undecided = self.undecided(&space);
@@ -462,6 +463,16 @@ impl Search {
         self.advance(&moves, [&behind, &inputs], 0.0)?;
         let nodes = self.moment.node_positions();
         self.residual(Some(&nodes))
+    }
+
+    /// A kink of a rate here, by an unknown.
+    fn kink(&self, space: &StateSpace) -> Option<Box<Kink>> {
+        let coordinates = self.free.iter().filter_map(|at| space.states.get(*at));
+        let inputs = self.inputs.iter().filter_map(|at| space.inputs.get(*at));
+        let unknowns: Vec<&Name> = coordinates.chain(inputs).collect();
+        let mut kinks = space.kinks.iter();
+        let own = kinks.find(|kink| kink.is_rate && unknowns.contains(&&kink.by));
+        own.map(|kink| Box::new(kink.clone()))
     }
 
     /// The lines that are slack here, by name.

@@ -145,7 +145,12 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, CommandFailure> {
         .fold(asked, |it, (name, value)| it.rate(name, *value));
     let rest = asked.solve().map_err(|error| {
         let first = match (&error, &args.after) {
-            (TrimError::Unbalanced { slack, .. }, None) if slack.is_empty() => {
+            (
+                TrimError::Unbalanced {
+                    slack, kink: None, ..
+                },
+                None,
+            ) if slack.is_empty() => {
                 "; what a run comes to by itself is searched from there: `--after 60s`"
             }
             _ => "",

@@ -293,3 +293,33 @@ fn a_linkage_comes_to_one_rest_along_angles_that_turn_back_on_the_way_too() {
         );
     }
 }
+
+/// A thrust of max(0, u) holds nothing at u = 0 and any weight above: on the side of none the search has no derivative, and says so. Beside it the weight is
+/// the thrust.
+#[test]
+fn a_search_that_stands_at_a_kink_says_so_and_where_to_begin() {
+    let scene = read(
+        "model Lifted {
+            gravity: [0, 0, -9.81] m/s^2;
+            input u: force = 0 N;
+            body cart { mass: 2 kg, inertia: diag(1, 1, 1) kg*m^2 }
+            joint rail: prismatic from world to cart.com { axis: z }
+            load push on cart = [0 N, 0 N, max(0 N, u)];
+        }",
+    );
+    let model = generic(scene);
+    let error = trim(&model).free_input("u").solve().expect_err("no slope");
+    let TrimError::Unbalanced {
+        kink: Some(kink), ..
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!(kink.by.name, "u");
+    let told = error.to_string();
+    assert!(told.contains("with another value of `u`"), "{told}");
+    let found = trim(&model).input("u", 1.0).free_input("u").solve();
+    let found = found.expect("it hovers");
+    let thrust = found.value("u").expect("the input");
+    assert!((thrust - 2.0 * 9.81).abs() < 1e-9, "{thrust}");
+}
