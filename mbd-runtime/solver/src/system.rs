@@ -194,6 +194,13 @@ impl<T: Float> System<T> {
         self.breaks.get(behind).copied()
     }
 
+    /// Whether what acts jumps at one of these times in a span, whose ends count.
+    pub(crate) fn jumps_within(&self, [from, to]: [f64; 2]) -> bool {
+        let first = self.breaks.partition_point(|at| at.time < from);
+        let later = self.breaks.iter().skip(first);
+        later.take_while(|at| at.time <= to).any(|at| at.jumps)
+    }
+
     /// Runs the same scene with other parameters from here on.
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
         let params = params_of(model.params());

@@ -11,7 +11,7 @@ use crate::integrate::stiffness;
 use crate::moving::moving;
 use crate::rounding::{REFUSED, TimeRounding};
 use crate::system::WORKS;
-use crate::trajectory::{Trajectory, resolution};
+use crate::trajectory::Trajectory;
 use crate::watch::{Instability, LIMIT, NEGLIGIBLE, Watch};
 
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
@@ -205,9 +205,12 @@ impl<T: Float> Simulation<T> {
         };
         let now = self.meter.reading(attempt.energy()?.map(T::to_f64))?;
         let [time, step] = attempt.step();
-        let next = self.system.next_break(time - resolution(time));
-        let end = time + step;
-        if next.is_some_and(|it| it.time <= end + resolution(end)) {
+        // By how much energy jumps there is looked for inside the step; a kink lets nothing jump.
+        let apart = self.one_instant(step);
+        if self
+            .system
+            .jumps_within([time - apart, time + step + apart])
+        {
             return None;
         }
         let work = match exchanges {
