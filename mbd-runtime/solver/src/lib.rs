@@ -51,6 +51,7 @@ mod rounding;
 mod row;
 mod simulation;
 mod slopes;
+mod step_sizes;
 mod stiffness;
 mod supply;
 mod system;
@@ -119,6 +120,7 @@ pub use integrate::Scales;
 pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
 pub use simulation::{Acted, Handover, Moved, PassedStop, Simulation, Snapshot, Stop};
+pub use step_sizes::StepSizes;
 pub use supply::{InputNumbers, Inputs, Params, Sample};
 pub use system::{External, NoLoads};
 

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use mbd_scene::similar::near_and_all;
 use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber};
 
+use crate::accuracy::FINER_STEP;
 use crate::balance::EnergyBalance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
@@ -19,6 +20,7 @@ use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::rounding::{Rounding, TimeRounding};
+use crate::step_sizes::StepSizes;
 use crate::supply::Sampler;
 use crate::system::System;
 use crate::unilateral::{Mode, report};
@@ -177,6 +179,9 @@ pub struct Simulation<T: Float> {
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
+    /// How long adaptive steps are along the run, and those of another one that its steps stay below by a part.
+    step_sizes: StepSizes,
+    below: Option<(StepSizes, f64)>,
     stiffness: StiffnessTest,
     watch: Watch,
     watch_weights: Vec<T>,
@@ -348,6 +353,19 @@ impl<T: Float> Simulation<T> {
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         self.system.statistics()
+    }
+
+    /// How long the steps of this run are, where they are adaptive.
+    #[must_use]
+    pub fn step_sizes(&self) -> &StepSizes {
+        &self.step_sizes
+    }
+
+    /// Keeps adaptive steps below those of another run at the same time, by as much as a tenth of its tolerance makes them shorter: with
+    /// [`Options::finer`](crate::Options::finer) the run that tells the error of that one, where events, samples and entries of tables end the steps
+    /// of both.
+    pub fn refine(&mut self, other: &StepSizes) {
+        self.below = Some((other.clone(), FINER_STEP));
     }
 
     /// Located events, in order.

@@ -7,6 +7,7 @@
 
 use super::{Answer, Deviation, Question, TradeError, Unanswered, Variant};
 use crate::options::{Method, Options};
+use crate::step_sizes::StepSizes;
 use crate::trajectory::Trajectory;
 use crate::turns;
 
@@ -22,36 +23,28 @@ const MORE_STEPS: u64 = 4;
 const AIM: f64 = 0.3;
 /// Steps of a method of order five go with this power of the tolerance.
 const STEP_BY_TOLERANCE: f64 = 0.2;
+/// Steps of a tenth of the tolerance, by those of the tolerance: 0.1^0.2.
+pub(crate) const FINER_STEP: f64 = 0.63;
 /// How often a run is tightened.
 const TRIES: usize = 12;
 
 impl Options {
-    /// The same with a quarter of the step, or a tenth of the tolerance; `None` where nothing finer is told apart from rounding.
+    /// The same with a quarter of the step, or a tenth of the tolerance; `None` where nothing finer is told apart from rounding. Where events, samples and entries
+    /// of tables end adaptive steps a tighter tolerance alone would make the same ones again, and their error would be in both runs: give the
+    /// second one the steps of the first, [`Simulation::refine`](crate::Simulation::refine).
     #[must_use]
     pub fn finer(self) -> Option<Options> {
         match (self.method.fixed_step(), self.method.tolerance()) {
             (Some(_), _) => Some(self.tightened(QUARTER)),
-            (None, Some([rtol, _])) if rtol * TENTH >= FINEST => Some(self.tightened(TENTH)),
+            (None, Some([rtol, _])) if rtol * TENTH >= FINEST => {
+                let finer = self.tightened(TENTH);
+                Some(Options {
+                    max_steps: finer.max_steps.saturating_mul(MORE_STEPS),
+                    ..finer
+                })
+            }
             (None, _) => None,
         }
-    }
-
-    /// [`Options::finer`] of a run whose steps were this long in the mean [s], with adaptive steps that are shorter than these by as much as a tenth of the tolerance
-    /// makes them: where events, samples and entries of tables end the steps, a tighter tolerance alone would make the same ones again, and their error would
-    /// be in both runs.
-    #[must_use]
-    pub fn finer_than(self, mean: f64) -> Option<Options> {
-        let mut options = self.finer()?;
-        if let Method::Tsit5 { max_step, .. }
-        | Method::Vern7 { max_step, .. }
-        | Method::Rodas5P { max_step, .. }
-        | Method::Auto { max_step, .. } = &mut options.method
-            && mean > 0.0
-        {
-            *max_step = max_step.min(mean * TENTH.powf(STEP_BY_TOLERANCE));
-            options.max_steps = options.max_steps.saturating_mul(MORE_STEPS);
-        }
-        Some(options)
     }
 
     /// The same with its step, or its tolerance, times a factor. What bounds adaptive steps beside the tolerance changes with it: where that alone
@@ -91,12 +84,11 @@ impl Variant<'_> {
     /// A run that does not reach its end, or an unknown column.
     pub fn error(&self, question: &Question, options: Options) -> Result<Deviation, TradeError> {
         question.check()?;
-        let one = self.reference(question, options)?;
-        let until = question.times().last().copied().unwrap_or_default();
-        let other = options
-            .finer_than(until / one.statistics.steps as f64)
-            .unwrap_or_else(|| options.tightened(1.0 / TENTH));
-        let other = self.reference(question, other)?;
+        let one = self.reference(question, options, None)?;
+        let other = match options.finer() {
+            Some(finer) => self.reference(question, finer, Some(&one.step_sizes))?,
+            None => self.reference(question, options.tightened(1.0 / TENTH), None)?,
+        };
         Ok(Deviation::between(&one.values, &other.values))
     }
 
@@ -112,18 +104,24 @@ impl Variant<'_> {
     ) -> Result<Deviation, TradeError> {
         question.check()?;
         let (one, other) = (
-            self.reference(question, options)?,
-            self.reference(question, others)?,
+            self.reference(question, options, None)?,
+            self.reference(question, others, None)?,
         );
         Ok(Deviation::between(&one.values, &other.values))
     }
 
     /// What a run says that others are compared with.
-    fn reference(&self, question: &Question, options: Options) -> Result<Answer, TradeError> {
-        self.answer(question, options).map_err(|why| match why {
-            Unanswered::Run(error) => TradeError::NoReference(Box::new(error)),
-            Unanswered::Column(known) => TradeError::Column(question.column.clone(), known),
-        })
+    fn reference(
+        &self,
+        question: &Question,
+        options: Options,
+        below: Option<&StepSizes>,
+    ) -> Result<Answer, TradeError> {
+        self.answer(question, options, below)
+            .map_err(|why| match why {
+                Unanswered::Run(error) => TradeError::NoReference(Box::new(error)),
+                Unanswered::Column(known) => TradeError::Column(question.column.clone(), known),
+            })
     }
 
     /// Tightens a run until its error (rms over the window) is at most `error`, in the unit of the column.

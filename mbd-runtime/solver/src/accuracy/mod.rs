@@ -39,12 +39,14 @@ use crate::content::Content;
 use crate::error::{RunError, Statistics};
 use crate::options::Options;
 use crate::simulation::Simulation;
+use crate::step_sizes::StepSizes;
 use crate::trajectory::{Sampling, Trajectory};
 
 mod estimate;
 mod race;
 
 pub use estimate::Accurate;
+pub(crate) use estimate::FINER_STEP;
 pub use race::{Advice, Entry, FailedSetting, Race, trade};
 
 /// Places in the window at which a run is compared.
@@ -87,8 +89,10 @@ impl Question {
     }
 }
 
-/// What flies a variant with options, and keeps a history at these times.
-type Fly<'a> = Box<dyn Fn(Options, Vec<f64>) -> Result<Trajectory, RunError> + 'a>;
+/// What flies a variant with options, finer than other steps where they are given, and keeps a history at these times.
+type Fly<'a> = Box<dyn Fn(Options, Vec<f64>, Option<&StepSizes>) -> Flight + 'a>;
+/// The history, and how long its steps were.
+type Flight = Result<(Trajectory, StepSizes), RunError>;
 
 /// A model of what is asked about, and how its runs begin: with another model of a node, another scalar, another mass.
 pub struct Variant<'a> {
@@ -104,7 +108,7 @@ impl<'a> Variant<'a> {
         begin: impl Fn(&mut Simulation<T>) -> Result<(), RunError> + 'a,
     ) -> Self {
         let model = model.share();
-        let fly = move |options: Options, times: Vec<f64>| {
+        let fly = move |options: Options, times: Vec<f64>, below: Option<&StepSizes>| {
             let content = Content {
                 energy: false,
                 reactions: false,
@@ -113,10 +117,13 @@ impl<'a> Variant<'a> {
             let until = times.last().copied().unwrap_or(0.0);
             let mut run = Simulation::new(&*model, options)?;
             begin(&mut run)?;
+            if let Some(other) = below {
+                run.refine(other);
+            }
             let history = Trajectory::new(&*model, Sampling::At(times), content);
             let mut history = history.measure(&*model, &[]);
             run.record(until, &mut history)?;
-            Ok(history)
+            Ok((history, run.step_sizes().clone()))
         };
         Variant {
             name: name.into(),
@@ -131,15 +138,22 @@ impl<'a> Variant<'a> {
     }
 
     /// The answer of a run with these options, its counters, and how long it took.
-    fn answer(&self, question: &Question, options: Options) -> Result<Answer, Unanswered> {
+    fn answer(
+        &self,
+        question: &Question,
+        options: Options,
+        below: Option<&StepSizes>,
+    ) -> Result<Answer, Unanswered> {
         let clock = Instant::now();
-        let history = (self.fly)(options, question.times()).map_err(Unanswered::Run)?;
+        let flown = (self.fly)(options, question.times(), below);
+        let (history, step_sizes) = flown.map_err(Unanswered::Run)?;
         let seconds = clock.elapsed().as_secs_f64();
         let values = history.column(&question.column);
         let values = values.ok_or_else(|| Unanswered::Column(known(&history)))?;
         Ok(Answer {
             values: values.to_vec(),
             statistics: history.statistics,
+            step_sizes,
             seconds,
         })
     }
@@ -155,6 +169,7 @@ fn known(history: &Trajectory) -> Vec<String> {
 struct Answer {
     values: Vec<f64>,
     statistics: Statistics,
+    step_sizes: StepSizes,
     seconds: f64,
 }
 

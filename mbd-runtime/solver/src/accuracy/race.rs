@@ -177,7 +177,7 @@ fn find_reference(
             max_steps: if answers.is_empty() { LONGEST } else { LONG },
             ..Options::of(method)
         };
-        match variant.answer(question, options) {
+        match variant.answer(question, options, None) {
             Ok(answer) => answers.push((method, answer)),
             Err(Unanswered::Run(error)) => stopped = Some(error),
             Err(Unanswered::Column(known)) => {
@@ -215,13 +215,13 @@ impl Race {
             max_steps: (most / 2).max(1000),
             ..Options::of(method)
         };
-        match variant.answer(&self.question, options) {
+        match variant.answer(&self.question, options, None) {
             Ok(mut answer) => {
                 for _ in 0..AGAIN {
                     if answer.seconds > SHORT {
                         break;
                     }
-                    if let Ok(again) = variant.answer(&self.question, options) {
+                    if let Ok(again) = variant.answer(&self.question, options, None) {
                         answer.seconds = answer.seconds.min(again.seconds);
                     }
                 }

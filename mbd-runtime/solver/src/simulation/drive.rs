@@ -378,7 +378,13 @@ impl<T: Float> Simulation<T> {
         let left = until - self.time;
         let step = match &self.pace {
             Pace::Fixed(step) => *step,
-            Pace::Adaptive(control, _) => control.step.min(control.largest).min(LONGEST),
+            Pace::Adaptive(control, _) => {
+                let step = control.step.min(control.largest).min(LONGEST);
+                match &self.below {
+                    Some((other, part)) => step.min(part * other.at(self.time)),
+                    None => step,
+                }
+            }
         };
         if step >= left * (1.0 - 1e-9) {
             (left, true)
@@ -581,6 +587,9 @@ impl<T: Float> Simulation<T> {
         counters.steps = counters.steps.saturating_add(1);
         if self.method.is_stiff() {
             counters.stiff_steps = counters.stiff_steps.saturating_add(1);
+        }
+        if let Pace::Adaptive(..) = self.pace {
+            self.step_sizes.add(end);
         }
         let projected = self.system.project(&mut self.state);
         let begun = match projected {

@@ -27,6 +27,7 @@ use crate::moving::moving;
 use crate::options::{Method, Options};
 use crate::rearm::Rearmed;
 use crate::rounding::{Rounding, TimeRounding};
+use crate::step_sizes::StepSizes;
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::System;
@@ -173,6 +174,8 @@ impl<T: Float> Simulation<T> {
             looks: 0,
             stalled: f64::NAN,
             pace,
+            step_sizes: StepSizes::default(),
+            below: None,
             stiffness: StiffnessTest::default(),
             watch: Watch::default(),
             watch_weights: Vec::new(),
@@ -243,6 +246,9 @@ impl<T: Float> Simulation<T> {
         self.shown.forget();
         self.origin = self.time;
         self.count = 0;
+        if self.is_adaptive() {
+            self.step_sizes.begin(self.time);
+        }
         self.chatter = Chatter::new();
         self.stiffness = StiffnessTest::default();
         self.stalled = f64::NAN;

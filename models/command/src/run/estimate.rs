@@ -4,7 +4,7 @@ use mbd_campaign::LARGE_ERROR;
 use mbd_campaign::run::RunPlan;
 use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::{Formula, Function, Scene, plain};
-use mbd_runtime::{Deviation, MetricValue, Model, Sampling, Simulation, Trajectory};
+use mbd_runtime::{Deviation, MetricValue, Model, Sampling, Simulation, StepSizes, Trajectory};
 
 use super::outcome::{CONTENT, RunOutcome};
 
@@ -50,7 +50,12 @@ impl Estimate {
 }
 
 /// Flies the plan again with finer steps, and compares metrics, outputs and lines, or where there are none of these the motion of bodies and points.
-pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> Option<Estimate> {
+pub fn estimate(
+    model: &dyn Model<f64>,
+    plan: &RunPlan,
+    first: &Trajectory,
+    sizes: &StepSizes,
+) -> Option<Estimate> {
     let rows = rows(first);
     let times: Vec<f64> = rows
         .iter()
@@ -64,10 +69,9 @@ pub fn estimate(model: &dyn Model<f64>, plan: &RunPlan, first: &Trajectory) -> O
         last
     };
     let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT);
-    let start = first.times().first().copied().unwrap_or_default();
-    let mean = (until - start) / first.statistics.steps as f64;
-    let mut run = Simulation::new(model, plan.options.finer_than(mean)?).ok()?;
+    let mut run = Simulation::new(model, plan.options.finer()?).ok()?;
     plan.begin(&mut run).ok()?;
+    run.refine(sizes);
     run.record(until, &mut finer).ok()?;
     let outputs = model
         .scene()

@@ -87,14 +87,17 @@ pub fn fly_measuring(
         Some(metrics) => history(model, plan).measure(model, &metrics.readers()),
         None => history(model, plan),
     };
-    let mut outcome = fly_on(begun(model, plan), model, (plan, history), progress).outcome;
+    let FlownPhase { mut outcome, run } =
+        fly_on(begun(model, plan), model, (plan, history), progress);
     if let Some(metrics) = metrics {
         let scene = [model.scene()];
         outcome.besides = metrics.besides(&scene, &outcome.trajectory);
         outcome.partial = metrics.partial_besides(&scene, &outcome.trajectory);
     }
-    if outcome.error.is_none() && plan.estimate {
-        outcome.estimate = estimate(model, plan, &outcome.trajectory);
+    if let Some((run, _)) = run
+        && plan.estimate
+    {
+        outcome.estimate = estimate(model, plan, &outcome.trajectory, run.step_sizes());
     }
     outcome
 }
