@@ -90,9 +90,9 @@ impl Question {
 }
 
 /// What flies a variant with options, finer than other steps where they are given, and keeps a history at these times.
-type Fly<'a> = Box<dyn Fn(Options, Vec<f64>, Option<&StepSizes>) -> Flight + 'a>;
+type Fly<'a> = Box<dyn Fn(Options, Vec<f64>, Option<&StepSizes>) -> FlownVariant + 'a>;
 /// The history, and how long its steps were.
-type Flight = Result<(Trajectory, StepSizes), RunError>;
+type FlownVariant = Result<(Trajectory, StepSizes), RunError>;
 
 /// A model of what is asked about, and how its runs begin: with another model of a node, another scalar, another mass.
 pub struct Variant<'a> {
