@@ -88,9 +88,7 @@ model! {
 #[test]
 fn a_clock_whose_first_alarm_is_at_the_start_ticks_from_the_start() {
     for (first, ticks) in [(0.0, 11), (1e-9, 11), (0.1, 10)] {
-        let mut params = AlarmParams::default();
-        params.first = first;
-        let model = Alarm::new(params).expect("in range");
+        let model = Alarm::new(AlarmParams { first }).expect("in range");
         for options in methods() {
             let mut run = Simulation::new(&model, options).expect("options that fit");
             run.run(1.05).expect("a run");
