@@ -183,8 +183,8 @@ fn floater(gravity: &str, inertia: &str) -> String {
 #[test]
 fn a_free_body_costs_its_quaternion_rate_and_the_equation_of_euler() {
     let scene = read(&floater("none", "diag(2.0, 3.0, 4.0) kg*m^2"));
-    // q̇ = ½ q ⊗ ω: ½ω 3 mul; three rows of 3 mul, 2 add; the row of w 3 mul, 2 add and a sign.
-    let quaternion = [6 + 3, 3 + 9 + 3, 0, 0, 0, 0];
+    // q̇ = ½ q ⊗ ω: −½ω 3 mul; four rows of 3 mul, 2 add.
+    let quaternion = [6 + 2, 3 + 9 + 3, 0, 0, 0, 0];
     // ω̇ = I⁻¹ (I ω × ω), about principal axes (I_y − I_z) ω_y ω_z and so on: 3 mul, one more by the difference that is not 1, I⁻¹ 3 mul.
     // No rotation matrix: no torque is given in world axes.
     let euler = [0, 7, 0, 0, 0, 0];

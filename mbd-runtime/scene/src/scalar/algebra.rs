@@ -96,20 +96,21 @@ pub fn rotation<S: Real>([w, x, y, z]: [S; 4]) -> Matrix3<S> {
 
 /// ½ q ⊗ (0, ω) of a quaternion w x y z for ω in body axes (`in_body`), ½ (0, ω) ⊗ q for ω in world axes.
 pub fn quaternion_rate<S: Real>([w, x, y, z]: [S; 4], omega: &Vector3<S>, in_body: bool) -> [S; 4] {
-    let half = S::from_f64(0.5);
+    // Halves of −ω: so written, no rate takes a sign of its own.
+    let half = S::from_f64(-0.5);
     let omega = omega.map(|rate| half * rate);
     // The two products differ in the sign of the cross product.
     let sign = if in_body { S::one() } else { -S::one() };
     let swirl = Vector3::new(
-        y * omega.z - z * omega.y,
-        z * omega.x - x * omega.z,
-        x * omega.y - y * omega.x,
+        z * omega.y - y * omega.z,
+        x * omega.z - z * omega.x,
+        y * omega.x - x * omega.y,
     );
     [
-        -(x * omega.x + y * omega.y + z * omega.z),
-        w * omega.x + sign * swirl.x,
-        w * omega.y + sign * swirl.y,
-        w * omega.z + sign * swirl.z,
+        x * omega.x + y * omega.y + z * omega.z,
+        sign * swirl.x - w * omega.x,
+        sign * swirl.y - w * omega.y,
+        sign * swirl.z - w * omega.z,
     ]
 }
 
