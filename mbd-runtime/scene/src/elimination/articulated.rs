@@ -396,8 +396,12 @@ impl<S: Real> BlockSystem<S> {
                 for (row, at) in node.rows(plan, below).enumerate() {
                     let last = last(below, other, row, columns);
                     for (column, from) in node.rows(plan, other).enumerate().take(last) {
-                        let mut total =
-                            sparse_dot(&self.scaled[at..at + n], &self.store[from..from + n]);
+                        let (x, p) = (&self.scaled[at..at + n], &self.store[from..from + n]);
+                        let own = x.get(row).filter(|x| at == from && x.is_one());
+                        let mut total = match own.filter(|_| coupling.is_none()) {
+                            Some(_) => unit_square(x, row, &inertia[row], p),
+                            None => sparse_dot(x, p),
+                        };
                         if let Some(coupling) = coupling {
                             let own = coupling.at + n * row;
                             total +=
@@ -629,6 +633,17 @@ pub(crate) fn sparse_dot<S: Real>(a: &[S], b: &[S]) -> S {
         }
     }
     sum
+}
+
+/// x · p for p = I x, `row` the row of I of an element of x that is one: what the other elements give it in p, they give back.
+///
+/// ```text
+/// x · I x = I_rr + Σ x_e (I_re + p_e),  e ≠ r
+/// ```
+fn unit_square<S: Real>(x: &[S], own: usize, row: &[S], p: &[S]) -> S {
+    let others = x.iter().zip(row.iter().zip(p)).enumerate();
+    let others = others.filter(|&(e, (x, _))| e != own && !x.is_zero());
+    others.fold(row[own], |sum, (_, (&x, (&row, &p)))| sum + x * (row + p))
 }
 
 /// a b, where a is not zero.
