@@ -76,9 +76,9 @@ impl JointDefinition for Screw {
         // The helix row holds the slide of a cylindrical joint: κ ẋ + c·ω, c the couple of the row.
         let across = Carried::in_planes(ends, &self.axis.complement());
         let mut carried = across.turns(ends, &self.axis);
-        let row = helix(ends, &self.axis, lead(ends.number(0)));
+        let (row, slope) = helix(ends, &self.axis, lead(ends.number(0)));
         let along = ends.parent.outward.apply(&ends.parent.axis(&self.axis));
-        let inverse = S::one() / row.child().linear.dot(&along);
+        let inverse = S::one() / (slope * along.dot(&along));
         carried.hold_after(Twist::slide(along), inverse);
         let turn = &mut carried.free[0];
         let advance = -(row.child().angular.dot(&turn.angular) * inverse);

@@ -434,7 +434,7 @@ impl<S: Real> Rows<S> {
     /// γ   = h sin φ γ(U) − h cos φ γ(V) + (U cos φ + V sin φ) γ(z) − 2 (U̇ cos φ + V̇ sin φ) ż + (U sin φ − V cos φ) ż²/h
     /// ```
     pub fn helix(&mut self, ends: &Ends<'_, S>, axis: &Axis, lead: S) {
-        self.push(|| helix(ends, axis, lead));
+        self.push(|| helix(ends, axis, lead).0);
     }
 }
 
@@ -573,8 +573,8 @@ fn distance<S: Real>(ends: &Ends<'_, S>, length: S) -> Row<S> {
     }
 }
 
-/// (5), with the axes of frame 1 rotated by φ: m = u1 sin φ − v1 cos φ and n = u1 cos φ + v1 sin φ.
-pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S> {
+/// (5), with the axes of frame 1 rotated by φ: m = u1 sin φ − v1 cos φ and n = u1 cos φ + v1 sin φ; and its slope ∂Φ/∂z.
+pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> (Row<S>, S) {
     let [u, v] = axis.complement();
     let displacement = in_plane(ends, axis);
     let (sin, cos) = (displacement.value / lead).sin_cos();
@@ -583,17 +583,19 @@ pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S>
     let [behind, ahead] = rotated([own[1], own[0]], (sin, cos));
     let u = ends.child.axis(&u);
     let (miss, advance) = (across(ends, &-behind, &u), across(ends, &ahead, &u));
+    let slope = advance.value;
     let speed = ends.parent.axis(axis).dot(&ends.slide_rate());
     let turning = advance.parent().angular.dot(&ends.spin().difference);
-    let row = miss.scaled(lead).plus(&displacement.scaled(advance.value));
+    let row = miss.scaled(lead).plus(&displacement.scaled(slope));
     let two = S::from_f64(2.0);
     let own = (miss.value * speed / lead - two * turning) * speed;
-    Row {
+    let row = Row {
         bias: row.bias + own,
         relative: row.relative + own,
         value: lead * miss.value,
         ..row
-    }
+    };
+    (row, slope)
 }
 
 /// The couple on the child of a row (2), child components.

@@ -181,7 +181,7 @@ const CHAINS: [(&str, Kind, &[usize], usize); 16] = [
     ("cylindrical, angle driven", cylindrical, &[1], 410),
     ("planar", table, &[], 450),
     ("planar, angle driven", table, &[2], 510),
-    ("screw", screw, &[], 695),
+    ("screw", screw, &[], 685),
     ("constant velocity", drive_shaft, &[], 600),
 ];
 
