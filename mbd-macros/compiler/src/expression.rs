@@ -431,6 +431,7 @@ mod tests {
             assert_eq!((-(x - y)) * y, -((x - y) * y));
             assert_eq!(x + -(x - y), x - (x - y));
             assert_eq!(-x - y, -(x + y));
+            assert_eq!(y - x, -(x - y));
         });
     }
 

@@ -91,7 +91,12 @@ impl Graph {
                 let sum = self.binary(Binary::Add, a, b);
                 Some(self.unary(Unary::Neg, sum))
             }
-            (None, None) => None,
+            (None, None) => {
+                // y − x already differs by a sign.
+                let opposite = TermKind::Apply(Op::Binary(Binary::Sub, b, a));
+                let opposite = self.asked(opposite)?;
+                Some(self.unary(Unary::Neg, opposite))
+            }
         }
     }
 

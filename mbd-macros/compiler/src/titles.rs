@@ -115,12 +115,13 @@ impl OperationPhase {
 }
 
 /// The phase of visit number `visit` of `all` that a program pays to a section. A solution comes to a thing up to three times: to see where it
-/// is and what acts on it, backward from the tips to the root to take it out, and forward again.
+/// is and what acts on it, backward from the tips to the root to take it out, and forward again. `before`: no joint has been come to yet, and one will
+/// be, so that this is no solution even where there is no other visit: few terms may be done with others.
 fn phase(
     equations: &SceneEquations,
     program: &Program,
     section: &str,
-    visit: [usize; 2],
+    (visit, before): ([usize; 2], bool),
 ) -> OperationPhase {
     let scene = &equations.scene;
     let solves = matches!(
@@ -139,7 +140,7 @@ fn phase(
         _ if scene.loads.iter().any(|load| load.name == section) => OperationPhase::Load,
         [0, _] if joint => OperationPhase::Rows,
         [0, _] if scene.lines.iter().any(|line| line.name == section) => OperationPhase::Tension,
-        [0, all] if moves && (all > 1 || !solves) => OperationPhase::Motion,
+        [0, all] if moves && (all > 1 || before || !solves) => OperationPhase::Motion,
         _ if !solves || !(moves || joint) => OperationPhase::Other,
         [visit, all] if visit + 1 == all => OperationPhase::Forward,
         _ => OperationPhase::Backward,
@@ -157,7 +158,7 @@ fn phases(
     let things: Vec<usize> = blocks
         .map(|block| busiest(program, &block.instructions))
         .collect();
-    let name = |(&thing, visit): (&usize, [usize; 2])| {
+    let name = |(&thing, visit): (&usize, ([usize; 2], bool))| {
         let section = program.sections.get(thing).map_or("", String::as_str);
         // A kernel of the state derivative is named after the phase, one of another quantity after the quantity.
         let phase = match program.what {
@@ -171,7 +172,10 @@ fn phases(
             family => format!("{}_{phase}", identifier(family)),
         }
     };
-    things.iter().zip(visits(&things)).map(name).collect()
+    let visits = visits(&things)
+        .into_iter()
+        .zip(before_joints(equations, program, &things));
+    things.iter().zip(visits).map(name).collect()
 }
 
 /// A heading where the terms of another thing begin, for each of the instructions `indices` of a program: one that has a `let`.
@@ -191,7 +195,8 @@ pub fn headings(
     let runs: Vec<&[(usize, usize)]> = runs.into_iter().filter(|run| run.len() >= HEADED).collect();
     let things: Vec<usize> = runs.iter().map(|run| run[0].1).collect();
     let mut last = String::new();
-    for (run, visit) in runs.iter().zip(visits(&things)) {
+    let before = before_joints(equations, program, &things);
+    for (run, visit) in runs.iter().zip(visits(&things).into_iter().zip(before)) {
         let (at, thing) = run[0];
         let section = program.sections.get(thing).map_or("", String::as_str);
         if !section.is_empty() {
@@ -239,6 +244,21 @@ fn visits(things: &[usize]) -> Vec<[usize; 2]> {
     }
     let all = |(thing, visit): (usize, usize)| [visit, counts[thing]];
     visits.into_iter().map(all).collect()
+}
+
+/// For each block, given the thing it works for, whether none of the blocks so far works for a joint, and a later one does.
+fn before_joints(
+    equations: &SceneEquations,
+    program: &Program,
+    things: &[usize],
+) -> impl Iterator<Item = bool> + use<> {
+    let joint = |&thing: &usize| {
+        let section = program.sections.get(thing);
+        let mut joints = equations.scene.joints.iter();
+        section.is_some_and(|name| joints.any(|joint| joint.name == *name))
+    };
+    let first = things.iter().position(joint).unwrap_or_default();
+    (0..things.len()).map(move |block| block < first)
 }
 
 #[cfg(test)]
