@@ -240,7 +240,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// |---|---|---|
 /// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 589 |
-/// | [`rates`](Self::rates) | 66 of 66 | 829 |
+/// | [`rates`](Self::rates) | 66 of 66 | 789 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 829 operations (355 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -491,7 +491,7 @@ const _: () = {
         /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
         ///
         /// 29 ẋ, then 4 anchors × 6 \[m, m/s\], 1 nodes × 3 loads \[N\], per node `det D − 1e-5 (tr D)³` \[N³ s³/m³\] and the largest term of a pull \[N\], per line stretch and pull \[m, N\].
-        /// 829 operations (355 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
+        /// 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -685,8 +685,8 @@ const _: () = {
                 (
                     "rates",
                     ::mbd_runtime::Cost {
-                        adds: 355,
-                        muls: 402,
+                        adds: 331,
+                        muls: 386,
                         divs: 7,
                         sqrts: 7,
                         trigs: 0,
@@ -1713,7 +1713,7 @@ const _: () = {
     }
     /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
     /// 29 ẋ, then 4 anchors × 6 [m, m/s], 1 nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³] and the largest term of a pull [N], per line stretch and pull [m, N].
-    /// 829 operations (355 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
+    /// 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
     #[inline(never)]
     fn rates<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1921,8 +1921,7 @@ const _: () = {
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_length - c_10;
-        let riser_k_stretch = riser_k * riser_stretch;
-        let riser_pull = riser_k_stretch
+        let riser_pull = riser_k * riser_stretch
             + c_600
                 * (riser_u_z * (leg_2_t_6 - riser_v_z)
                     + (riser_u_x * (leg_2_t_4 - riser_v_x)
@@ -1944,8 +1943,7 @@ const _: () = {
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_length - c_2_1;
-        let leg_0_scaled_stretch = c_47000 * leg_0_stretch;
-        let leg_0_pull = leg_0_scaled_stretch
+        let leg_0_pull = c_47000 * leg_0_stretch
             + c_470
                 * (leg_0_u_z * (leg_2_t_6 - leg_0_v_z)
                     + (leg_0_u_x * (leg_2_t_4 - leg_0_v_x)
@@ -1967,8 +1965,7 @@ const _: () = {
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_scaled_stretch = c_47000 * leg_1_stretch;
-        let leg_1_pull = leg_1_scaled_stretch
+        let leg_1_pull = c_47000 * leg_1_stretch
             + c_470
                 * (leg_1_u_z * (leg_2_t_6 - leg_1_v_z)
                     + (leg_1_u_x * (leg_2_t_4 - leg_1_v_x)
@@ -1990,8 +1987,7 @@ const _: () = {
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_scaled_stretch = c_47000 * leg_2_stretch;
-        let leg_2_pull = leg_2_scaled_stretch
+        let leg_2_pull = c_47000 * leg_2_stretch
             + c_470
                 * (leg_2_u_z * (leg_2_t_6 - leg_2_v_z)
                     + (leg_2_u_x * (leg_2_t_4 - leg_2_v_x)
@@ -2042,16 +2038,16 @@ const _: () = {
         let riser_t_6 = c_600
             * (riser_u_z * leg_2_t_29
                 + (riser_u_x * leg_2_t_27 + riser_u_y * leg_2_t_28));
-        let riser_t_7 = riser_pull + riser_t_6;
+        let riser_pull_2 = riser_pull + riser_t_6;
         let leg_0_t_7 = c_470
             * (leg_0_u_z * leg_2_t_29
                 + (leg_0_u_x * leg_2_t_27 + leg_0_u_y * leg_2_t_28));
-        let leg_0_t_8 = leg_0_pull + leg_0_t_7;
+        let leg_0_pull_2 = leg_0_pull + leg_0_t_7;
         let leg_1_t_9 = c_470
             * (leg_1_u_z * leg_2_t_29
                 + (leg_1_u_x * leg_2_t_27 + leg_1_u_y * leg_2_t_28));
         let leg_1_t_10 = T::select(leg_1_t_4, leg_1_pull.abs() + leg_1_t_9.abs(), zero);
-        let leg_1_t_11 = leg_1_pull + leg_1_t_9;
+        let leg_1_pull_2 = leg_1_pull + leg_1_t_9;
         let leg_2_t_30 = c_470
             * (leg_2_u_z * leg_2_t_29
                 + (leg_2_u_x * leg_2_t_27 + leg_2_u_y * leg_2_t_28));
@@ -2061,15 +2057,11 @@ const _: () = {
             .max(T::select(leg_0_t_2, leg_0_pull.abs() + leg_0_t_7.abs(), zero))
             .max(leg_1_t_10)
             .max(leg_2_t_31);
-        let leg_2_t_33 = leg_2_pull + leg_2_t_30;
+        let leg_2_pull_2 = leg_2_pull + leg_2_t_30;
         let confluence_x_rate = leg_2_t_4 + leg_2_t_27;
         let confluence_y_rate = leg_2_t_5 + leg_2_t_28;
         let confluence_z_rate = leg_2_t_6 + leg_2_t_29;
         /// `riser`.
-        let riser_rate = riser_u_z * (confluence_z_rate - riser_v_z)
-            + (riser_u_x * (confluence_x_rate - riser_v_x)
-                + riser_u_y * (confluence_y_rate - riser_v_y));
-        let riser_pull_2 = riser_k_stretch + c_600 * riser_rate;
         let riser_tension = T::select(
             riser_t,
             riser_pull_2,
@@ -2083,10 +2075,6 @@ const _: () = {
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
         /// `leg[0]`.
-        let leg_0_rate = leg_0_u_z * (confluence_z_rate - leg_0_v_z)
-            + (leg_0_u_x * (confluence_x_rate - leg_0_v_x)
-                + leg_0_u_y * (confluence_y_rate - leg_0_v_y));
-        let leg_0_pull_2 = leg_0_scaled_stretch + c_470 * leg_0_rate;
         let leg_0_tension = T::select(
             leg_0_t_2,
             leg_0_pull_2,
@@ -2100,10 +2088,6 @@ const _: () = {
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
         /// `leg[1]`.
-        let leg_1_rate = leg_1_u_z * (confluence_z_rate - leg_1_v_z)
-            + (leg_1_u_x * (confluence_x_rate - leg_1_v_x)
-                + leg_1_u_y * (confluence_y_rate - leg_1_v_y));
-        let leg_1_pull_2 = leg_1_scaled_stretch + c_470 * leg_1_rate;
         let leg_1_tension = T::select(
             leg_1_t_4,
             leg_1_pull_2,
@@ -2117,10 +2101,6 @@ const _: () = {
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
         /// `leg[2]`.
-        let leg_2_rate = leg_2_u_z * (confluence_z_rate - leg_2_v_z)
-            + (leg_2_u_x * (confluence_x_rate - leg_2_v_x)
-                + leg_2_u_y * (confluence_y_rate - leg_2_v_y));
-        let leg_2_pull_2 = leg_2_scaled_stretch + c_470 * leg_2_rate;
         let leg_2_tension = T::select(
             leg_2_t_7,
             leg_2_pull_2,
@@ -2318,13 +2298,13 @@ const _: () = {
             leg_2_margin,
             leg_2_t_32,
             riser_stretch,
-            riser_t_7,
+            riser_pull_2,
             leg_0_stretch,
-            leg_0_t_8,
+            leg_0_pull_2,
             leg_1_stretch,
-            leg_1_t_11,
+            leg_1_pull_2,
             leg_2_stretch,
-            leg_2_t_33,
+            leg_2_pull_2,
         ];
     }
     /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
