@@ -33,6 +33,12 @@ impl Declared {
             scene,
         }
     }
+
+    /// The declaration for who keeps it: copied here, and not by code that every crate with a model would compile again.
+    #[must_use]
+    pub fn copy(&self) -> Scene {
+        self.scene.clone()
+    }
 }
 
 /// Stiffness, damping and free length of every line, then of every stop.

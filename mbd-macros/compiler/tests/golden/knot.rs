@@ -194,7 +194,7 @@ const _: () = {
         /// The declaration as data.
         #[must_use]
         pub fn scene() -> ::mbd_runtime::scene::Scene {
-            declared().scene.clone()
+            declared().copy()
         }
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
