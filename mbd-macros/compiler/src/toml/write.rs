@@ -177,6 +177,6 @@ fn lets(out: &mut String, scene: &Scene) {
         table(out, "let", &named.name);
         doc(out, &named.doc);
         entry(out, "value", &text(&named.value, scene));
-        unit(out, &named.unit, &named.value);
+        unit(out, &named.unit);
     }
 }

@@ -105,6 +105,34 @@ fn an_angle_without_its_unit_still_makes_radians_of_turns_where_numbers_are_in_s
     assert!(messages.contains("counts turns"), "{messages}");
 }
 
+/// An angle told as a number stays one: without a word SI would tell it in radians.
+#[test]
+fn an_angle_that_is_told_as_a_number_is_one_after_it_was_written_in_si() {
+    let text = "model Pend {
+        gravity: none;
+        body rod { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint pin: hinge from world to rod.com { axis: y }
+        state count = 0.5 { rate: 1 Hz }
+        let lean = pin.angle;
+        output turned = pin.angle in 1;
+        output also = lean;
+        output tilt = angle(rod.z, world.z) in 1;
+        output free = angle(rod.z, world.z);
+        output counted = count;
+        metric most = max pin.angle in 1;
+    }";
+    let read = read_text(text);
+    let scene = read.scene.clone();
+    let scene = scene.unwrap_or_else(|| panic!("{:?}", told(&read)));
+    for again in [
+        read_toml(&write_toml(&scene)),
+        read_text(&write_text(&scene)),
+    ] {
+        assert_eq!(told(&again), Vec::<String>::new());
+        assert_eq!(again.scene.as_ref(), Some(&scene));
+    }
+}
+
 #[test]
 fn what_is_no_angle_is_none_after_it_was_written_in_si() {
     let values = [

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mbd_scene::{Formula, Unit};
+use mbd_scene::Unit;
 
 use crate::toml::formula::number;
 use crate::units;
@@ -50,18 +50,11 @@ pub(super) fn table(out: &mut String, word: &str, name: &str) {
     let _ = writeln!(out, "\n[{word}.{}]", key(name));
 }
 
-/// The unit of a value. What has none says so where its numbers stand among other things: in SI they could be angles, which makes radians of it.
-pub(super) fn unit(out: &mut String, unit: &Unit, value: &Formula) {
-    let mut among_others = false;
-    value.walk(&mut |part| {
-        if let Formula::Apply(_, parts) = part {
-            among_others |= parts.iter().any(|part| matches!(part, Formula::Number(_)));
-        }
-    });
-    match (unit.text.as_str(), among_others) {
-        ("", false) => {}
-        ("", true) => entry(out, "in", "1"),
-        (text, _) => entry(out, "in", text),
+/// The unit of a value. What has none says so: of an angle SI would make radians.
+pub(super) fn unit(out: &mut String, unit: &Unit) {
+    match unit.text.as_str() {
+        "" => entry(out, "in", "1"),
+        text => entry(out, "in", text),
     }
 }
 

@@ -42,7 +42,7 @@ pub(super) fn results(out: &mut String, scene: &Scene) {
         table(out, "output", &output.name);
         doc(out, &output.doc);
         entry(out, "value", &output_value(output, scene));
-        unit(out, &output.unit, &output.value);
+        unit(out, &output.unit);
     }
     for event in &scene.events {
         table(out, "event", &event.name);
@@ -68,7 +68,7 @@ pub(super) fn metrics(out: &mut String, scene: &Scene) {
         let of = output.map_or(event.to_owned(), |output| output_value(output, scene));
         entry(out, "value", &format!("{} {of}", metric.take.keyword()));
         if let Some(output) = output {
-            unit(out, &output.unit, &output.value);
+            unit(out, &output.unit);
         }
         if let Some(level) = metric.level {
             entry(out, "level", &number(level));
