@@ -7,7 +7,7 @@ use crate::messages::{LexemeMessage, syntax as say};
 use crate::syntax::{Cursor, ValueSyntax, unit};
 use crate::units;
 
-/// Reads `780 kg`, `-2.5e3N/m` or `0.46`: the value in SI, and the unit as written (its text is empty when there is none).
+/// Reads `780 kg`, `-2.5e3N/m`, `3/s` or `0.46`: the value in SI, and the unit as written (its text is empty when there is none).
 ///
 /// # Errors
 /// What is wrong with the text.
@@ -94,7 +94,10 @@ fn number(cursor: &mut Cursor<'_>, text: &str) -> Result<(f64, Unit), String> {
         ));
     };
     cursor.take();
-    let unit = unit::suffix(cursor).map_err(told)?;
+    let unit = match unit::suffix(cursor).map_err(told)? {
+        None => unit::below(cursor).map_err(told)?,
+        unit => unit,
+    };
     let unit = unit.unwrap_or_else(|| units::si("", units::NONE));
     let value = sign * number * unit.factor;
     if value.is_finite() {
@@ -116,6 +119,28 @@ mod tests {
         assert_eq!((value, unit.text.as_str()), (-2.5e-3, ""));
         assert_eq!(read_number("2.0kg").unwrap().0, 2.0);
         assert_eq!(read_number("1_000 g").unwrap().0, 1.0);
+    }
+
+    #[test]
+    fn a_number_may_be_so_much_a_second_as_in_a_declaration() {
+        let read = |text| read_number(text).map(|(value, unit)| (value, unit.text));
+        for (text, value, unit) in [
+            ("3/s", 3.0, "1/s"),
+            ("-3 / ms^2", -3e6, "1/ms^2"),
+            ("3/(mm*s)", 3e3, "1/(mm*s)"),
+        ] {
+            assert_eq!(read(text), Ok((value, unit.to_string())), "{text}");
+            let unit = read_number(&format!("1 {unit}")).map(|(_, unit)| unit);
+            assert_eq!(read_number(text).map(|(_, unit)| unit), unit, "{text}");
+        }
+        let [rate, none, _] = &read_vector("[2/s, 0, 0]").unwrap()[..] else {
+            panic!("three numbers");
+        };
+        assert_eq!((rate.0, rate.1.text.as_str()), (2.0, "1/s"));
+        assert_eq!(none.1.text, "");
+        for text in ["3/", "3/2", "3/s/", "1/2 m"] {
+            assert!(read_number(text).is_err(), "{text}");
+        }
     }
 
     #[test]

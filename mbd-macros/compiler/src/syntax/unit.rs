@@ -48,6 +48,16 @@ fn trailing(cursor: &mut Cursor<'_>, strict: bool) -> Result<Option<Unit>, Lexem
     Ok(Some(unit))
 }
 
+/// Takes what stands below the line of a number without a unit of its own: the `/s` of `3/s`, the `/(m*s)` of `3/(m*s)`.
+pub fn below(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
+    let mut ahead = *cursor;
+    if ahead.sign('/').is_none() {
+        return Ok(None);
+    }
+    let unit = product(cursor, units::si("1", units::NONE), false)?;
+    Ok((unit.text != "1").then_some(unit))
+}
+
 /// Takes a unit in brackets alone, `(kg*m)`, `(1/s)^2`: how it is told from a name that is a unit, too. What is no unit stays.
 fn in_brackets(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, LexemeMessage> {
     let (here, mut ahead) = (cursor.here(), *cursor);
