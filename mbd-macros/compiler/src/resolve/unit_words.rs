@@ -49,6 +49,8 @@ struct OpenWord {
     /// Whether the number fits what is wanted where it stands, and whether it does with the name, too.
     fits: bool,
     fits_by_name: bool,
+    /// Whether all of the value it stands in is a quantity that has a name only with the name: `3 N*m / J` beside an inertia `J`.
+    quantity_by_name: bool,
     note: String,
     report: LexemeMessage,
 }
@@ -66,6 +68,7 @@ impl Resolver<'_> {
     /// It is the unit, and a note says so, if what has the name has a dimension, and another one, and the word stands below the line or is a
     /// power, `1.2 kg/m^3` beside a mass `m`, or the value has the dimension that is wanted there: `damping: 2 N*m*s`, `force: -2 N*m * pin.angle`; where
     /// none is wanted, if the number with the unit is a quantity that has a name, and with the value is none: `20 N*m` is a torque beside a mass `m`.
+    /// Nor is it the unit below the line where none is wanted and only the name makes a quantity of the value: `3 N*m / J` beside an inertia `J`.
     /// Beside a pure number, as an index of a repetition is one, the dimension that is wanted decides alone.
     pub fn unit_alone(
         &mut self,
@@ -102,6 +105,7 @@ impl Resolver<'_> {
                 index,
                 fits: false,
                 fits_by_name: false,
+                quantity_by_name: false,
                 note: format!("`{word}` in `{text}` is the unit, not the {kind} `{word}`"),
                 report,
             };
@@ -133,9 +137,13 @@ impl Resolver<'_> {
         let other = self.read_by_name(parsed, scope);
         match (typed, other) {
             (Some(typed), other) => {
+                let by_name = other.as_ref().and_then(|other| other.dimension);
+                let quantity_by_name = by_name.is_some_and(has_dimension_and_name)
+                    && !typed.dimension.is_none_or(has_dimension_and_name);
                 let open = self.unit_words.open.iter_mut();
-                open.filter(|open| open.value == value)
-                    .for_each(|open| open.at = typed.at);
+                open.filter(|open| open.value == value).for_each(|open| {
+                    (open.at, open.quantity_by_name) = (typed.at, quantity_by_name);
+                });
                 let other = other.map(|other| (typed.at, other));
                 self.unit_words.by_name.extend(other);
                 Some(typed)
@@ -386,7 +394,10 @@ impl Resolver<'_> {
     pub fn open_unit_words(&mut self) {
         let mut noted = BTreeSet::new();
         for open in std::mem::take(&mut self.unit_words.open) {
-            let is_unit = !open.has_to_fit || self.is_a_quantity(&open);
+            let is_unit = match open.has_to_fit {
+                true => self.is_a_quantity(&open),
+                false => open.fits || !open.quantity_by_name,
+            };
             let differs = self.differs(&open.word, open.of_unit);
             if is_unit && (differs || self.is_unit_beside_a_number(&open)) {
                 if noted.insert(open.word) {
@@ -557,6 +568,11 @@ impl Resolver<'_> {
             _ => None,
         }
     }
+}
+
+/// Whether it is the dimension of a quantity that has a name, other than a pure number.
+fn has_dimension_and_name(dimension: Dimension) -> bool {
+    dimension != units::NONE && units::name(dimension).is_some()
 }
 
 /// Whether a word is the index of a repetition around.
