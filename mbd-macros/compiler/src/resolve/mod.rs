@@ -142,6 +142,8 @@ pub struct Resolver<'a> {
     /// Names of what is made of numbers without a unit alone, and its size.
     without_unit: BTreeMap<Named, f64>,
     radians_of_states: Vec<turns::RadiansOfState>,
+    /// Params and inputs that stand where radians are meant.
+    radians_of_settables: BTreeSet<Named>,
     /// What is known of each `let`.
     lets: Vec<lets::LetProgress>,
     /// What each output shows, in SI.
@@ -219,6 +221,7 @@ pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
     resolver.metrics();
     resolver.unlocked();
     resolver.states_in_radians();
+    resolver.settables_in_radians();
     resolver.detached_starts();
     resolver.never_detached();
     resolver.origin(model);
@@ -255,6 +258,7 @@ impl<'a> Resolver<'a> {
             turning: BTreeMap::new(),
             without_unit: BTreeMap::new(),
             radians_of_states: Vec::new(),
+            radians_of_settables: BTreeSet::new(),
             lets: Vec::new(),
             shown: BTreeMap::new(),
             nested: 0,

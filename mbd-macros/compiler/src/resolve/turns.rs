@@ -75,6 +75,12 @@ impl Resolver<'_> {
     /// `80` would be 80 rad, without a word.
     pub fn in_radians(&mut self, typed: &Typed, what: &str) -> Option<()> {
         self.no_bare_degrees(typed, what)?;
+        let settable = match typed.formula {
+            Formula::Param(index) => Some(Named::Param(index)),
+            Formula::Input(index) => Some(Named::Input(index)),
+            _ => None,
+        };
+        self.radians_of_settables.extend(settable);
         match &typed.turns {
             Some(Turns { text, state: None }) => {
                 self.fail(say::turns_for_radians(typed.at, text, what))
@@ -226,6 +232,24 @@ impl Resolver<'_> {
                 .insert(Named::State(state), Turns::of_name(&declared.name));
         }
         Some(())
+    }
+
+    /// Gives params and inputs of no unit that stand where radians are meant theirs: what a run sets them to is held to it, so that `90` is not 90 rad.
+    pub fn settables_in_radians(&mut self) {
+        for named in std::mem::take(&mut self.radians_of_settables) {
+            let unit = match named {
+                Named::Param(index) => self.scene.params.get_mut(index).map(|it| &mut it.unit),
+                Named::Input(index) => self.scene.inputs.get_mut(index).map(|it| &mut it.unit),
+                _ => None,
+            };
+            if let Some(unit) = unit
+                && unit.text.is_empty()
+                && unit.dimension == units::NONE
+                && !self.si
+            {
+                unit.text = "rad".to_owned();
+            }
+        }
     }
 
     /// Tells of the states that count turns and stand where radians are meant, when all rates are known.

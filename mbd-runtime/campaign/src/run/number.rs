@@ -26,6 +26,15 @@ pub(crate) fn number(setting: &str, value: &Value, unit: &str) -> Result<f64, Pl
     }
 }
 
+/// The same of a param or an input: radians need no unit, as in a declaration, up to a full turn.
+pub(crate) fn supplied(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> {
+    let bare = value.as_str().and_then(|text| text.trim().parse().ok());
+    match bare.filter(|bare: &f64| unit == "rad" && bare.is_finite()) {
+        Some(radians) => within_a_turn(setting, radians, unit).map(|()| radians),
+        None => number(setting, value, unit),
+    }
+}
+
 /// Refuses a number without a unit where one in SI is seldom meant: beside another unit in the declaration, and as an angle of more than a turn.
 pub(crate) fn not_bare(setting: &str, value: &Value, unit: &str) -> Result<(), PlanError> {
     let number = match value {
@@ -46,13 +55,18 @@ pub(crate) fn not_bare(setting: &str, value: &Value, unit: &str) -> Result<(), P
         );
         return Err(wrong(setting, text));
     }
-    if unit == "rad" && number.abs() > std::f64::consts::TAU {
-        let text = format!(
-            "{number} has no unit and would be more than a full turn in radians: write `\"{number} deg\"`, or `\"{number} rad\"` if that is meant"
-        );
-        return Err(wrong(setting, text));
+    within_a_turn(setting, number, unit)
+}
+
+/// Refuses a number without a unit that would be more than a full turn in radians.
+fn within_a_turn(setting: &str, number: f64, unit: &str) -> Result<(), PlanError> {
+    if unit != "rad" || number.abs() <= std::f64::consts::TAU {
+        return Ok(());
     }
-    Ok(())
+    let text = format!(
+        "{number} has no unit and would be more than a full turn in radians: write `\"{number} deg\"`, or `\"{number} rad\"` if that is meant"
+    );
+    Err(wrong(setting, text))
 }
 
 fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {

@@ -292,8 +292,11 @@ mod tests {
                 param m_g = 50 g;
                 input push: force = 2 kN;
                 input aim: angle;
+                param slope = 0.5;
+                param scale = 0.5;
+                input lean = 0.1;
                 point cart { mass: m + m_g }
-                load drive on cart = [push * cos(aim), 0, 0];
+                load drive on cart = [push * cos(aim), scale * push * sin(slope) * cos(lean), 0];
             }",
         );
         let scene = read.scene.expect("a cart");
@@ -305,12 +308,24 @@ mod tests {
         };
         let numbers = |table: &str| told(table).map_err(|error| error.to_string());
         let si = numbers("[run.params]\nm = 3\n[run.inputs]\npush = 3\n");
-        assert_eq!(si, Ok((vec![3.0, 0.05], vec![3.0, 0.0])));
+        assert_eq!(si, Ok((vec![3.0, 0.05, 0.5, 0.5], vec![3.0, 0.0, 0.1])));
+        // Where radians are meant a number without a unit is radians, whoever gives it, and degrees need theirs.
+        let turned = numbers(
+            "[run.params]\nslope = \"1\"\nscale = \"90\"\n[run.inputs]\nlean = \"90 deg\"\n",
+        );
+        let right = 90f64.to_radians();
+        assert_eq!(
+            turned,
+            Ok((vec![2.0, 0.05, 1.0, 90.0], vec![2e3, 0.0, right]))
+        );
         for (table, why) in [
             ("[run.params]\nm_g = 3\n", "declared in g"),
             ("[run.params]\nm = \"3\"\n", "needs a unit, such as kg"),
             ("[run.inputs]\npush = \"3\"\n", "needs a unit, such as N"),
             ("[run.inputs]\naim = 30\n", "more than a full turn"),
+            ("[run.params]\nslope = 90\n", "more than a full turn"),
+            ("[run.params]\nslope = \"90\"\n", "more than a full turn"),
+            ("[run.inputs]\nlean = \"90\"\n", "more than a full turn"),
         ] {
             let error = numbers(table).unwrap_err();
             assert!(error.contains(why), "{table}: {error}");

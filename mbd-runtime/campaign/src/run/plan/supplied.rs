@@ -2,10 +2,10 @@
 
 use mbd_runtime::Layout;
 use mbd_runtime::scene::{Input, InputSource, Parameter, Scene};
-use toml::Table;
+use toml::{Table, Value};
 
 use crate::run::names::{PlanError, unknown, wrong};
-use crate::run::number::{number, numbers as numbers_of, zeros};
+use crate::run::number::{numbers as numbers_of, supplied, zeros};
 
 /// The params, in declaration order.
 pub(super) fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
@@ -25,7 +25,7 @@ pub(super) fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError
                 None => unknown(&setting, name, names()),
             });
         };
-        *slot = number(&setting, value, &param.unit.text)?;
+        *slot = supplied(&setting, value, &param.unit.text)?;
     }
     Ok(params)
 }
@@ -98,7 +98,10 @@ pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Ve
         };
         // A load on a point with mass has a force alone.
         let units = units.get(..slots.len).unwrap_or(&units);
-        let given = numbers_of(&setting, value, units)?;
+        let given = match (units, value) {
+            ([unit], Value::String(_)) => vec![supplied(&setting, value, unit)?],
+            _ => numbers_of(&setting, value, units)?,
+        };
         let own = numbers.iter_mut().skip(slots.at);
         own.zip(given).for_each(|(to, value)| *to = value);
     }
