@@ -587,6 +587,29 @@ fn what_follows_a_gear_begins_where_the_gear_says_turns_among_them() {
 }
 
 #[test]
+fn what_closes_a_loop_in_a_plane_begins_within_half_a_turn_of_it_in_both_families() {
+    // The angles of the bodies add up to a full turn, and to 300 degrees, of which the joint that closes the loop knows nothing.
+    for (start, want) in [(120, 0.0), (100, 60.0)] {
+        let joints = format!(
+            "joint ha: hinge from world to a.com {{ axis: y, start: {start} deg }}
+            joint hb: hinge from a.com to b.com {{ axis: y, start: {start} deg }}
+            joint hc: hinge from b.com to c.com {{ axis: y, start: {start} deg }}
+            loop joint k: hinge from c.com to world {{ axis: y, stiffness: 1 N*m/rad }}
+            output closing = k.angle;
+            output stored = energy.potential;"
+        );
+        let want = f64::to_radians(want);
+        for family in ["absolute", "relative"] {
+            for plane in ["", "planar: xz;"] {
+                let got = outputs_at_start(family, plane, &joints, &[]);
+                let what = format!("{family}: {plane} {joints}");
+                assert_close(&got, &[want, 0.5 * want * want], 0.0, 1e-9, &what);
+            }
+        }
+    }
+}
+
+#[test]
 fn the_angle_of_a_body_in_a_plane_counts_the_turns_of_its_joints_in_both_families() {
     let joints = "joint ha: hinge from world to a.com { axis: y, start: 400 deg }
         joint hb: hinge from a.com to b.com { axis: y, start: 100 deg }

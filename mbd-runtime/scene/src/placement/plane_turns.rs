@@ -4,7 +4,8 @@
 //! φ = ϑ + 2π ⌊(±(θ_2 − θ_1) − ϑ)/2π + ½⌋     where |θ_2 − θ_1| > π, ϑ in (−π, π], + where the axis points along the normal          (1)
 //! ```
 //!
-//! Bodies within half a turn of each other say nothing about turns: how a joint hangs may be as far around. Derived.
+//! Bodies within half a turn of each other say nothing about turns: how a joint hangs may be as far around. Nor do bodies that a tree of joints carries
+//! about what closes its loops: their turns are those of the joints between, three times 120° around a triangle. Derived.
 
 use std::f64::consts::PI;
 
@@ -13,7 +14,7 @@ use nalgebra::Vector3;
 use super::JointStart;
 use crate::laws::Numbers;
 use crate::laws::turns::next_to;
-use crate::{Layout, Part, Place, Relative, Scene, Twist};
+use crate::{Layout, Part, Place, Relative, Scene, Tree, Twist};
 
 /// Where the angles whose turns are counted begin by (1), of joints between bodies that are turns apart; `measured`: ϑ of a joint and its coordinate [rad].
 pub(crate) fn by_bodies(
@@ -22,9 +23,15 @@ pub(crate) fn by_bodies(
     state: &[f64],
     measured: &dyn Fn((usize, usize)) -> f64,
 ) -> Vec<JointStart> {
+    let tree = Tree::span(scene);
     let start = |&(joint, coordinate): &(usize, usize)| {
         let declared = scene.joints.get(joint)?;
-        let [from, to] = [declared.parent, declared.child].map(|place| angle(layout, place, state));
+        let ends = [declared.parent, declared.child];
+        let own = tree.carried(joint).is_some() || ends.iter().all(|end| floats(&tree, *end));
+        if !own {
+            return None;
+        }
+        let [from, to] = ends.map(|place| angle(layout, place, state));
         let between = to? - from?;
         let along = along_normal((scene, layout), numbers, (joint, coordinate))?;
         let value = next_to(measured((joint, coordinate)), along.signum() * between);
@@ -37,6 +44,20 @@ pub(crate) fn by_bodies(
         })
     };
     layout.turns.iter().filter_map(start).collect()
+}
+
+/// Whether no joint of the tree carries the body of a place: that of the world never moves.
+fn floats(tree: &Tree, place: Place) -> bool {
+    match place {
+        Place::World(_) | Place::Point(_) => true,
+        Place::Body(body, _) => {
+            let link = tree
+                .of_body
+                .get(body)
+                .and_then(|&link| tree.links.get(link));
+            link.is_some_and(|link| link.joint.is_none())
+        }
+    }
 }
 
 /// The angle of a body in the state [rad]; the world has none.
