@@ -222,7 +222,7 @@ fn rest<'a>(
         }
     }
     loop {
-        if ends(cursor, inside) {
+        if ends(cursor, inside) || !inside && begins_world(cursor) {
             break;
         }
         if let Some((sign, at)) = clause(cursor, spec) {
@@ -347,7 +347,13 @@ fn clause_value<'a>(
     let braces = spec.fields.is_none() && (sign == "=" || !spec.named);
     // Braces of `if a < b { … } else { … }` belong to the value.
     let mut conditional = false;
-    while !ends(cursor, inside) {
+    // First it is a place: `to world { … }`.
+    let mut begun = false;
+    let ended = |cursor: &Cursor<'_>, begun: bool| {
+        ends(cursor, inside) || begun && !inside && begins_world(cursor)
+    };
+    while !ended(cursor, begun) {
+        begun = true;
         // Signs that hold a `=` which begins no value.
         if ["..=", "==", "!=", "<=", ">="]
             .iter()
@@ -439,6 +445,14 @@ fn begins_outside(cursor: &Cursor<'_>) -> bool {
     let spec = cursor.peek_word().and_then(|word| words::find(word, false));
     let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
     spec.is_some_and(|spec| spec.named) && is_name(next)
+}
+
+/// Whether the item begins here that has no name: `world { … }`, where no place is wanted.
+fn begins_world(cursor: &Cursor<'_>) -> bool {
+    let spec = cursor.peek_word().and_then(|word| words::find(word, false));
+    let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
+    spec.is_some_and(|spec| !spec.named && spec.fields.is_some())
+        && matches!(next, Some(LexemeKind::Open(Bracket::Brace, _)))
 }
 
 /// Whether a name stands here: what has the name `load` itself is followed by another word, `from load to hook`.
