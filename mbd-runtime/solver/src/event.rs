@@ -450,7 +450,8 @@ impl Margins {
     /// When a declared event was armed again by its own action last [s].
     pub(crate) fn rearmed_at(&self, event: usize) -> Option<f64> {
         let own = (0..self.watched.len()).find(|&index| self.event_of(index) == Some(event));
-        self.rearmed.get(own?)?.time
+        let rearmed = self.rearmed.get(own?)?;
+        rearmed.time.filter(|_| !rearmed.beyond)
     }
 
     /// Whether the joints hold the guard of a declared event at its value.
@@ -473,6 +474,7 @@ impl Margins {
                 time: Some(time),
                 rounding,
                 value: guard,
+                beyond: false,
             };
         }
     }

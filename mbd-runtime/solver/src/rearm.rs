@@ -6,6 +6,9 @@
 //! ġ₊ towards where it came from, |ġ₊| > 1e-9 |ġ₋|;  or |ġ₊| ≤ 1e-9 |ġ₋| and g goes on beyond by its acceleration       (1)
 //! ```
 //!
+//! An event that goes on beyond is there, where joints that are closed behind its action have its guard back by rounding, too: by less than it passes in
+//! what is one instant. It has passed once.
+//!
 //! Rejected: to have it on the far side, where its guard is by rounding: once bounces are too short to be seen the ball falls through the floor; to
 //! count actions alone, which end before they are many.
 
@@ -28,6 +31,9 @@ pub(crate) struct Rearmed {
     pub rounding: f64,
     /// The guard there, which counts as its value until an action lets it pass.
     pub value: f64,
+    /// Whether it went on beyond, and was back by rounding alone.
+    #[serde(default)]
+    pub beyond: bool,
 }
 
 impl<T: Float> Simulation<T> {
@@ -53,6 +59,7 @@ impl<T: Float> Simulation<T> {
         let [here, after] = self.guards_and_rates()?;
         self.look_along(AT_REST)?;
         let along = self.off(&here);
+        let instant = self.one_instant(0.0);
         for (index, at) in declared {
             let own = self.margins.event_of(index);
             let acted = own.filter(|event| acting.contains(event));
@@ -69,15 +76,28 @@ impl<T: Float> Simulation<T> {
             let guard = of(&here);
             let last = self.margins.rearmed.get_mut(index);
             let Some(last) = last else { continue };
-            if (guard - last.value).abs() > none || !returns {
-                last.value = 0.0;
-                continue;
-            }
             let at = Rearmed {
                 time: Some(self.time),
                 rounding: none,
                 value: guard,
+                beyond: false,
             };
+            if (guard - last.value).abs() > none || !returns {
+                let rounding = instant * of(before).abs();
+                let is_back = !returns && (guard > 0.0) != beyond && guard.abs() <= rounding;
+                *last = match is_back {
+                    true => Rearmed {
+                        rounding,
+                        beyond: true,
+                        ..at
+                    },
+                    false => Rearmed {
+                        value: 0.0,
+                        ..*last
+                    },
+                };
+                continue;
+            }
             self.margins.rearm(index, at);
         }
         self.inside.copy_from_slice(&self.state);
