@@ -610,6 +610,38 @@ fn what_closes_a_loop_in_a_plane_begins_within_half_a_turn_of_it_in_both_familie
 }
 
 #[test]
+fn a_rod_to_a_point_closes_its_loop_wherever_it_is_declared() {
+    // A point that stands where it is said, and a rod from it: what else holds the bodies places them first.
+    let rod = "joint rod: distance from b.tip to peg { length: 0.5 m }";
+    let others = "joint ball: spherical from world to a.root
+        joint pin: hinge from a.tip to b.root { axis: y, start: 0.4 rad }";
+    for family in ["absolute", "relative"] {
+        let at_start = |joints: [&str; 2]| {
+            let [first, then] = joints;
+            let scene = tests::declared::read(&format!(
+                "model Hung {{ coordinates: {family}; gravity: none;
+                    body a {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame root at [0.1, 0, 0.5] m,
+                        frame tip at [0, 0.2, -0.5] m rotated about([1, 1, 0], 50 deg) }}
+                    body b {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame root at [0, 0.1, 0.5] m, frame tip at [0.1, 0.1, -0.5] m }}
+                    point peg {{ mass: 1 kg, start at [1.2, 0.3, -0.9] m }}
+                    {first}
+                    {then}
+                    output at_a = a.position;
+                    output at_b = b.position; }}"
+            ));
+            let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+            let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+            run.start().expect("a start");
+            let mut out = vec![0.0; 6];
+            run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+            out
+        };
+        let (before, behind) = (at_start([rod, others]), at_start([others, rod]));
+        assert_close(&before, &behind, 0.0, 1e-9, family);
+    }
+}
+
+#[test]
 fn the_angle_of_a_body_in_a_plane_counts_the_turns_of_its_joints_in_both_families() {
     let joints = "joint ha: hinge from world to a.com { axis: y, start: 400 deg }
         joint hb: hinge from a.com to b.com { axis: y, start: 100 deg }

@@ -43,7 +43,12 @@ pub(super) fn tree(
         })
         .collect();
     let last = |joint: usize| flies(joint) || slides(joint) && rank(joint) == 2;
-    order.sort_by_key(|&joint| (last(joint), rank(joint), scene.joints[joint].cut));
+    // What leaves more than an attitude open, a rod to a point say, tells least of where a body is.
+    let hangs = |joint: usize| scene.joints[joint].law.freedoms() > 3;
+    order.sort_by_key(|&joint| {
+        let cut = scene.joints[joint].cut;
+        (last(joint), rank(joint), cut, hangs(joint))
+    });
     // What hangs together; the world and everything fixed are one.
     let mut together: Vec<Vec<Option<Part>>> = vec![vec![None]];
     together[0].extend(fixed.iter().copied().map(Some));
