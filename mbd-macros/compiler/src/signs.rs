@@ -19,7 +19,7 @@ pub(crate) struct Operations<'a> {
     graph: &'a Graph,
     derived: &'a TermPlaces,
     /// Terms of which the opposite is computed.
-    turned: Vec<bool>,
+    negated: Vec<bool>,
 }
 
 impl<'a> Operations<'a> {
@@ -32,7 +32,7 @@ impl<'a> Operations<'a> {
         let mut operations = Operations {
             graph,
             derived,
-            turned: vec![false; graph.len()],
+            negated: vec![false; graph.len()],
         };
         let needed = operations.needed(outputs);
         let mut reads = vec![0_u32; graph.len()];
@@ -50,7 +50,7 @@ impl<'a> Operations<'a> {
             reads[expr.index()] += 1;
         }
         for a in signs {
-            operations.turn(a, &reads, DEEPEST);
+            operations.negate(a, &reads, DEEPEST);
         }
         operations
     }
@@ -62,7 +62,7 @@ impl<'a> Operations<'a> {
         };
         let opposite = match op {
             Op::Unary(Unary::Neg, a) => self.opposite(a),
-            _ if self.is_turned(expr) => self.opposite(expr),
+            _ if self.is_negated(expr) => self.opposite(expr),
             _ => None,
         };
         Some(opposite.unwrap_or(op))
@@ -71,13 +71,13 @@ impl<'a> Operations<'a> {
     /// The name of what is computed.
     pub(crate) fn name(&self, expr: Expr) -> Option<Label> {
         let name = self.graph.name(expr)?;
-        let opposite = name.opposite != self.is_turned(expr);
+        let opposite = name.opposite != self.is_negated(expr);
         Some(Label { opposite, ..name })
     }
 
     /// Whether the opposite of a term is computed in its place.
-    fn is_turned(&self, expr: Expr) -> bool {
-        self.turned[expr.index()]
+    fn is_negated(&self, expr: Expr) -> bool {
+        self.negated[expr.index()]
     }
 
     /// Which terms must be computed: operations that the outputs reach without passing a derived term.
@@ -105,22 +105,22 @@ impl<'a> Operations<'a> {
         let TermKind::Apply(Op::Binary(kind, x, y)) = self.graph.node(expr) else {
             return None;
         };
-        let turned = self.is_turned(x) || self.is_turned(y);
+        let negated = self.is_negated(x) || self.is_negated(y);
         match kind {
             Binary::Sub => Some(Op::Binary(kind, y, x)),
-            Binary::Mul | Binary::Div if turned => Some(Op::Binary(kind, x, y)),
+            Binary::Mul | Binary::Div if negated => Some(Op::Binary(kind, x, y)),
             Binary::Mul => match self.graph.opposite_number(x) {
                 Some(x) => Some(Op::Binary(kind, x, y)),
                 None => Some(Op::Binary(kind, x, self.graph.opposite_number(y)?)),
             },
-            Binary::Add if self.is_turned(x) => Some(Op::Binary(Binary::Sub, x, y)),
-            Binary::Add if turned => Some(Op::Binary(Binary::Sub, y, x)),
+            Binary::Add if self.is_negated(x) => Some(Op::Binary(Binary::Sub, x, y)),
+            Binary::Add if negated => Some(Op::Binary(Binary::Sub, y, x)),
             _ => None,
         }
     }
 
     /// Has the opposite of a term computed in its place, where only a sign reads it and that costs nothing.
-    fn turn(&mut self, expr: Expr, reads: &[u32], deep: usize) -> bool {
+    fn negate(&mut self, expr: Expr, reads: &[u32], deep: usize) -> bool {
         if reads[expr.index()] != 1 || deep == 0 || self.derived.of(expr).is_some() {
             return false;
         }
@@ -130,8 +130,8 @@ impl<'a> Operations<'a> {
         let free = self.opposite(expr).is_some();
         let inside = matches!(kind, Binary::Add | Binary::Mul | Binary::Div);
         let found =
-            free || inside && (self.turn(x, reads, deep - 1) || self.turn(y, reads, deep - 1));
-        self.turned[expr.index()] = found;
+            free || inside && (self.negate(x, reads, deep - 1) || self.negate(y, reads, deep - 1));
+        self.negated[expr.index()] = found;
         found
     }
 }

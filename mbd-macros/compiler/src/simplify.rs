@@ -53,10 +53,9 @@ impl Graph {
         if let Some(simpler) = simpler {
             return simpler;
         }
-        let (a, b) = if kind.commutes() && b.index() < a.index() {
-            (b, a)
-        } else {
-            (a, b)
+        let (a, b) = match kind.commutes() {
+            true => in_order(a, b),
+            false => (a, b),
         };
         self.add_node(TermKind::Apply(Op::Binary(kind, a, b)))
     }
@@ -127,11 +126,7 @@ impl Graph {
             if let Some(c) = c {
                 // What is multiplied by −c already differs by a sign.
                 let c = self.number(-c);
-                let (first, second) = if c.index() < y.index() {
-                    (c, y)
-                } else {
-                    (y, c)
-                };
+                let (first, second) = in_order(c, y);
                 let opposite = TermKind::Apply(Op::Binary(Binary::Mul, first, second));
                 if let Some(opposite) = self.asked(opposite) {
                     return Some(self.unary(Unary::Neg, opposite));
@@ -196,5 +191,13 @@ impl Graph {
             None if a == b => a,
             None => self.add_node(TermKind::Apply(Op::Select(mask, a, b))),
         }
+    }
+}
+
+/// The arguments of an operation that commutes, the one made first in front.
+fn in_order(a: Expr, b: Expr) -> (Expr, Expr) {
+    match b.index() < a.index() {
+        true => (b, a),
+        false => (a, b),
     }
 }

@@ -9,7 +9,6 @@ use std::sync::Arc;
 use mbd_scene::similar::near_and_all;
 use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber};
 
-use crate::accuracy::FINER_STEP;
 use crate::balance::EnergyBalance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
@@ -179,9 +178,9 @@ pub struct Simulation<T: Float> {
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
-    /// How long adaptive steps are along the run, and those of another one that its steps stay below by a part.
+    /// How long adaptive steps are along the run, and those of another one that its steps stay below.
     step_sizes: StepSizes,
-    below: Option<(StepSizes, f64)>,
+    below: Option<StepSizes>,
     stiffness: StiffnessTest,
     watch: Watch,
     watch_weights: Vec<T>,
@@ -365,7 +364,7 @@ impl<T: Float> Simulation<T> {
     /// [`Options::finer`](crate::Options::finer) the run that tells the error of that one, where events, samples and entries of tables end the steps
     /// of both.
     pub fn refine(&mut self, other: &StepSizes) {
-        self.below = Some((other.clone(), FINER_STEP));
+        self.below = Some(other.clone());
     }
 
     /// Located events, in order.

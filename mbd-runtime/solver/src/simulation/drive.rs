@@ -7,6 +7,7 @@ use mbd_scene::{Float, Quantity};
 
 use super::offered::emitted;
 use super::{Pace, Simulation, Stop};
+use crate::accuracy::FINER_STEP;
 use crate::balance::EnergyBalance;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
@@ -381,7 +382,7 @@ impl<T: Float> Simulation<T> {
             Pace::Adaptive(control, _) => {
                 let step = control.step.min(control.largest).min(LONGEST);
                 match &self.below {
-                    Some((other, part)) => step.min(part * other.at(self.time)),
+                    Some(other) => step.min(FINER_STEP * other.at(self.time)),
                     None => step,
                 }
             }
