@@ -4,11 +4,13 @@
 //! running a law on symbols shares every common term by itself. Each node is simplified when it is made; sums and products are never
 //! re-associated, so the value keeps the rounding of the law as written (signs apart, which are exact).
 
+mod always;
 mod scalar;
 
 use std::cell::RefCell;
 use std::collections::HashMap;
 
+use self::always::Always;
 use crate::hash::WordPairs;
 use crate::operation::{Binary, Op, Unary};
 
@@ -105,6 +107,8 @@ pub struct Graph {
     names: Vec<Option<Label>>,
     /// Whether a term depends on anything but constants and parameters.
     live: Vec<bool>,
+    /// What holds of the value of each term whatever the numbers from outside are.
+    always: Vec<Always>,
     /// The last epoch in which a term was asked for.
     epochs: Vec<u32>,
     epoch: u32,
@@ -153,6 +157,7 @@ impl Default for Graph {
             found: WordPairs::default(),
             names: Vec::new(),
             live: Vec::new(),
+            always: Vec::new(),
             epochs: Vec::new(),
             epoch: 0,
             order: Vec::new(),
@@ -289,6 +294,7 @@ impl Graph {
                 TermKind::Slot(_) => true,
                 TermKind::Apply(op) => op.arguments().any(|a| self.is_live(a)),
             };
+            self.always.push(self.always_of(node));
             self.nodes.push(node);
             self.names.push(None);
             self.live.push(live);

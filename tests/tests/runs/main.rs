@@ -12,6 +12,7 @@ mod invariance;
 mod long_runs;
 mod measures;
 mod metrics;
+mod no_number;
 mod origin;
 mod precision;
 mod pulses;

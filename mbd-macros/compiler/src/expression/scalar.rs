@@ -102,6 +102,9 @@ impl Real for Expr {
     fn is_finite_all(self) -> bool {
         true
     }
+    fn is_always_a_number(self) -> bool {
+        with(|graph| graph.always[self.index()].number)
+    }
     fn label(self, name: &'static str) -> Self {
         with(|graph| graph.label(self, name));
         self

@@ -202,18 +202,19 @@ impl Resolver<'_> {
         };
         let [left, right] = [&sides[0], &sides[1]];
         if ["&&", "||"].contains(sign) {
-            // Each is 1 or 0: both hold where the smaller is 1, one of them where the larger is.
+            // Each is 1 or 0. The right one counts where the left one does not decide, so that it may be no number elsewhere.
             let truth = [left, right].map(|side| {
                 let (function, a, b) = self.condition(side, name, scope)?;
                 let numbers = [1.0, 0.0].map(Formula::Number);
                 self.apply(function, [a, b].into_iter().chain(numbers).collect(), at)
             });
             let [left, right] = truth;
-            let join = match *sign {
-                "&&" => Function::Min,
-                _ => Function::Max,
+            let (left, right, half) = (left?, right?, Formula::Number(0.5));
+            let chosen = match *sign {
+                "&&" => vec![half, left, right, Formula::Number(0.0)],
+                _ => vec![half, left, Formula::Number(1.0), right],
             };
-            let all = self.apply(join, vec![left?, right?], at)?;
+            let all = self.apply(Function::IfLess, chosen, at)?;
             return Some((Function::IfLess, Formula::Number(0.5), all));
         }
         let typed = [left, right].map(|side| self.typed(side, scope));

@@ -215,12 +215,8 @@ pub fn value<S: Real>(formula: &Formula, context: &dyn Context<S>) -> Value<S> {
                 _ => binary(*function, value(a, context), value(b, context)),
             },
             [a, b, c, d] => {
-                let (a, b) = (scalar(a, context), scalar(b, context));
-                let mask = match function {
-                    Function::IfLess => a.lt(b),
-                    _ => a.le(b),
-                };
-                choice(mask, value(c, context), value(d, context))
+                let compared = [a, b].map(|side| scalar(side, context));
+                choice(*function, compared, value(c, context), value(d, context))
             }
             _ => None,
         },
@@ -280,19 +276,63 @@ fn binary<S: Real>(function: Function, a: Value<S>, b: Value<S>) -> Option<Value
         (Function::Div, a, Scalar(b)) => a.map(|x| x / b),
         (Function::Dot, Vector(a), Vector(b)) => Scalar(a.dot(&b)),
         (Function::Cross, Vector(a), Vector(b)) => Vector(a.cross(&b)),
-        (Function::Min, Scalar(a), Scalar(b)) => Scalar(a.min(b)),
-        (Function::Max, Scalar(a), Scalar(b)) => Scalar(a.max(b)),
+        (Function::Min, Scalar(a), Scalar(b)) => Scalar(smaller(a, b)),
+        (Function::Max, Scalar(a), Scalar(b)) => Scalar(larger(a, b)),
         (Function::Atan2, Scalar(a), Scalar(b)) => Scalar(a.atan2(b)),
         (Function::Angle, Vector(a), Vector(b)) => Scalar(norm(&a.cross(&b)).atan2(a.dot(&b))),
         _ => return None,
     })
 }
 
-/// One of two values of the same shape.
-fn choice<S: Real>(mask: S::Mask, a: Value<S>, b: Value<S>) -> Option<Value<S>> {
-    match (a, b) {
-        (Scalar(a), Scalar(b)) => Some(Scalar(S::select(mask, a, b))),
-        (Vector(a), Vector(b)) => Some(Vector(a.zip_map(&b, |a, b| S::select(mask, a, b)))),
+/// The smaller of two; no number where one of them is none. At equality it is `a`.
+fn smaller<S: Real>(a: S, b: S) -> S {
+    if b.is_always_a_number() {
+        return a.min(b);
+    }
+    if a.is_always_a_number() {
+        return S::select(a.le(b), a, b);
+    }
+    S::select(b.lt(a), b, unless_unordered([a, b], a))
+}
+
+/// The larger of two; no number where one of them is none. At equality it is `a`.
+fn larger<S: Real>(a: S, b: S) -> S {
+    if b.is_always_a_number() {
+        return a.max(b);
+    }
+    if a.is_always_a_number() {
+        return S::select(b.le(a), a, b);
+    }
+    S::select(a.lt(b), b, unless_unordered([b, a], a))
+}
+
+/// `value` where the first is at most the second, no number where they cannot be compared.
+fn unless_unordered<S: Real>([a, b]: [S; 2], value: S) -> S {
+    S::select(a.le(b), value, a + b)
+}
+
+/// One of two values of the same shape by what is compared; no number where that is none.
+fn choice<S: Real>(
+    function: Function,
+    [a, b]: [S; 2],
+    then: Value<S>,
+    otherwise: Value<S>,
+) -> Option<Value<S>> {
+    let always = [a, b].iter().all(|side| side.is_always_a_number());
+    let (holds, fails) = match function {
+        Function::IfLess => (a.lt(b), b.le(a)),
+        _ => (a.le(b), b.lt(a)),
+    };
+    let pick = |then: S, otherwise: S| {
+        let otherwise = match always {
+            true => otherwise,
+            false => S::select(fails, otherwise, a + b),
+        };
+        S::select(holds, then, otherwise)
+    };
+    match (then, otherwise) {
+        (Scalar(a), Scalar(b)) => Some(Scalar(pick(a, b))),
+        (Vector(a), Vector(b)) => Some(Vector(a.zip_map(&b, pick))),
         _ => None,
     }
 }

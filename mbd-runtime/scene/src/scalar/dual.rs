@@ -195,6 +195,9 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     fn is_finite_all(self) -> bool {
         self.value.is_finite_all() && self.slopes.iter().all(|slope| slope.is_finite_all())
     }
+    fn is_always_a_number(self) -> bool {
+        self.value.is_always_a_number()
+    }
     fn label(self, name: &'static str) -> Self {
         Dual {
             value: self.value.label(name),

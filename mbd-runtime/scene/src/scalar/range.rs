@@ -266,6 +266,10 @@ impl Real for Range {
     fn is_finite_all(self) -> bool {
         self.low.is_finite() && self.high.is_finite()
     }
+    fn is_always_a_number(self) -> bool {
+        // What is not a number is everything here.
+        true
+    }
 }
 
 #[cfg(test)]

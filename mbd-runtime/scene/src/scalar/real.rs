@@ -60,6 +60,10 @@ pub trait Real:
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// Whether every lane is finite.
     fn is_finite_all(self) -> bool;
+    /// Whether this is a number whatever it is made of: no quotient, root or logarithm can make it NaN. Only symbols know that.
+    fn is_always_a_number(self) -> bool {
+        false
+    }
 
     /// Names this term for the reader of generated code (`r12`, `u_x`); numbers ignore it.
     #[must_use]
