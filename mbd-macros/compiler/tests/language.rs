@@ -835,3 +835,34 @@ fn every_word_that_a_message_proposes_takes_the_message_away() {
     }
     assert!(tried > 50, "{tried} words were proposed");
 }
+
+/// A run holds what a param in radians is set to, to the rule of declarations: 90 without a unit is refused.
+#[test]
+fn a_param_of_which_a_multiple_is_an_angle_is_one() {
+    let formulas = [
+        ("sin(a)", "rad"),
+        ("sin(2 * a)", "rad"),
+        ("cos(-a / 2)", "rad"),
+        ("tan(named)", "rad"),
+        ("sin(a * 1 deg)", ""),
+        ("sin(a * pi / 180)", ""),
+        ("sin(0.0174 * a)", ""),
+        ("sin(a * time / (1 s))", ""),
+    ];
+    for (formula, unit) in formulas {
+        let text = format!(
+            "model Angle {{
+                gravity: none;
+                point p {{ mass: 1 kg }}
+                param a = 0.5;
+                let named = 2 * a;
+                output s = {formula};
+                output used = named;
+            }}"
+        );
+        let reading = read_text(&text);
+        let scene = reading.scene.as_ref();
+        let scene = scene.unwrap_or_else(|| panic!("{formula}: {}", told(&reading)));
+        assert_eq!(scene.params[0].unit.text, unit, "{formula}");
+    }
+}

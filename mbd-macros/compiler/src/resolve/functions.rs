@@ -2,6 +2,7 @@
 
 use mbd_scene::{Dimension, Formula, Function};
 
+use super::fold::{self, Fixed};
 use super::{Named, Resolver, Scope, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
@@ -130,6 +131,12 @@ impl Resolver<'_> {
             }
             "clamp" => {
                 let [a, low, high] = self.scalars(typed, name, at)?;
+                let known = [&low, &high].map(|end| fold::known(&end.formula, &self.scene, false));
+                if let [Some(Fixed::Scalar(least)), Some(Fixed::Scalar(most))] = known
+                    && least > most
+                {
+                    return self.fail(say::ends_exchanged(low.at.to(high.at)));
+                }
                 let above = self.alike(Function::Max, a, low, at)?;
                 self.alike(Function::Min, above, high, at)
             }

@@ -75,12 +75,10 @@ impl Resolver<'_> {
     /// `80` would be 80 rad, without a word.
     pub fn in_radians(&mut self, typed: &Typed, what: &str) -> Option<()> {
         self.no_bare_degrees(typed, what)?;
-        let settable = match typed.formula {
-            Formula::Param(index) => Some(Named::Param(index)),
-            Formula::Input(index) => Some(Named::Input(index)),
-            _ => None,
-        };
-        self.radians_of_settables.extend(settable);
+        if typed.angle == 0 {
+            let settable = self.settable_multiple(&typed.formula, FACTORS);
+            self.radians_of_settables.extend(settable);
+        }
         match &typed.turns {
             Some(Turns { text, state: None }) => {
                 self.fail(say::turns_for_radians(typed.at, text, what))
@@ -98,6 +96,35 @@ impl Resolver<'_> {
                 Some(())
             }
             None => Some(()),
+        }
+    }
+
+    /// The param or input of which a formula is a whole multiple or part, `2 * a`, also behind a name: what is an angle of it is one.
+    fn settable_multiple(&self, formula: &Formula, depth: usize) -> Option<Named> {
+        let is_whole = |factor: &Formula| {
+            let known = fold::known(factor, &self.scene, false).and_then(|known| known.scalar());
+            let whole = |number: f64| number != 0.0 && number.fract() == 0.0;
+            known.is_some_and(|known| whole(known) || whole(1.0 / known))
+        };
+        let deeper = depth.checked_sub(1)?;
+        match formula {
+            Formula::Param(index) => Some(Named::Param(*index)),
+            Formula::Input(index) => Some(Named::Input(*index)),
+            Formula::Let(index) => {
+                let named = self.scene.lets.get(*index)?;
+                self.settable_multiple(&named.value, deeper)
+            }
+            Formula::Apply(function, arguments) => match (function, arguments.as_slice()) {
+                (Function::Neg, [a]) => self.settable_multiple(a, deeper),
+                (Function::Mul, [factor, a]) if is_whole(factor) => {
+                    self.settable_multiple(a, deeper)
+                }
+                (Function::Mul | Function::Div, [a, factor]) if is_whole(factor) => {
+                    self.settable_multiple(a, deeper)
+                }
+                _ => None,
+            },
+            _ => None,
         }
     }
 

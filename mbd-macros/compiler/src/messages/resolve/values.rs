@@ -359,6 +359,13 @@ pub fn radians_in_turns(at: Region) -> LexemeMessage {
     )
 }
 
+pub fn ends_exchanged(at: Region) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        "the lower end of `clamp(a, low, high)` is above the upper one: exchange them",
+    )
+}
+
 pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> LexemeMessage {
     let plural = if wanted == 1 { "" } else { "s" };
     LexemeMessage::new(
