@@ -5,8 +5,9 @@
 //! polynomials. So a metric neither depends on which rows a history has nor on where steps happen to end.
 //!
 //! Evaluations are what this costs: where two polynomials follow each other they share a value, and a quantity is looked at no closer than its metrics hang
-//! on it: the largest value needs no digits of a step in which the quantity stays small. One value inside such a step tells that, where it and those at the
-//! ends are further below the largest so far than they are apart from each other, several times.
+//! on it: the largest value needs no digits of a step in which the quantity stays small, or rises from end to end. One value inside such a step tells that:
+//! where it and those at the ends are further below the largest so far than they are apart from each other, several times, or where the parabola through
+//! the three is several times less bent than it would have to be to turn.
 //!
 //! Rejected: reading metrics from the rows of a history, straight between them: their error is that of the grid and not that of the run.
 
@@ -30,7 +31,8 @@ const FASTEST: usize = 10;
 /// The point of a step that is looked at first, one of those that are looked at next; not its middle, where what repeats itself in time with the steps may
 /// be what it is at the ends.
 const FIRST_LOOK: usize = 2;
-/// How many times as far from the values of the ends and of the first look as these are apart a quantity is taken to get.
+/// How many times as far from the values of the ends and of the first look as these are apart a quantity is taken to get, and how many times as bent as
+/// the parabola through them.
 const APART: f64 = 4.0;
 /// How many values polynomials have, one after the other until one does.
 const COUNTS: [usize; 2] = [5, POINTS];
@@ -549,9 +551,19 @@ impl Measures {
                 [f64::INFINITY, f64::NEG_INFINITY],
                 |[least, most], value| [least.min(value), most.max(value)],
             );
-            let further = APART * (most - least);
+            let [first, looked, last] = values;
+            // c of the parabola first (1 − s) + last s + c s (1 − s) through the three: where it is small, the quantity only rises or only falls.
+            let bend = (looked - first - part * (last - first)) / (part * (1.0 - part));
+            let further = match APART * bend.abs() <= (last - first).abs() {
+                true => 0.0,
+                false => APART * (most - least),
+            };
             let bounds = [least - further, most + further];
-            let is_open = |sum: &Sum, reader: &MetricReader| !sum.is_beyond(reader, times, bounds);
+            let size = self.columns.get(column).map_or(0.0, |known| known.size);
+            let allowed = step.tolerance * size;
+            let is_open = |sum: &Sum, reader: &MetricReader| {
+                !sum.is_beyond(reader, times, bounds, ([first, last], allowed))
+            };
             // What is not a number is no least or largest, but a gap; and what rests at all three, as a slack line does, may be at work between them.
             let tells = values.iter().all(|value| value.is_finite()) && least < most;
             if tells && !self.any_sum(column, is_open) {

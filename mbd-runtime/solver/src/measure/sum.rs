@@ -104,18 +104,20 @@ impl Sum {
         !enough && self.looks_inside(of, times)
     }
 
-    /// Whether a quantity between these bounds over a part of the run cannot give it another value than the ends of that part do.
+    /// Whether a quantity between these bounds over a part of the run cannot give it another value than the ends of that part do, by more than what
+    /// quantities are resolved to.
     pub(super) fn is_beyond(
         &self,
         of: &MetricReader,
         [begin, end]: [f64; 2],
         [least, most]: [f64; 2],
+        ([first, last], allowed): ([f64; 2], f64),
     ) -> bool {
         let [from, to] = of.window;
         let whole = from <= begin && end <= to;
         let beyond = match of.take {
-            Take::Max => most <= self.extreme,
-            Take::Min => least >= self.extreme,
+            Take::Max => most <= self.extreme.max(first.max(last)) + allowed,
+            Take::Min => least >= self.extreme.min(first.min(last)) - allowed,
             _ => false,
         };
         whole && beyond || !self.looks_inside(of, [begin, end])
