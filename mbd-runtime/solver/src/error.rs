@@ -3,6 +3,9 @@
 //! Nothing here resets or alters a state: after an error the simulation holds its last accepted step, equal to the bit to the same run stopped
 //! there, and may go on after repair.
 
+mod cause;
+mod progress;
+
 use std::error::Error;
 use std::fmt;
 
@@ -13,177 +16,8 @@ use crate::node::UNEVEN;
 use crate::trajectory::Trajectory;
 use crate::watch::Instability;
 
-/// Counters of a run so far. They only grow, and saturate instead of overflowing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Accepted steps.
-    pub steps: u64,
-    /// Those of them that a stiff method made.
-    pub stiff_steps: u64,
-    /// How often a run with two methods took the other one.
-    pub method_changes: u64,
-    /// Rejected trial steps: error test, or a stage that was not finite or had no equilibrium.
-    pub rejected: u64,
-    /// Trial steps made to locate events.
-    pub redone: u64,
-    /// Evaluations of the state derivative, over all accepted and rejected steps.
-    pub rhs: u64,
-    /// Derivatives of the rates by the state, by methods that solve with them.
-    pub jacobians: u64,
-    /// Factors of the matrices of these methods.
-    pub factors: u64,
-    /// Solves of the equilibrium points.
-    pub node_solves: u64,
-    /// Newton iterations in those solves.
-    pub node_iterations: u64,
-    /// The most iterations one solve took.
-    pub node_iterations_max: u64,
-    /// The worst strategy a solve needed: 1 warm Newton, 2 stiffness homotopy, 3 slope search; 0 no solve yet.
-    pub node_strategy: u64,
-    /// Slack/taut switches located.
-    pub switches: u64,
-    /// The worst strategy the rows of joints needed: 1 as emitted, 2 rows chosen anew for a step, 3 the whole matrix, 4 a stage with all rows
-    /// regularised; 0 no rows.
-    pub rows_strategy: u64,
-    /// Step boundaries at which rows were chosen anew.
-    pub rows_chosen: u64,
-    /// Stages solved with all rows regularised, because those held for their step lost rank inside it: such a step is of order two.
-    pub rows_regularised: u64,
-    /// Decimal digits of the accelerations that uneven masses cost at the start, on the strategy of the run; 0 for masses within three decades.
-    pub lost_digits: u64,
-}
-
-impl Statistics {
-    /// Mean Newton iterations of one solve; zero without solves.
-    #[must_use]
-    pub fn node_iterations_mean(&self) -> f64 {
-        if self.node_solves == 0 {
-            0.0
-        } else {
-            self.node_iterations as f64 / self.node_solves as f64
-        }
-    }
-
-    /// Those of a run and of the one that went on from it, together.
-    #[must_use]
-    pub fn and(self, next: Self) -> Self {
-        Statistics {
-            steps: self.steps + next.steps,
-            stiff_steps: self.stiff_steps + next.stiff_steps,
-            method_changes: self.method_changes + next.method_changes,
-            rejected: self.rejected + next.rejected,
-            redone: self.redone + next.redone,
-            rhs: self.rhs + next.rhs,
-            jacobians: self.jacobians + next.jacobians,
-            factors: self.factors + next.factors,
-            node_solves: self.node_solves + next.node_solves,
-            node_iterations: self.node_iterations + next.node_iterations,
-            node_iterations_max: self.node_iterations_max.max(next.node_iterations_max),
-            node_strategy: self.node_strategy.max(next.node_strategy),
-            switches: self.switches + next.switches,
-            rows_strategy: self.rows_strategy.max(next.rows_strategy),
-            rows_chosen: self.rows_chosen + next.rows_chosen,
-            rows_regularised: self.rows_regularised + next.rows_regularised,
-            lost_digits: self.lost_digits.max(next.lost_digits),
-        }
-    }
-}
-
-/// What is not finite.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Source {
-    /// A value that the caller's loads supplied: the name of the input, load or gravity slot.
-    Load(String),
-    /// A formula of the declaration: the load, joint or state that it belongs to, in words.
-    Declared(String),
-    /// The rate of a coordinate of the state, by its column name.
-    State(String),
-    /// The position or velocity of an equilibrium point, by name.
-    Node(String),
-    /// The rows of a joint, by name: what prescribes its motion has no value.
-    Joint(String),
-    /// A derivative that a stiff method asks for.
-    Jacobian {
-        /// Of the rate of this coordinate of the state, by its column name.
-        rate: String,
-        /// By this coordinate, or by `time`.
-        by: String,
-    },
-}
-
-/// Why a step shrank below what time can resolve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Collapse {
-    /// The error test never passed.
-    ErrorTest,
-    /// An event could not be located.
-    Event,
-    /// The first trial was as short already: time has not the digits for it.
-    Resolution,
-}
-
-/// Stiffness met by an explicit method: its stability bounds the steps, not their error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stiff {
-    /// The method.
-    pub method: &'static str,
-    /// Step times the largest rate.
-    pub rho: f64,
-    /// Up to where the method is stable.
-    pub limit: f64,
-    /// What changes fastest: `velocity of bob`, or a declared state.
-    pub block: String,
-    /// The line with the largest rate that holds it.
-    pub line: Option<String>,
-}
-
-impl fmt::Display for Stiff {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Stiff {
-            method,
-            rho,
-            limit,
-            block,
-            line,
-        } = self;
-        write!(
-            f,
-            "stiff: step times rate hρ is {rho:.2}, and {method} is stable up to {limit:.2} (`{block}`"
-        )?;
-        if let Some(line) = line {
-            write!(f, ", held by `{line}`")?;
-        }
-        write!(f, ")")
-    }
-}
-
-/// The softest and the stiffest taut line of a network whose balance was not found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UnevenLines {
-    /// The softest taut line.
-    pub softest: String,
-    /// The stiffest taut line.
-    pub stiffest: String,
-    /// Stiffness of the second over that of the first. With damped stepwise lines: as a step sees it, K and what C adds.
-    pub ratio: f64,
-}
-
-impl fmt::Display for UnevenLines {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let UnevenLines {
-            softest,
-            stiffest,
-            ratio,
-        } = self;
-        write!(
-            f,
-            "`{stiffest}` is {} times as stiff as `{softest}`",
-            plain(*ratio, 2)
-        )
-    }
-}
+pub use cause::{Collapse, Source, Stiff, UnevenLines};
+pub use progress::{Progress, RunError, Statistics};
 
 /// Declares the errors of a step, each with its name in tables, its sentence and its advice.
 macro_rules! step_errors {
@@ -651,44 +485,6 @@ impl From<ParamError> for StepError {
     }
 }
 
-impl fmt::Display for Source {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Source::Load(name) => write!(f, "`{name}` is not a finite number"),
-            Source::Declared(what) => write!(f, "{what} is not a finite number"),
-            Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
-            Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
-            Source::Joint(name) => write!(f, "the rows of joint `{name}` are not finite numbers"),
-            Source::Jacobian { rate, by } => write!(
-                f,
-                "the derivative of the rate of `{rate}` by `{by}` is not a finite number"
-            ),
-        }
-    }
-}
-
-impl Source {
-    fn advice(&self) -> String {
-        match self {
-            Source::Load(name) => format!("look at what `{name}` returns at this time and state"),
-            Source::Declared(_) => "look there for a division by zero, such as a direction `v / norm(v)` of what is at rest, or a root of a negative number; if it has a value there, take a smaller step".into(),
-            Source::Joint(_) => "look for a time at which its motor, or a frame of the world that moves it, has no value".into(),
-            Source::Jacobian { .. } => "look for a root or a norm that is zero here, or take a method without derivatives: `vern7`, `tsit5`".into(),
-            Source::State(_) | Source::Node(_) => "take a smaller step; if it stays, look for a division by zero or a root of a negative number in a load".into(),
-        }
-    }
-}
-
-impl fmt::Display for Collapse {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Collapse::ErrorTest => "the error test did not pass",
-            Collapse::Event => "an event could not be located",
-            Collapse::Resolution => "time does not resolve it",
-        })
-    }
-}
-
 /// `a`, `b`, `c`.
 fn listed(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
@@ -701,48 +497,4 @@ fn open(rows: &[(String, f64, &'static str)]) -> String {
         .iter()
         .map(|(name, size, unit)| format!("`{name}` stays open by {} {unit}", plain(*size, 4)));
     told.collect::<Vec<String>>().join(", ")
-}
-
-/// Where a run stopped.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Progress {
-    /// Time of the last accepted step [s].
-    pub time: f64,
-    /// The step that was tried, or would be tried next [s].
-    pub step_size: f64,
-    /// Counters.
-    pub statistics: Statistics,
-}
-
-/// A run that stopped: the cause, and where.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RunError {
-    /// What went wrong.
-    pub cause: StepError,
-    /// Where the run stands: at its last accepted step.
-    pub progress: Box<Progress>,
-}
-
-impl fmt::Display for RunError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let time = plain(self.progress.time, 10);
-        // The steps that made what shows the mistake were accepted, too, and taken back.
-        let place = match self.cause {
-            StepError::UnstableStep { .. } => {
-                format!("the run went back to {time} s, where nothing had grown yet")
-            }
-            _ => format!(
-                "last accepted: step {} at {time} s, step size {} s",
-                self.progress.statistics.steps,
-                plain(self.progress.step_size, 4)
-            ),
-        };
-        write!(f, "{} ({place}); {}", self.cause, self.cause.advice())
-    }
-}
-
-impl Error for RunError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        Some(&self.cause)
-    }
 }
