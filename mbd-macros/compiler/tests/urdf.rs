@@ -7,7 +7,9 @@ use std::path::PathBuf;
 
 use mbd_compiler::{Interpreted, Reading, read_text_in, read_urdf};
 use mbd_scene::solids::Solid;
-use mbd_scene::{Arguments, Formula, Layout, Model, Quantity, Scene, StartFrom, place_declared};
+use mbd_scene::{
+    Arguments, Formula, Layout, Model, Quantity, Scene, StartFrom, declared_parts, place_declared,
+};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 
@@ -196,6 +198,19 @@ fn a_base_may_fly() {
     assert_eq!(free.name, "base");
     assert_eq!(scene.bodies[0].name, "base_link");
     assert_eq!(Layout::new(&scene).freedoms(), 10);
+}
+
+#[test]
+fn a_base_that_flies_starts_with_the_origin_of_its_link_at_the_origin_of_the_world() {
+    let robot = "<robot name='drone'><link name='hull'><inertial>\
+        <origin xyz='0.1 0.2 0.3' rpy='0.4 0.5 0.6'/><mass value='2'/>\
+        <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>";
+    let folder = Folder::with("flying_base", robot);
+    let scene = folder.read("model Drone { urdf: \"arm.urdf\" { base: free } }");
+    let layout = Layout::new(&scene);
+    let mut state = vec![0.0; layout.nx()];
+    declared_parts(&scene, &layout, StartFrom::new(&[], 0.0), &mut state);
+    assert_eq!(state[..7], [0.1, 0.2, 0.3, 1.0, 0.0, 0.0, 0.0]);
 }
 
 #[cfg(feature = "toml")]

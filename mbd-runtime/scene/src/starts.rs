@@ -7,7 +7,7 @@ use crate::laws::body::attitude_of;
 use crate::laws::line::DETACHED;
 use crate::laws::turns::next_to;
 use crate::laws::{Numbers, constant};
-use crate::placement::{FREE, by_bodies, followers, place_near};
+use crate::placement::{FREE, by_bodies, flies_from_world, followers, place_flying, place_near};
 use crate::tree::Absolute;
 use crate::{
     Arguments, At, Formula, Joint, JointStart, Layout, Part, Place, PlacementError,
@@ -74,7 +74,8 @@ impl Arguments<f64> {
     }
 }
 
-/// Writes the declared starts of bodies and points into a state; returns which these are. In relative coordinates the others hang from them with joint
+/// Writes the declared starts of bodies and points into a state, behind the places of bodies that fly from frames of the world; returns which have a
+/// declared start. In relative coordinates the others hang from them with joint
 /// coordinates of zero, or as their motors have them.
 pub fn declared_parts(
     scene: &Scene,
@@ -84,7 +85,9 @@ pub fn declared_parts(
 ) -> Vec<Part> {
     let parts: Vec<Part> = scene.starts.parts.iter().map(|start| start.part).collect();
     if layout.tree.is_some() {
-        if !parts.is_empty() && state.len() == layout.nx() {
+        let flies = |joint: &Joint| flies_from_world(joint).is_some();
+        let said = !parts.is_empty() || scene.joints.iter().any(flies);
+        if said && state.len() == layout.nx() {
             let absolute = Absolute::of(scene);
             let (declared, own) = (&absolute.scene, &absolute.layout);
             let mut placed = absolute.state((scene, layout), from, state);
@@ -98,6 +101,13 @@ pub fn declared_parts(
         }
         return parts;
     }
+    place_flying(scene, layout, from, state);
+    write_starts(scene, layout, from, state);
+    parts
+}
+
+/// Writes what the declaration says itself of where bodies and points start, in absolute coordinates.
+fn write_starts(scene: &Scene, layout: &Layout, from: StartFrom<'_>, state: &mut [f64]) {
     let directions = layout.directions;
     let of = |formula: &Formula| constant(scene, from.params, formula);
     let vector = |triple: &Triple| Vector3::from(triple.each_ref().map(of));
@@ -124,7 +134,6 @@ pub fn declared_parts(
             directions.write_angular(state, v, &vector(omega));
         }
     }
-    parts
 }
 
 /// In relative coordinates the same scene in absolute ones, with a state in these: as it is, and as the declared starts of bodies and points would
@@ -142,7 +151,7 @@ pub fn declared_beside(
     let absolute = Absolute::of(scene);
     let here = absolute.state((scene, layout), from, state);
     let mut declared = here.clone();
-    declared_parts(&absolute.scene, &absolute.layout, from, &mut declared);
+    write_starts(&absolute.scene, &absolute.layout, from, &mut declared);
     Some((absolute.scene, absolute.layout, [here, declared]))
 }
 

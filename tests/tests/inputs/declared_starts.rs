@@ -386,6 +386,72 @@ fn bodies_and_points_start_where_they_are_put_and_as_they_move() {
 }
 
 #[test]
+fn what_flies_starts_where_both_frames_of_its_joint_coincide_and_moves_with_them() {
+    let text = "model Berth {
+            coordinates: absolute;
+            gravity: none;
+            world { frame berth at [1 m + 2 m/s * time, 2 m, 3 m] rotated about(z, 90 deg) }
+            body arm { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame root at [0, 0, 0.25] m }
+            body hull {
+                mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2,
+                frame top at [0, 0, 0.5] m rotated about(x, 90 deg),
+            }
+            joint boom: hinge from hull.com to arm.root { axis: y }
+            joint fly: free from world.berth to hull.top;
+            output place = hull.position;
+            output keel = hull.x;
+            output deck = hull.z;
+            output speed = hull.velocity;
+            output reach = arm.position;
+        }";
+    // The axes of the hull are those of the berth, turned back about x: its z is −x of the world.
+    let wanted = [
+        1.5, 2.0, 3.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 1.75, 2.0, 3.0,
+    ];
+    for family in ["absolute", "relative"] {
+        let scene = read(&text.replace("absolute", family));
+        let (found, moved) = begun_as_declared(&scene);
+        assert_close(&found, &wanted, 1e-15, 1e-15, family);
+        assert_eq!(moved, 0.0);
+    }
+    // What the body says itself goes before.
+    let put = text.replace("frame top", "start at [4, 5, 6] m, frame top");
+    let (found, _) = begun_as_declared(&read(&put));
+    assert_close(
+        &found[..6],
+        &[4.0, 5.0, 6.0, 0.0, 1.0, 0.0],
+        1e-15,
+        1e-15,
+        "put",
+    );
+}
+
+#[test]
+fn coordinates_that_are_set_leave_what_flies_where_its_state_has_it() {
+    let scene = read(
+        "model Flyer {
+            gravity: none;
+            world { frame pad at [0, 0, 1] m }
+            body hull { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame keel at [0, 0, -0.5] m }
+            body arm { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame root at [0, 0, 0.25] m }
+            joint fly: free from world.pad to hull.keel;
+            joint boom: hinge from hull.com to arm.root { axis: y }
+            output place = hull.position;
+        }",
+    );
+    let model = Generic::new(scene, &[]).expect("no params");
+    let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+    let mut state = simulation.state().to_vec();
+    assert_eq!(state[..3], [0.0, 0.0, 1.5]);
+    state[2] = 7.0;
+    simulation.set_state(0.0, &state).expect("a state");
+    simulation
+        .set_joints(&[("boom.angle", 0.3)])
+        .expect("an angle");
+    assert_close(&begun(simulation).0, &[0.0, 0.0, 7.0], 1e-15, 0.0, "place");
+}
+
+#[test]
 fn a_planar_scene_starts_at_its_angle() {
     let planar = PENDULUM.replace("gravity:", "planar: xz; gravity:");
     let (found, moved) = begun_as_declared(&read(&planar));

@@ -15,7 +15,7 @@ use crate::evaluate::{Scratch, driven_coordinates, evaluate};
 use crate::laws::ground::ground;
 use crate::laws::numbers::Numbers;
 use crate::laws::row_units;
-use crate::{Arguments, FrameMotion, Layout, Part, Quantity, Scene, StartFrom};
+use crate::{Arguments, FrameMotion, Joint, Layout, Part, Place, Quantity, Scene, StartFrom};
 use tree::{PlacingJoint, tree};
 
 mod about;
@@ -98,35 +98,7 @@ pub(crate) fn place_near(
     if links.is_empty() && given.is_empty() {
         return Ok(PlacementReport::default());
     }
-    let numbers = Numbers::new(scene, from.params);
-    let mut frames = Vec::new();
-    ground(scene, &numbers, from.time, &mut frames);
-    let zero = |joint: &crate::Joint| {
-        let mut q = vec![0.0; joint.law.coordinates()];
-        if let Some(attitude) = joint.law.attitude() {
-            q[attitude.start] = 1.0;
-        }
-        q
-    };
-    let mut placement = Placement {
-        scene,
-        layout,
-        ground: frames,
-        from,
-        links,
-        fixed,
-        q: scene.joints.iter().map(zero).collect(),
-        u: scene
-            .joints
-            .iter()
-            .map(|joint| vec![0.0; joint.law.freedoms()])
-            .collect(),
-        scratch: Scratch::new(layout),
-        numbers,
-        size: 1.0,
-        length: 1.0,
-        lengths: Vec::new(),
-    };
+    let mut placement = Placement::new((scene, layout), from, links, fixed);
     placement.set(near);
     let mut all = given.to_vec();
     for driven in placement.driven(state) {
@@ -145,6 +117,70 @@ pub(crate) fn place_near(
             let solved = placement.solve(&all, state);
             placement.confirm(&decided, given, state)?;
             solved
+        }
+    }
+}
+
+/// Writes where bodies start that fly from a frame of the world: there both frames of their joint `free` coincide and move together. What other joints
+/// or a declared start say of such a body is written behind this.
+pub(crate) fn place_flying(scene: &Scene, layout: &Layout, from: StartFrom<'_>, state: &mut [f64]) {
+    let links = (scene.joints.iter().enumerate()).filter_map(|(joint, declared)| {
+        let to = flies_from_world(declared)?;
+        Some(PlacingJoint {
+            joint,
+            to,
+            to_parent: false,
+        })
+    });
+    let links: Vec<PlacingJoint> = links.collect();
+    if !links.is_empty() && state.len() == layout.nx() {
+        Placement::new((scene, layout), from, links, &[]).walk(state);
+    }
+}
+
+/// The body that a joint says flies from a frame of the world.
+pub(crate) fn flies_from_world(joint: &Joint) -> Option<Part> {
+    match (joint.parent, joint.child) {
+        (Place::World(_), Place::Body(body, _)) if joint.law.freedoms() == FREE => {
+            Some(Part::Body(body))
+        }
+        _ => None,
+    }
+}
+
+impl<'a> Placement<'a> {
+    /// All coordinates at zero, nothing moves.
+    fn new(
+        (scene, layout): (&'a Scene, &'a Layout),
+        from: StartFrom<'a>,
+        links: Vec<PlacingJoint>,
+        fixed: &'a [Part],
+    ) -> Self {
+        let numbers = Numbers::new(scene, from.params);
+        let mut frames = Vec::new();
+        ground(scene, &numbers, from.time, &mut frames);
+        let zero = |joint: &Joint| {
+            let mut q = vec![0.0; joint.law.coordinates()];
+            if let Some(attitude) = joint.law.attitude() {
+                q[attitude.start] = 1.0;
+            }
+            q
+        };
+        let speeds = |joint: &Joint| vec![0.0; joint.law.freedoms()];
+        Placement {
+            scene,
+            layout,
+            ground: frames,
+            from,
+            links,
+            fixed,
+            q: scene.joints.iter().map(zero).collect(),
+            u: scene.joints.iter().map(speeds).collect(),
+            scratch: Scratch::new(layout),
+            numbers,
+            size: 1.0,
+            length: 1.0,
+            lengths: Vec::new(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The spanning tree along which bodies are placed: joints of which something is said first.
 
-use super::{FREE, JointStart};
+use super::{FREE, JointStart, flies_from_world};
 use crate::{Layout, Part, Place, Scene};
 
 /// A joint walked from the part that is placed to the one it places.
@@ -77,21 +77,24 @@ pub(super) fn tree(
     }
     let mut placed: Vec<Option<Part>> = vec![None];
     placed.extend(fixed.iter().copied().map(Some));
+    let flying: Vec<Part> = scene.joints.iter().filter_map(flies_from_world).collect();
     let mut links = Vec::new();
     while !edges.is_empty() {
         let next = edges
             .iter()
             .position(|(_, ends)| ends.iter().any(|end| placed.contains(end)));
         let Some(next) = next else {
-            // Nothing ties these to the world: the body that was declared first stays where it is, as it is the one that floats in a tree of
-            // relative coordinates.
-            let ends = edges.iter().flat_map(|(_, ends)| ends);
-            let bodies = ends.filter_map(|end| match end {
+            // Nothing ties these to the world: the body that flies from it stays where it is, else the one that was declared first, as it is the one
+            // that floats in a tree of relative coordinates.
+            let ends = || edges.iter().flat_map(|(_, ends)| ends);
+            let flying = |end: &&Option<Part>| end.is_some_and(|part| flying.contains(&part));
+            let bodies = ends().filter_map(|end| match end {
                 Some(Part::Body(body)) => Some(*body),
                 _ => None,
             });
-            let first = bodies.min().map(Part::Body);
-            placed.push(first.or(edges[0].1[0]));
+            let first = || bodies.min().map(Part::Body);
+            let stays = ends().find(flying).copied().flatten().or_else(first);
+            placed.push(stays.or(edges[0].1[0]));
             continue;
         };
         let (joint, [parent, child]) = edges.remove(next);

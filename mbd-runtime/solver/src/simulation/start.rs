@@ -385,8 +385,8 @@ impl<T: Float> Simulation<T> {
     }
 }
 
-/// The state in the world at the declared start, with these inputs or their defaults, and what was decided for it: joint coordinates of which no start is declared are zero, what flies is at the world origin, at rest,
-/// unturned; declared states where they begin.
+/// The state in the world at the declared start, with these inputs or their defaults, and what was decided for it: joint coordinates of which no start is declared are zero, what flies is where it flies from, at rest,
+/// unturned there; declared states where they begin.
 pub(crate) fn declared_start<T: Float>(
     model: &dyn Model<T>,
     time: f64,
