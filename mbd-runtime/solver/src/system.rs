@@ -37,6 +37,7 @@ pub(crate) use known::{EndLooks, LINES, LISTS, OUTPUTS};
 pub(crate) use near_side::GuardSide;
 use near_side::NearSide;
 pub(crate) use remembered::Remembered;
+pub(crate) use spring_ends::SAME_PLACE;
 pub use supplied::{External, NoLoads};
 
 /// Integrals carried along behind the state: work of the loads, of the dampers and of prescribed motions [J].

@@ -124,8 +124,8 @@ impl<T> KnotOutputs<T> {
 /// | [`equilibrium_knot`](Self::equilibrium_knot) | 12 of 12 | 220 |
 /// | [`derivative`](Self::derivative) | 6 of 6 | 24 |
 /// | [`balance`](Self::balance) | 3 of 3 | 84 |
-/// | [`guards`](Self::guards) | 8 of 8 | 43 |
-/// | [`outputs`](Self::outputs) | 1 of 1 | 12 |
+/// | [`guards`](Self::guards) | 8 of 8 | 47 |
+/// | [`outputs`](Self::outputs) | 1 of 1 | 13 |
 /// | [`mass_matrix`](Self::mass_matrix) | 3 of 9 | 0 |
 #[derive(Clone, Debug)]
 pub struct Knot<T = f64> {
@@ -199,7 +199,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Knot\n\nState x = [q | v | z]: 3 + 3 + 0; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: [0, 0, -9.81] m/s².\n\nPoint knot: node, static: Σ T u + W = 0 with T = K s₊, damping ignored.\nPoint bob: m = 2 kg, m p\u{308} = Σ T u + W + m g.\nLine left_stay from world.left to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine right_stay from world.right to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine back_stay from world.back to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine hanger from knot to bob: T = K s for s > 0, else 0; K = 2000 N/m, L0 = 0.5 m.\nOutput hanger_force = hanger.tension [N].\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  No body: no rotation, no quaternion.\n  No stretch rate of undamped lines: left_stay, right_stay, back_stay, hanger.\n\nOperations\n  once per set of params: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  equilibrium_knot: 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections)\n  derivative: 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections)\n  balance: 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections)\n  guards: 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections)\n  outputs: 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n\nderivative: 24 operations as declared, 24 with every param a const, 24 with every const a param.\n"
+            "Knot\n\nState x = [q | v | z]: 3 + 3 + 0; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: [0, 0, -9.81] m/s².\n\nPoint knot: node, static: Σ T u + W = 0 with T = K s₊, damping ignored.\nPoint bob: m = 2 kg, m p\u{308} = Σ T u + W + m g.\nLine left_stay from world.left to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine right_stay from world.right to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine back_stay from world.back to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine hanger from knot to bob: T = K s for s > 0, else 0; K = 2000 N/m, L0 = 0.5 m.\nOutput hanger_force = hanger.tension [N].\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  No body: no rotation, no quaternion.\n  No stretch rate of undamped lines: left_stay, right_stay, back_stay, hanger.\n\nOperations\n  once per set of params: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  equilibrium_knot: 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections)\n  derivative: 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections)\n  balance: 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections)\n  guards: 47 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 4 selections)\n  outputs: 13 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 2 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n\nderivative: 24 operations as declared, 24 with every param a const, 24 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -240,7 +240,7 @@ const _: () = {
         /// The declared outputs.
         ///
         /// 1 columns, each in its unit.
-        /// 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections).
+        /// 13 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 2 selections).
         #[must_use]
         #[inline]
         pub fn outputs(
@@ -328,7 +328,7 @@ const _: () = {
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
         ///
         /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 0 events.
-        /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
+        /// 47 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 4 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -445,7 +445,7 @@ const _: () = {
                         divs: 0,
                         sqrts: 4,
                         trigs: 0,
-                        selects: 0,
+                        selects: 4,
                     },
                 ),
                 (
@@ -456,7 +456,7 @@ const _: () = {
                         divs: 0,
                         sqrts: 1,
                         trigs: 0,
-                        selects: 1,
+                        selects: 2,
                     },
                 ),
                 (
@@ -738,15 +738,16 @@ const _: () = {
         let left_stay_length = (left_stay_e_z * left_stay_e_z
             + (left_stay_e_x * left_stay_e_x + left_stay_e_y * left_stay_e_y))
             .sqrt();
-        let left_stay_inverse_length = one / left_stay_length.max(tiny);
+        let left_stay_t_2 = left_stay_length.max(tiny);
+        let left_stay_inverse_length = one / left_stay_t_2;
         let left_stay_u_x = left_stay_e_x * left_stay_inverse_length;
         let left_stay_u_y = left_stay_e_y * left_stay_inverse_length;
         let left_stay_u_z = left_stay_e_z * left_stay_inverse_length;
-        let left_stay_stretch = left_stay_length - left_stay_l;
+        let left_stay_stretch = left_stay_t_2 - left_stay_l;
         let left_stay_tension = left_stay_k * left_stay_stretch.max(zero);
-        let left_stay_t_2 = zero.le(left_stay_stretch);
+        let left_stay_t_3 = zero.le(left_stay_stretch);
         let left_stay_across = T::select(
-            left_stay_t_2,
+            left_stay_t_3,
             T::select(
                 zero.lt(left_stay_l),
                 left_stay_inverse_length * left_stay_tension,
@@ -754,7 +755,7 @@ const _: () = {
             ),
             zero,
         );
-        let left_stay_along = T::select(left_stay_t_2, left_stay_k, zero)
+        let left_stay_along = T::select(left_stay_t_3, left_stay_k, zero)
             - left_stay_across;
         let left_stay_along_x = left_stay_u_x * left_stay_along;
         let left_stay_along_y = left_stay_u_y * left_stay_along;
@@ -775,15 +776,16 @@ const _: () = {
         let right_stay_length = (right_stay_e_z * right_stay_e_z
             + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
             .sqrt();
-        let right_stay_inverse_length = one / right_stay_length.max(tiny);
+        let right_stay_t = right_stay_length.max(tiny);
+        let right_stay_inverse_length = one / right_stay_t;
         let right_stay_u_x = right_stay_e_x * right_stay_inverse_length;
         let right_stay_u_y = right_stay_e_y * right_stay_inverse_length;
         let right_stay_u_z = right_stay_e_z * right_stay_inverse_length;
-        let right_stay_stretch = right_stay_length - right_stay_l;
+        let right_stay_stretch = right_stay_t - right_stay_l;
         let right_stay_tension = right_stay_k * right_stay_stretch.max(zero);
-        let right_stay_t = zero.le(right_stay_stretch);
+        let right_stay_t_2 = zero.le(right_stay_stretch);
         let right_stay_across = T::select(
-            right_stay_t,
+            right_stay_t_2,
             T::select(
                 zero.lt(right_stay_l),
                 right_stay_inverse_length * right_stay_tension,
@@ -791,7 +793,7 @@ const _: () = {
             ),
             zero,
         );
-        let right_stay_along = T::select(right_stay_t, right_stay_k, zero)
+        let right_stay_along = T::select(right_stay_t_2, right_stay_k, zero)
             - right_stay_across;
         let right_stay_along_x = right_stay_u_x * right_stay_along;
         let right_stay_along_y = right_stay_u_y * right_stay_along;
@@ -812,15 +814,16 @@ const _: () = {
         let back_stay_length = (back_stay_e_z * back_stay_e_z
             + (back_stay_e_x * back_stay_e_x + back_stay_e_y * back_stay_e_y))
             .sqrt();
-        let back_stay_inverse_length = one / back_stay_length.max(tiny);
+        let back_stay_t = back_stay_length.max(tiny);
+        let back_stay_inverse_length = one / back_stay_t;
         let back_stay_u_x = back_stay_e_x * back_stay_inverse_length;
         let back_stay_u_y = back_stay_e_y * back_stay_inverse_length;
         let back_stay_u_z = back_stay_e_z * back_stay_inverse_length;
-        let back_stay_stretch = back_stay_length - back_stay_l;
+        let back_stay_stretch = back_stay_t - back_stay_l;
         let back_stay_tension = back_stay_k * back_stay_stretch.max(zero);
-        let back_stay_t = zero.le(back_stay_stretch);
+        let back_stay_t_2 = zero.le(back_stay_stretch);
         let back_stay_across = T::select(
-            back_stay_t,
+            back_stay_t_2,
             T::select(
                 zero.lt(back_stay_l),
                 back_stay_inverse_length * back_stay_tension,
@@ -828,7 +831,7 @@ const _: () = {
             ),
             zero,
         );
-        let back_stay_along = T::select(back_stay_t, back_stay_k, zero)
+        let back_stay_along = T::select(back_stay_t_2, back_stay_k, zero)
             - back_stay_across;
         let back_stay_along_x = back_stay_u_x * back_stay_along;
         let back_stay_along_y = back_stay_u_y * back_stay_along;
@@ -849,15 +852,16 @@ const _: () = {
         let hanger_length = (hanger_e_z * hanger_e_z
             + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
             .sqrt();
-        let hanger_inverse_length = one / hanger_length.max(tiny);
+        let hanger_t = hanger_length.max(tiny);
+        let hanger_inverse_length = one / hanger_t;
         let hanger_u_x = hanger_e_x * hanger_inverse_length;
         let hanger_u_y = hanger_e_y * hanger_inverse_length;
         let hanger_u_z = hanger_e_z * hanger_inverse_length;
-        let hanger_stretch = hanger_length - hanger_l;
+        let hanger_stretch = hanger_t - hanger_l;
         let hanger_tension = hanger_k * hanger_stretch.max(zero);
-        let hanger_t = zero.le(hanger_stretch);
+        let hanger_t_2 = zero.le(hanger_stretch);
         let hanger_across = T::select(
-            hanger_t,
+            hanger_t_2,
             T::select(
                 zero.lt(hanger_l),
                 hanger_inverse_length * hanger_tension,
@@ -865,7 +869,7 @@ const _: () = {
             ),
             zero,
         );
-        let hanger_along = T::select(hanger_t, hanger_k, zero) - hanger_across;
+        let hanger_along = T::select(hanger_t_2, hanger_k, zero) - hanger_across;
         let hanger_along_x = hanger_u_x * hanger_along;
         let hanger_along_y = hanger_u_y * hanger_along;
         let hanger_along_z = hanger_u_z * hanger_along;
@@ -878,47 +882,47 @@ const _: () = {
         let hanger_force_x = hanger_u_x * hanger_tension;
         let hanger_force_y = hanger_u_y * hanger_tension;
         let hanger_force_z = hanger_u_z * hanger_tension;
-        let hanger_t_2 = left_stay_force_x - knot_load_x + right_stay_force_x
+        let hanger_t_3 = left_stay_force_x - knot_load_x + right_stay_force_x
             + back_stay_force_x - hanger_force_x;
-        let hanger_t_3 = left_stay_force_y - knot_load_y + right_stay_force_y
+        let hanger_t_4 = left_stay_force_y - knot_load_y + right_stay_force_y
             + back_stay_force_y - hanger_force_y;
-        let hanger_t_4 = left_stay_force_z - knot_load_z + right_stay_force_z
+        let hanger_t_5 = left_stay_force_z - knot_load_z + right_stay_force_z
             + back_stay_force_z - hanger_force_z;
-        let hanger_t_5 = left_stay_j_xx + right_stay_j_xx + back_stay_j_xx + hanger_j_xx;
-        let hanger_t_6 = left_stay_j_xy + right_stay_j_xy + back_stay_j_xy + hanger_j_xy;
-        let hanger_t_7 = left_stay_j_xz + right_stay_j_xz + back_stay_j_xz + hanger_j_xz;
-        let hanger_t_8 = left_stay_j_yy + right_stay_j_yy + back_stay_j_yy + hanger_j_yy;
-        let hanger_t_9 = left_stay_j_yz + right_stay_j_yz + back_stay_j_yz + hanger_j_yz;
-        let hanger_t_10 = left_stay_j_zz + right_stay_j_zz + back_stay_j_zz
+        let hanger_t_6 = left_stay_j_xx + right_stay_j_xx + back_stay_j_xx + hanger_j_xx;
+        let hanger_t_7 = left_stay_j_xy + right_stay_j_xy + back_stay_j_xy + hanger_j_xy;
+        let hanger_t_8 = left_stay_j_xz + right_stay_j_xz + back_stay_j_xz + hanger_j_xz;
+        let hanger_t_9 = left_stay_j_yy + right_stay_j_yy + back_stay_j_yy + hanger_j_yy;
+        let hanger_t_10 = left_stay_j_yz + right_stay_j_yz + back_stay_j_yz
+            + hanger_j_yz;
+        let hanger_t_11 = left_stay_j_zz + right_stay_j_zz + back_stay_j_zz
             + hanger_j_zz;
-        let hanger_t_11 = left_stay_tension + right_stay_tension + back_stay_tension
+        let hanger_t_12 = left_stay_tension + right_stay_tension + back_stay_tension
             + hanger_tension;
-        let hanger_t_12 = T::select(
-            hanger_t,
+        let hanger_t_13 = T::select(
+            hanger_t_2,
             hanger_k * (left_stay_t + hanger_length),
             zero,
         );
-        let hanger_t_13 = T::select(
-            left_stay_t_2,
+        let hanger_t_14 = T::select(
+            left_stay_t_3,
             left_stay_k * (left_stay_t + left_stay_length),
             zero,
         )
             + T::select(
-                right_stay_t,
+                right_stay_t_2,
                 right_stay_k * (left_stay_t + right_stay_length),
                 zero,
             )
             + T::select(
-                back_stay_t,
+                back_stay_t_2,
                 back_stay_k * (left_stay_t + back_stay_length),
                 zero,
-            ) + hanger_t_12;
-        let hanger_t_14 = T::select(zero.lt(left_stay_stretch), one, zero)
+            ) + hanger_t_13;
+        let hanger_t_15 = T::select(zero.lt(left_stay_stretch), one, zero)
             + T::select(zero.lt(right_stay_stretch), one, zero)
             + T::select(zero.lt(back_stay_stretch), one, zero)
             + T::select(zero.lt(hanger_stretch), one, zero);
         *out = [
-            hanger_t_2,
             hanger_t_3,
             hanger_t_4,
             hanger_t_5,
@@ -928,8 +932,9 @@ const _: () = {
             hanger_t_9,
             hanger_t_10,
             hanger_t_11,
-            hanger_t_13,
+            hanger_t_12,
             hanger_t_14,
+            hanger_t_15,
         ];
     }
     /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
@@ -959,11 +964,12 @@ const _: () = {
         let hanger_length = (hanger_e_z * hanger_e_z
             + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
             .sqrt();
-        let hanger_inverse_length = one / hanger_length.max(tiny);
+        let hanger_t = hanger_length.max(tiny);
+        let hanger_inverse_length = one / hanger_t;
         let hanger_u_x = hanger_e_x * hanger_inverse_length;
         let hanger_u_y = hanger_e_y * hanger_inverse_length;
         let hanger_u_z = hanger_e_z * hanger_inverse_length;
-        let hanger_stretch = hanger_length - hanger_l;
+        let hanger_stretch = hanger_t - hanger_l;
         let hanger_tension = hanger_k * hanger_stretch.max(zero);
         let hanger_force_x = hanger_u_x * hanger_tension;
         let hanger_force_y = hanger_u_y * hanger_tension;
@@ -999,11 +1005,12 @@ const _: () = {
         let left_stay_length = (left_stay_knot_pz_squared
             + (left_stay_e_x * left_stay_e_x + knot_py * knot_py))
             .sqrt();
-        let left_stay_inverse_length = one / left_stay_length.max(tiny);
+        let left_stay_t = left_stay_length.max(tiny);
+        let left_stay_inverse_length = one / left_stay_t;
         let left_stay_u_x = left_stay_e_x * left_stay_inverse_length;
         let left_stay_u_y = knot_py * left_stay_inverse_length;
         let left_stay_u_z = knot_pz * left_stay_inverse_length;
-        let left_stay_stretch = left_stay_length - left_stay_l;
+        let left_stay_stretch = left_stay_t - left_stay_l;
         let left_stay_tension = left_stay_k * left_stay_stretch.max(zero);
         let left_stay_force_x = left_stay_u_x * left_stay_tension;
         let left_stay_force_y = left_stay_u_y * left_stay_tension;
@@ -1014,11 +1021,12 @@ const _: () = {
         let right_stay_length = (left_stay_knot_pz_squared
             + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
             .sqrt();
-        let right_stay_inverse_length = one / right_stay_length.max(tiny);
+        let right_stay_t = right_stay_length.max(tiny);
+        let right_stay_inverse_length = one / right_stay_t;
         let right_stay_u_x = right_stay_e_x * right_stay_inverse_length;
         let right_stay_u_y = right_stay_e_y * right_stay_inverse_length;
         let right_stay_u_z = knot_pz * right_stay_inverse_length;
-        let right_stay_stretch = right_stay_length - right_stay_l;
+        let right_stay_stretch = right_stay_t - right_stay_l;
         let right_stay_tension = right_stay_k * right_stay_stretch.max(zero);
         let right_stay_force_x = right_stay_u_x * right_stay_tension;
         let right_stay_force_y = right_stay_u_y * right_stay_tension;
@@ -1029,11 +1037,12 @@ const _: () = {
         let back_stay_length = (back_stay_e_z * back_stay_e_z
             + (knot_px * knot_px + back_stay_e_y * back_stay_e_y))
             .sqrt();
-        let back_stay_inverse_length = one / back_stay_length.max(tiny);
+        let back_stay_t = back_stay_length.max(tiny);
+        let back_stay_inverse_length = one / back_stay_t;
         let back_stay_u_x = knot_px * back_stay_inverse_length;
         let back_stay_u_y = back_stay_e_y * back_stay_inverse_length;
         let back_stay_u_z = back_stay_e_z * back_stay_inverse_length;
-        let back_stay_stretch = back_stay_length - back_stay_l;
+        let back_stay_stretch = back_stay_t - back_stay_l;
         let back_stay_tension = back_stay_k * back_stay_stretch.max(zero);
         let back_stay_force_x = back_stay_u_x * back_stay_tension;
         let back_stay_force_y = back_stay_u_y * back_stay_tension;
@@ -1045,26 +1054,27 @@ const _: () = {
         let hanger_length = (hanger_e_z * hanger_e_z
             + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
             .sqrt();
-        let hanger_inverse_length = one / hanger_length.max(tiny);
+        let hanger_t = hanger_length.max(tiny);
+        let hanger_inverse_length = one / hanger_t;
         let hanger_u_x = hanger_e_x * hanger_inverse_length;
         let hanger_u_y = hanger_e_y * hanger_inverse_length;
         let hanger_u_z = hanger_e_z * hanger_inverse_length;
-        let hanger_stretch = hanger_length - hanger_l;
+        let hanger_stretch = hanger_t - hanger_l;
         let hanger_tension = hanger_k * hanger_stretch.max(zero);
         let hanger_force_x = hanger_u_x * hanger_tension;
         let hanger_force_y = hanger_u_y * hanger_tension;
         let hanger_force_z = hanger_u_z * hanger_tension;
-        let hanger_t = hanger_force_x
+        let hanger_t_2 = hanger_force_x
             - (left_stay_force_x + right_stay_force_x + back_stay_force_x);
-        let hanger_t_2 = hanger_force_y
+        let hanger_t_3 = hanger_force_y
             - (left_stay_force_y + right_stay_force_y + back_stay_force_y);
-        let hanger_t_3 = hanger_force_z
+        let hanger_t_4 = hanger_force_z
             - (left_stay_force_z + right_stay_force_z + back_stay_force_z);
-        *out = [hanger_t, hanger_t_2, hanger_t_3];
+        *out = [hanger_t_2, hanger_t_3, hanger_t_4];
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
     /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 0 events.
-    /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
+    /// 47 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 4 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
         q: &[T; 3],
@@ -1077,6 +1087,7 @@ const _: () = {
         let [left_stay_k, left_stay_l, right_stay_k, right_stay_l, back_stay_k,
         back_stay_l, hanger_k, hanger_l] = *effective;
         let minus_one = T::from_f64(-1.0);
+        let tiny = T::from_f64(1e-18);
         let c_0_6 = T::from_f64(0.6);
         let one = T::from_f64(1.0);
         let half = T::from_f64(0.5);
@@ -1087,7 +1098,7 @@ const _: () = {
         let left_stay_length = (left_stay_knot_pz_squared
             + (left_stay_e_x * left_stay_e_x + knot_py * knot_py))
             .sqrt();
-        let left_stay_stretch = left_stay_length - left_stay_l;
+        let left_stay_stretch = left_stay_length.max(tiny) - left_stay_l;
         let left_stay_pull = left_stay_k * left_stay_stretch;
         let left_stay_length_minus_scaled = left_stay_length - c_0_6;
         /// `right_stay`: length and tension.
@@ -1096,7 +1107,7 @@ const _: () = {
         let right_stay_length = (left_stay_knot_pz_squared
             + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
             .sqrt();
-        let right_stay_stretch = right_stay_length - right_stay_l;
+        let right_stay_stretch = right_stay_length.max(tiny) - right_stay_l;
         let right_stay_pull = right_stay_k * right_stay_stretch;
         let right_stay_length_minus_scaled = right_stay_length - c_0_6;
         /// `back_stay`: length and tension.
@@ -1105,7 +1116,7 @@ const _: () = {
         let back_stay_length = (back_stay_e_z * back_stay_e_z
             + (knot_px * knot_px + back_stay_e_y * back_stay_e_y))
             .sqrt();
-        let back_stay_stretch = back_stay_length - back_stay_l;
+        let back_stay_stretch = back_stay_length.max(tiny) - back_stay_l;
         let back_stay_pull = back_stay_k * back_stay_stretch;
         let back_stay_length_minus_scaled = back_stay_length - c_0_6;
         /// `hanger`: length and tension.
@@ -1115,9 +1126,9 @@ const _: () = {
         let hanger_length = (hanger_e_z * hanger_e_z
             + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
             .sqrt();
-        let hanger_stretch = hanger_length - hanger_l;
+        let hanger_stretch = hanger_length.max(tiny) - hanger_l;
         let hanger_pull = hanger_k * hanger_stretch;
-        let hanger_stretch_2 = hanger_length - half;
+        let hanger_length_minus_half = hanger_length - half;
         *out = [
             left_stay_length_minus_scaled,
             left_stay_pull,
@@ -1125,13 +1136,13 @@ const _: () = {
             right_stay_pull,
             back_stay_length_minus_scaled,
             back_stay_pull,
-            hanger_stretch_2,
+            hanger_length_minus_half,
             hanger_pull,
         ];
     }
     /// The declared outputs.
     /// 1 columns, each in its unit.
-    /// 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections).
+    /// 13 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 2 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
         q: &[T; 3],
@@ -1142,6 +1153,7 @@ const _: () = {
         let [bob_x, bob_y, bob_z] = *q;
         let [knot_px, knot_py, knot_pz] = *nodes;
         let [_, _, _, _, _, _, hanger_k, hanger_l] = *effective;
+        let tiny = T::from_f64(1e-18);
         let zero = T::from_f64(0.0);
         /// `hanger`: length and tension.
         let hanger_e_x = bob_x - knot_px;
@@ -1150,7 +1162,7 @@ const _: () = {
         let hanger_length = (hanger_e_z * hanger_e_z
             + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
             .sqrt();
-        let hanger_stretch = hanger_length - hanger_l;
+        let hanger_stretch = hanger_length.max(tiny) - hanger_l;
         let hanger_tension = hanger_k * hanger_stretch.max(zero);
         *out = [hanger_tension];
     }

@@ -242,7 +242,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// | [`derivative`](Self::derivative) | 29 of 29 | 589 |
 /// | [`rates`](Self::rates) | 66 of 66 | 789 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
-/// | [`guards`](Self::guards) | 9 of 9 | 299 |
+/// | [`guards`](Self::guards) | 9 of 9 | 303 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
 /// | [`energy`](Self::energy) | 6 of 6 | 488 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 303 operations (151 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -534,7 +534,7 @@ const _: () = {
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
         ///
         /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
-        /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
+        /// 303 operations (151 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -707,7 +707,7 @@ const _: () = {
                 (
                     "guards",
                     ::mbd_runtime::Cost {
-                        adds: 147,
+                        adds: 151,
                         muls: 132,
                         divs: 4,
                         sqrts: 4,
@@ -1374,11 +1374,12 @@ const _: () = {
         let riser_length = (riser_e_z * riser_e_z
             + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
             .sqrt();
-        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_t = riser_length.max(tiny);
+        let riser_inverse_length = one / riser_t;
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
-        let riser_stretch = riser_length - c_10;
+        let riser_stretch = riser_t - c_10;
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
@@ -1422,23 +1423,24 @@ const _: () = {
         let leg_0_length = (leg_0_e_z * leg_0_e_z
             + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
             .sqrt();
-        let leg_0_inverse_length = one / leg_0_length.max(tiny);
+        let leg_0_t = leg_0_length.max(tiny);
+        let leg_0_inverse_length = one / leg_0_t;
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
-        let leg_0_stretch = leg_0_length - c_2_1;
+        let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
         let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
+            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
                 - capsule_r13 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
+            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
                 - capsule_r23 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
+            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
                 - capsule_r33 * leg_0_scaled_capsule_wy_2);
         let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
             + (leg_0_u_x * (confluence_wx - leg_0_v_x)
@@ -1472,23 +1474,24 @@ const _: () = {
         let leg_1_length = (leg_1_e_z * leg_1_e_z
             + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
             .sqrt();
-        let leg_1_inverse_length = one / leg_1_length.max(tiny);
+        let leg_1_t = leg_1_length.max(tiny);
+        let leg_1_inverse_length = one / leg_1_t;
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
-        let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_2 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_stretch = leg_1_t - c_2_1;
+        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
+        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
-                + capsule_r13 * leg_1_t_3);
+            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
+                + capsule_r13 * leg_1_t_4);
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
-                + capsule_r23 * leg_1_t_3);
+            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
+                + capsule_r23 * leg_1_t_4);
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
-                + capsule_r33 * leg_1_t_3);
+            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
+                + capsule_r33 * leg_1_t_4);
         let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
             + (leg_1_u_x * (confluence_wx - leg_1_v_x)
                 + leg_1_u_y * (confluence_wy - leg_1_v_y));
@@ -1521,23 +1524,24 @@ const _: () = {
         let leg_2_length = (leg_2_e_z * leg_2_e_z
             + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
             .sqrt();
-        let leg_2_inverse_length = one / leg_2_length.max(tiny);
+        let leg_2_t = leg_2_length.max(tiny);
+        let leg_2_inverse_length = one / leg_2_t;
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
-        let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_2 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_stretch = leg_2_t - c_2_1;
+        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
+        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
-                + capsule_r13 * leg_2_t_3);
+            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
+                + capsule_r13 * leg_2_t_4);
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
-                + capsule_r23 * leg_2_t_3);
+            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
+                + capsule_r23 * leg_2_t_4);
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
-                + capsule_r33 * leg_2_t_3);
+            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
+                + capsule_r33 * leg_2_t_4);
         let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));
@@ -1916,21 +1920,22 @@ const _: () = {
         let riser_length = (riser_e_z * riser_e_z
             + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
             .sqrt();
-        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_t = riser_length.max(tiny);
+        let riser_inverse_length = one / riser_t;
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
-        let riser_stretch = riser_length - c_10;
+        let riser_stretch = riser_t - c_10;
         let riser_pull = riser_k * riser_stretch
             + c_600
                 * (riser_u_z * (leg_2_t_6 - riser_v_z)
                     + (riser_u_x * (leg_2_t_4 - riser_v_x)
                         + riser_u_y * (leg_2_t_5 - riser_v_y)));
-        let riser_t = zero.lt(riser_hold);
-        let riser_t_2 = T::select(riser_t, c_600, zero);
-        let riser_t_3 = T::select(riser_t, -riser_pull, zero);
-        let riser_t_4 = riser_u_x * riser_t_2;
-        let riser_t_5 = riser_u_y * riser_t_2;
+        let riser_t_2 = zero.lt(riser_hold);
+        let riser_t_3 = T::select(riser_t_2, c_600, zero);
+        let riser_t_4 = T::select(riser_t_2, -riser_pull, zero);
+        let riser_t_5 = riser_u_x * riser_t_3;
+        let riser_t_6 = riser_u_y * riser_t_3;
         /// `leg[0]`.
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
@@ -1938,21 +1943,22 @@ const _: () = {
         let leg_0_length = (leg_0_e_z * leg_0_e_z
             + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
             .sqrt();
-        let leg_0_inverse_length = one / leg_0_length.max(tiny);
+        let leg_0_t_2 = leg_0_length.max(tiny);
+        let leg_0_inverse_length = one / leg_0_t_2;
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
-        let leg_0_stretch = leg_0_length - c_2_1;
+        let leg_0_stretch = leg_0_t_2 - c_2_1;
         let leg_0_pull = c_47000 * leg_0_stretch
             + c_470
                 * (leg_0_u_z * (leg_2_t_6 - leg_0_v_z)
                     + (leg_0_u_x * (leg_2_t_4 - leg_0_v_x)
                         + leg_0_u_y * (leg_2_t_5 - leg_0_v_y)));
-        let leg_0_t_2 = zero.lt(leg_0_hold);
-        let leg_0_t_3 = T::select(leg_0_t_2, c_470, zero);
-        let leg_0_t_4 = T::select(leg_0_t_2, -leg_0_pull, zero);
-        let leg_0_t_5 = leg_0_u_x * leg_0_t_3;
-        let leg_0_t_6 = leg_0_u_y * leg_0_t_3;
+        let leg_0_t_3 = zero.lt(leg_0_hold);
+        let leg_0_t_4 = T::select(leg_0_t_3, c_470, zero);
+        let leg_0_t_5 = T::select(leg_0_t_3, -leg_0_pull, zero);
+        let leg_0_t_6 = leg_0_u_x * leg_0_t_4;
+        let leg_0_t_7 = leg_0_u_y * leg_0_t_4;
         /// `leg[1]`.
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
@@ -1960,21 +1966,22 @@ const _: () = {
         let leg_1_length = (leg_1_e_z * leg_1_e_z
             + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
             .sqrt();
-        let leg_1_inverse_length = one / leg_1_length.max(tiny);
+        let leg_1_t_4 = leg_1_length.max(tiny);
+        let leg_1_inverse_length = one / leg_1_t_4;
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
-        let leg_1_stretch = leg_1_length - c_2_1;
+        let leg_1_stretch = leg_1_t_4 - c_2_1;
         let leg_1_pull = c_47000 * leg_1_stretch
             + c_470
                 * (leg_1_u_z * (leg_2_t_6 - leg_1_v_z)
                     + (leg_1_u_x * (leg_2_t_4 - leg_1_v_x)
                         + leg_1_u_y * (leg_2_t_5 - leg_1_v_y)));
-        let leg_1_t_4 = zero.lt(leg_1_hold);
-        let leg_1_t_5 = T::select(leg_1_t_4, c_470, zero);
-        let leg_1_t_6 = T::select(leg_1_t_4, -leg_1_pull, zero);
-        let leg_1_t_7 = leg_1_u_x * leg_1_t_5;
-        let leg_1_t_8 = leg_1_u_y * leg_1_t_5;
+        let leg_1_t_5 = zero.lt(leg_1_hold);
+        let leg_1_t_6 = T::select(leg_1_t_5, c_470, zero);
+        let leg_1_t_7 = T::select(leg_1_t_5, -leg_1_pull, zero);
+        let leg_1_t_8 = leg_1_u_x * leg_1_t_6;
+        let leg_1_t_9 = leg_1_u_y * leg_1_t_6;
         /// `leg[2]`.
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
@@ -1982,88 +1989,89 @@ const _: () = {
         let leg_2_length = (leg_2_e_z * leg_2_e_z
             + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
             .sqrt();
-        let leg_2_inverse_length = one / leg_2_length.max(tiny);
+        let leg_2_t_7 = leg_2_length.max(tiny);
+        let leg_2_inverse_length = one / leg_2_t_7;
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
-        let leg_2_stretch = leg_2_length - c_2_1;
+        let leg_2_stretch = leg_2_t_7 - c_2_1;
         let leg_2_pull = c_47000 * leg_2_stretch
             + c_470
                 * (leg_2_u_z * (leg_2_t_6 - leg_2_v_z)
                     + (leg_2_u_x * (leg_2_t_4 - leg_2_v_x)
                         + leg_2_u_y * (leg_2_t_5 - leg_2_v_y)));
-        let leg_2_t_7 = zero.lt(leg_2_hold);
-        let leg_2_t_8 = T::select(leg_2_t_7, c_470, zero);
-        let leg_2_t_9 = T::select(leg_2_t_7, -leg_2_pull, zero);
-        let leg_2_t_10 = leg_2_u_x * leg_2_t_8;
-        let leg_2_t_11 = leg_2_u_y * leg_2_t_8;
-        let leg_2_t_12 = riser_u_x * riser_t_4 + leg_0_u_x * leg_0_t_5
-            + leg_1_u_x * leg_1_t_7 + leg_2_u_x * leg_2_t_10;
-        let leg_2_t_13 = riser_u_y * riser_t_4 + leg_0_u_y * leg_0_t_5
-            + leg_1_u_y * leg_1_t_7 + leg_2_u_y * leg_2_t_10;
-        let leg_2_t_14 = riser_u_z * riser_t_4 + leg_0_u_z * leg_0_t_5
-            + leg_1_u_z * leg_1_t_7 + leg_2_u_z * leg_2_t_10;
-        let leg_2_t_15 = riser_u_y * riser_t_5 + leg_0_u_y * leg_0_t_6
+        let leg_2_t_8 = zero.lt(leg_2_hold);
+        let leg_2_t_9 = T::select(leg_2_t_8, c_470, zero);
+        let leg_2_t_10 = T::select(leg_2_t_8, -leg_2_pull, zero);
+        let leg_2_t_11 = leg_2_u_x * leg_2_t_9;
+        let leg_2_t_12 = leg_2_u_y * leg_2_t_9;
+        let leg_2_t_13 = riser_u_x * riser_t_5 + leg_0_u_x * leg_0_t_6
+            + leg_1_u_x * leg_1_t_8 + leg_2_u_x * leg_2_t_11;
+        let leg_2_t_14 = riser_u_y * riser_t_5 + leg_0_u_y * leg_0_t_6
             + leg_1_u_y * leg_1_t_8 + leg_2_u_y * leg_2_t_11;
-        let leg_2_t_16 = riser_u_z * riser_t_5 + leg_0_u_z * leg_0_t_6
+        let leg_2_t_15 = riser_u_z * riser_t_5 + leg_0_u_z * leg_0_t_6
             + leg_1_u_z * leg_1_t_8 + leg_2_u_z * leg_2_t_11;
-        let leg_2_t_17 = riser_u_z * (riser_u_z * riser_t_2)
-            + leg_0_u_z * (leg_0_u_z * leg_0_t_3) + leg_1_u_z * (leg_1_u_z * leg_1_t_5)
-            + leg_2_u_z * (leg_2_u_z * leg_2_t_8);
-        let leg_2_t_18 = riser_u_x * riser_t_3 + leg_0_u_x * leg_0_t_4
-            + leg_1_u_x * leg_1_t_6 + leg_2_u_x * leg_2_t_9;
-        let leg_2_t_19 = riser_u_y * riser_t_3 + leg_0_u_y * leg_0_t_4
-            + leg_1_u_y * leg_1_t_6 + leg_2_u_y * leg_2_t_9;
-        let leg_2_t_20 = riser_u_z * riser_t_3 + leg_0_u_z * leg_0_t_4
-            + leg_1_u_z * leg_1_t_6 + leg_2_u_z * leg_2_t_9;
-        let leg_2_t_21 = leg_2_t_15 * leg_2_t_17 - leg_2_t_16 * leg_2_t_16;
-        let leg_2_t_22 = leg_2_t_14 * leg_2_t_16 - leg_2_t_13 * leg_2_t_17;
-        let leg_2_t_23 = leg_2_t_13 * leg_2_t_16 - leg_2_t_14 * leg_2_t_15;
-        let leg_2_t_24 = leg_2_t_13 * leg_2_t_14 - leg_2_t_12 * leg_2_t_16;
-        let leg_2_det = leg_2_t_12 * leg_2_t_21 + leg_2_t_13 * leg_2_t_22
-            + leg_2_t_14 * leg_2_t_23;
-        let leg_2_t_25 = leg_2_t_17 + (leg_2_t_12 + leg_2_t_15);
-        let leg_2_margin = leg_2_det - c_1em5 * (leg_2_t_25 * (leg_2_t_25 * leg_2_t_25));
-        let leg_2_t_26 = one / T::select(zero.lt(leg_2_margin), leg_2_det, one);
-        let leg_2_t_27 = leg_2_t_26
-            * (leg_2_t_18 * leg_2_t_21 + leg_2_t_19 * leg_2_t_22
-                + leg_2_t_20 * leg_2_t_23);
-        let leg_2_t_28 = leg_2_t_26
-            * (leg_2_t_18 * leg_2_t_22
-                + leg_2_t_19 * (leg_2_t_12 * leg_2_t_17 - leg_2_t_14 * leg_2_t_14)
-                + leg_2_t_20 * leg_2_t_24);
-        let leg_2_t_29 = leg_2_t_26
-            * (leg_2_t_18 * leg_2_t_23 + leg_2_t_19 * leg_2_t_24
-                + leg_2_t_20 * (leg_2_t_12 * leg_2_t_15 - leg_2_t_13 * leg_2_t_13));
-        let riser_t_6 = c_600
-            * (riser_u_z * leg_2_t_29
-                + (riser_u_x * leg_2_t_27 + riser_u_y * leg_2_t_28));
-        let riser_pull_2 = riser_pull + riser_t_6;
-        let leg_0_t_7 = c_470
-            * (leg_0_u_z * leg_2_t_29
-                + (leg_0_u_x * leg_2_t_27 + leg_0_u_y * leg_2_t_28));
-        let leg_0_pull_2 = leg_0_pull + leg_0_t_7;
-        let leg_1_t_9 = c_470
-            * (leg_1_u_z * leg_2_t_29
-                + (leg_1_u_x * leg_2_t_27 + leg_1_u_y * leg_2_t_28));
-        let leg_1_t_10 = T::select(leg_1_t_4, leg_1_pull.abs() + leg_1_t_9.abs(), zero);
-        let leg_1_pull_2 = leg_1_pull + leg_1_t_9;
-        let leg_2_t_30 = c_470
-            * (leg_2_u_z * leg_2_t_29
-                + (leg_2_u_x * leg_2_t_27 + leg_2_u_y * leg_2_t_28));
-        let leg_2_t_31 = T::select(leg_2_t_7, leg_2_pull.abs() + leg_2_t_30.abs(), zero);
-        let leg_2_t_32 = zero
-            .max(T::select(riser_t, riser_pull.abs() + riser_t_6.abs(), zero))
-            .max(T::select(leg_0_t_2, leg_0_pull.abs() + leg_0_t_7.abs(), zero))
-            .max(leg_1_t_10)
-            .max(leg_2_t_31);
-        let leg_2_pull_2 = leg_2_pull + leg_2_t_30;
-        let confluence_x_rate = leg_2_t_4 + leg_2_t_27;
-        let confluence_y_rate = leg_2_t_5 + leg_2_t_28;
-        let confluence_z_rate = leg_2_t_6 + leg_2_t_29;
+        let leg_2_t_16 = riser_u_y * riser_t_6 + leg_0_u_y * leg_0_t_7
+            + leg_1_u_y * leg_1_t_9 + leg_2_u_y * leg_2_t_12;
+        let leg_2_t_17 = riser_u_z * riser_t_6 + leg_0_u_z * leg_0_t_7
+            + leg_1_u_z * leg_1_t_9 + leg_2_u_z * leg_2_t_12;
+        let leg_2_t_18 = riser_u_z * (riser_u_z * riser_t_3)
+            + leg_0_u_z * (leg_0_u_z * leg_0_t_4) + leg_1_u_z * (leg_1_u_z * leg_1_t_6)
+            + leg_2_u_z * (leg_2_u_z * leg_2_t_9);
+        let leg_2_t_19 = riser_u_x * riser_t_4 + leg_0_u_x * leg_0_t_5
+            + leg_1_u_x * leg_1_t_7 + leg_2_u_x * leg_2_t_10;
+        let leg_2_t_20 = riser_u_y * riser_t_4 + leg_0_u_y * leg_0_t_5
+            + leg_1_u_y * leg_1_t_7 + leg_2_u_y * leg_2_t_10;
+        let leg_2_t_21 = riser_u_z * riser_t_4 + leg_0_u_z * leg_0_t_5
+            + leg_1_u_z * leg_1_t_7 + leg_2_u_z * leg_2_t_10;
+        let leg_2_t_22 = leg_2_t_16 * leg_2_t_18 - leg_2_t_17 * leg_2_t_17;
+        let leg_2_t_23 = leg_2_t_15 * leg_2_t_17 - leg_2_t_14 * leg_2_t_18;
+        let leg_2_t_24 = leg_2_t_14 * leg_2_t_17 - leg_2_t_15 * leg_2_t_16;
+        let leg_2_t_25 = leg_2_t_14 * leg_2_t_15 - leg_2_t_13 * leg_2_t_17;
+        let leg_2_det = leg_2_t_13 * leg_2_t_22 + leg_2_t_14 * leg_2_t_23
+            + leg_2_t_15 * leg_2_t_24;
+        let leg_2_t_26 = leg_2_t_18 + (leg_2_t_13 + leg_2_t_16);
+        let leg_2_margin = leg_2_det - c_1em5 * (leg_2_t_26 * (leg_2_t_26 * leg_2_t_26));
+        let leg_2_t_27 = one / T::select(zero.lt(leg_2_margin), leg_2_det, one);
+        let leg_2_t_28 = leg_2_t_27
+            * (leg_2_t_19 * leg_2_t_22 + leg_2_t_20 * leg_2_t_23
+                + leg_2_t_21 * leg_2_t_24);
+        let leg_2_t_29 = leg_2_t_27
+            * (leg_2_t_19 * leg_2_t_23
+                + leg_2_t_20 * (leg_2_t_13 * leg_2_t_18 - leg_2_t_15 * leg_2_t_15)
+                + leg_2_t_21 * leg_2_t_25);
+        let leg_2_t_30 = leg_2_t_27
+            * (leg_2_t_19 * leg_2_t_24 + leg_2_t_20 * leg_2_t_25
+                + leg_2_t_21 * (leg_2_t_13 * leg_2_t_16 - leg_2_t_14 * leg_2_t_14));
+        let riser_t_7 = c_600
+            * (riser_u_z * leg_2_t_30
+                + (riser_u_x * leg_2_t_28 + riser_u_y * leg_2_t_29));
+        let riser_pull_2 = riser_pull + riser_t_7;
+        let leg_0_t_8 = c_470
+            * (leg_0_u_z * leg_2_t_30
+                + (leg_0_u_x * leg_2_t_28 + leg_0_u_y * leg_2_t_29));
+        let leg_0_pull_2 = leg_0_pull + leg_0_t_8;
+        let leg_1_t_10 = c_470
+            * (leg_1_u_z * leg_2_t_30
+                + (leg_1_u_x * leg_2_t_28 + leg_1_u_y * leg_2_t_29));
+        let leg_1_t_11 = T::select(leg_1_t_5, leg_1_pull.abs() + leg_1_t_10.abs(), zero);
+        let leg_1_pull_2 = leg_1_pull + leg_1_t_10;
+        let leg_2_t_31 = c_470
+            * (leg_2_u_z * leg_2_t_30
+                + (leg_2_u_x * leg_2_t_28 + leg_2_u_y * leg_2_t_29));
+        let leg_2_t_32 = T::select(leg_2_t_8, leg_2_pull.abs() + leg_2_t_31.abs(), zero);
+        let leg_2_t_33 = zero
+            .max(T::select(riser_t_2, riser_pull.abs() + riser_t_7.abs(), zero))
+            .max(T::select(leg_0_t_3, leg_0_pull.abs() + leg_0_t_8.abs(), zero))
+            .max(leg_1_t_11)
+            .max(leg_2_t_32);
+        let leg_2_pull_2 = leg_2_pull + leg_2_t_31;
+        let confluence_x_rate = leg_2_t_4 + leg_2_t_28;
+        let confluence_y_rate = leg_2_t_5 + leg_2_t_29;
+        let confluence_z_rate = leg_2_t_6 + leg_2_t_30;
         /// `riser`.
         let riser_tension = T::select(
-            riser_t,
+            riser_t_2,
             riser_pull_2,
             T::select(
                 riser_hold.lt(zero),
@@ -2076,7 +2084,7 @@ const _: () = {
         let riser_force_z = riser_u_z * riser_tension;
         /// `leg[0]`.
         let leg_0_tension = T::select(
-            leg_0_t_2,
+            leg_0_t_3,
             leg_0_pull_2,
             T::select(
                 leg_0_hold.lt(zero),
@@ -2089,7 +2097,7 @@ const _: () = {
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
         /// `leg[1]`.
         let leg_1_tension = T::select(
-            leg_1_t_4,
+            leg_1_t_5,
             leg_1_pull_2,
             T::select(
                 leg_1_hold.lt(zero),
@@ -2102,7 +2110,7 @@ const _: () = {
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
         /// `leg[2]`.
         let leg_2_tension = T::select(
-            leg_2_t_7,
+            leg_2_t_8,
             leg_2_pull_2,
             T::select(
                 leg_2_hold.lt(zero),
@@ -2296,7 +2304,7 @@ const _: () = {
             zero,
             zero,
             leg_2_margin,
-            leg_2_t_32,
+            leg_2_t_33,
             riser_stretch,
             riser_pull_2,
             leg_0_stretch,
@@ -2405,11 +2413,12 @@ const _: () = {
         let riser_length = (riser_e_z * riser_e_z
             + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
             .sqrt();
-        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_t = riser_length.max(tiny);
+        let riser_inverse_length = one / riser_t;
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
-        let riser_stretch = riser_length - c_10;
+        let riser_stretch = riser_t - c_10;
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
@@ -2453,23 +2462,24 @@ const _: () = {
         let leg_0_length = (leg_0_e_z * leg_0_e_z
             + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
             .sqrt();
-        let leg_0_inverse_length = one / leg_0_length.max(tiny);
+        let leg_0_t = leg_0_length.max(tiny);
+        let leg_0_inverse_length = one / leg_0_t;
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
-        let leg_0_stretch = leg_0_length - c_2_1;
+        let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
         let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
+            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
                 - capsule_r13 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
+            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
                 - capsule_r23 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
+            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
                 - capsule_r33 * leg_0_scaled_capsule_wy_2);
         let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
             + (leg_0_u_x * (confluence_wx - leg_0_v_x)
@@ -2503,23 +2513,24 @@ const _: () = {
         let leg_1_length = (leg_1_e_z * leg_1_e_z
             + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
             .sqrt();
-        let leg_1_inverse_length = one / leg_1_length.max(tiny);
+        let leg_1_t = leg_1_length.max(tiny);
+        let leg_1_inverse_length = one / leg_1_t;
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
-        let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_2 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_stretch = leg_1_t - c_2_1;
+        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
+        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
-                + capsule_r13 * leg_1_t_3);
+            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
+                + capsule_r13 * leg_1_t_4);
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
-                + capsule_r23 * leg_1_t_3);
+            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
+                + capsule_r23 * leg_1_t_4);
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
-                + capsule_r33 * leg_1_t_3);
+            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
+                + capsule_r33 * leg_1_t_4);
         let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
             + (leg_1_u_x * (confluence_wx - leg_1_v_x)
                 + leg_1_u_y * (confluence_wy - leg_1_v_y));
@@ -2552,23 +2563,24 @@ const _: () = {
         let leg_2_length = (leg_2_e_z * leg_2_e_z
             + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
             .sqrt();
-        let leg_2_inverse_length = one / leg_2_length.max(tiny);
+        let leg_2_t = leg_2_length.max(tiny);
+        let leg_2_inverse_length = one / leg_2_t;
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
-        let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_2 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_stretch = leg_2_t - c_2_1;
+        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
+        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
-                + capsule_r13 * leg_2_t_3);
+            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
+                + capsule_r13 * leg_2_t_4);
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
-                + capsule_r23 * leg_2_t_3);
+            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
+                + capsule_r23 * leg_2_t_4);
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
-                + capsule_r33 * leg_2_t_3);
+            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
+                + capsule_r33 * leg_2_t_4);
         let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));
@@ -2585,14 +2597,14 @@ const _: () = {
         let leg_2_force_x = leg_2_u_x * leg_2_tension;
         let leg_2_force_y = leg_2_u_y * leg_2_tension;
         let leg_2_force_z = leg_2_u_z * leg_2_tension;
-        let leg_2_t_4 = -(riser_force_x + leg_0_force_x + leg_1_force_x + leg_2_force_x);
-        let leg_2_t_5 = -(riser_force_y + leg_0_force_y + leg_1_force_y + leg_2_force_y);
-        let leg_2_t_6 = -(riser_force_z + leg_0_force_z + leg_1_force_z + leg_2_force_z);
-        *out = [leg_2_t_4, leg_2_t_5, leg_2_t_6];
+        let leg_2_t_5 = -(riser_force_x + leg_0_force_x + leg_1_force_x + leg_2_force_x);
+        let leg_2_t_6 = -(riser_force_y + leg_0_force_y + leg_1_force_y + leg_2_force_y);
+        let leg_2_t_7 = -(riser_force_z + leg_0_force_z + leg_1_force_z + leg_2_force_z);
+        *out = [leg_2_t_5, leg_2_t_6, leg_2_t_7];
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
     /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 1 events.
-    /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
+    /// 303 operations (151 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2688,11 +2700,12 @@ const _: () = {
         let riser_length = (riser_e_z * riser_e_z
             + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
             .sqrt();
-        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_t = riser_length.max(tiny);
+        let riser_inverse_length = one / riser_t;
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
-        let riser_stretch = riser_length - c_10;
+        let riser_stretch = riser_t - c_10;
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
@@ -2717,6 +2730,7 @@ const _: () = {
                 T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
             ),
         );
+        let riser_length_minus_scaled = riser_length - c_10;
         /// `leg[0]`: length and tension.
         let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
         let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
@@ -2733,28 +2747,30 @@ const _: () = {
         let leg_0_length = (leg_0_e_z * leg_0_e_z
             + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
             .sqrt();
-        let leg_0_inverse_length = one / leg_0_length.max(tiny);
+        let leg_0_t = leg_0_length.max(tiny);
+        let leg_0_inverse_length = one / leg_0_t;
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
-        let leg_0_stretch = leg_0_length - c_2_1;
+        let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
         let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
+            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
                 - capsule_r13 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
+            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
                 - capsule_r23 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
+            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
                 - capsule_r33 * leg_0_scaled_capsule_wy_2);
         let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
             + (leg_0_u_x * (confluence_wx - leg_0_v_x)
                 + leg_0_u_y * (confluence_wy - leg_0_v_y));
         let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+        let leg_0_length_minus_scaled = leg_0_length - c_2_1;
         /// `leg[1]`: length and tension.
         let leg_1_arm_x = leg_0_scaled_capsule_r13
             + (c * capsule_r11 + c_2 * capsule_r12);
@@ -2771,27 +2787,29 @@ const _: () = {
         let leg_1_length = (leg_1_e_z * leg_1_e_z
             + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
             .sqrt();
-        let leg_1_inverse_length = one / leg_1_length.max(tiny);
+        let leg_1_t = leg_1_length.max(tiny);
+        let leg_1_inverse_length = one / leg_1_t;
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
-        let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_2 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_stretch = leg_1_t - c_2_1;
+        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
+        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
-                + capsule_r13 * leg_1_t_3);
+            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
+                + capsule_r13 * leg_1_t_4);
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
-                + capsule_r23 * leg_1_t_3);
+            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
+                + capsule_r23 * leg_1_t_4);
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
-                + capsule_r33 * leg_1_t_3);
+            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
+                + capsule_r33 * leg_1_t_4);
         let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
             + (leg_1_u_x * (confluence_wx - leg_1_v_x)
                 + leg_1_u_y * (confluence_wy - leg_1_v_y));
         let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+        let leg_1_length_minus_scaled = leg_1_length - c_2_1;
         /// `leg[2]`: length and tension.
         let leg_2_arm_x = leg_0_scaled_capsule_r13
             + (c_3 * capsule_r11 + c_4 * capsule_r12);
@@ -2808,38 +2826,40 @@ const _: () = {
         let leg_2_length = (leg_2_e_z * leg_2_e_z
             + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
             .sqrt();
-        let leg_2_inverse_length = one / leg_2_length.max(tiny);
+        let leg_2_t = leg_2_length.max(tiny);
+        let leg_2_inverse_length = one / leg_2_t;
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
-        let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_2 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_stretch = leg_2_t - c_2_1;
+        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
+        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
-                + capsule_r13 * leg_2_t_3);
+            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
+                + capsule_r13 * leg_2_t_4);
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
-                + capsule_r23 * leg_2_t_3);
+            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
+                + capsule_r23 * leg_2_t_4);
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
-                + capsule_r33 * leg_2_t_3);
+            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
+                + capsule_r33 * leg_2_t_4);
         let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));
         let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
-        let riser_t = riser_tension.max(zero);
+        let leg_2_length_minus_scaled = leg_2_length - c_2_1;
+        let riser_t_2 = riser_tension.max(zero);
         *out = [
-            riser_stretch,
+            riser_length_minus_scaled,
             riser_pull,
-            leg_0_stretch,
+            leg_0_length_minus_scaled,
             leg_0_pull,
-            leg_1_stretch,
+            leg_1_length_minus_scaled,
             leg_1_pull,
-            leg_2_stretch,
+            leg_2_length_minus_scaled,
             leg_2_pull,
-            riser_t,
+            riser_t_2,
         ];
     }
     /// The declared outputs.
@@ -2920,11 +2940,12 @@ const _: () = {
         let riser_length = (riser_e_z * riser_e_z
             + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
             .sqrt();
-        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_t = riser_length.max(tiny);
+        let riser_inverse_length = one / riser_t;
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
-        let riser_stretch = riser_length - c_10;
+        let riser_stretch = riser_t - c_10;
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
@@ -2949,11 +2970,11 @@ const _: () = {
                 T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
             ),
         );
-        let riser_t = riser_tension.max(zero);
+        let riser_t_2 = riser_tension.max(zero);
         let tilt_t = (capsule_r23 * capsule_r23 + capsule_r13 * capsule_r13)
             .sqrt()
             .atan2(capsule_r33);
-        *out = [riser_t, tilt_t];
+        *out = [riser_t_2, tilt_t];
     }
     /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
     /// 6 [J, J, J, W, W, W].
@@ -3111,11 +3132,12 @@ const _: () = {
         let riser_length = (riser_e_z * riser_e_z
             + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
             .sqrt();
-        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_t = riser_length.max(tiny);
+        let riser_inverse_length = one / riser_t;
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
-        let riser_stretch = riser_length - c_10;
+        let riser_stretch = riser_t - c_10;
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
@@ -3140,7 +3162,7 @@ const _: () = {
                 T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
             ),
         );
-        let riser_t = riser_stretch.max(zero);
+        let riser_t_2 = riser_stretch.max(zero);
         /// `leg[0]`: length and tension.
         let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
         let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
@@ -3157,23 +3179,24 @@ const _: () = {
         let leg_0_length = (leg_0_e_z * leg_0_e_z
             + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
             .sqrt();
-        let leg_0_inverse_length = one / leg_0_length.max(tiny);
+        let leg_0_t = leg_0_length.max(tiny);
+        let leg_0_inverse_length = one / leg_0_t;
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
-        let leg_0_stretch = leg_0_length - c_2_1;
+        let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
         let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
+            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
                 - capsule_r13 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
+            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
                 - capsule_r23 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
+            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
                 - capsule_r33 * leg_0_scaled_capsule_wy_2);
         let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
             + (leg_0_u_x * (confluence_wx - leg_0_v_x)
@@ -3188,7 +3211,7 @@ const _: () = {
                 T::select(zero.lt(leg_0_stretch), leg_0_pull.max(zero), zero),
             ),
         );
-        let leg_0_t_2 = leg_0_stretch.max(zero);
+        let leg_0_t_3 = leg_0_stretch.max(zero);
         /// `leg[1]`: length and tension.
         let leg_1_arm_x = leg_0_scaled_capsule_r13
             + (c_5 * capsule_r11 + c_6 * capsule_r12);
@@ -3205,23 +3228,24 @@ const _: () = {
         let leg_1_length = (leg_1_e_z * leg_1_e_z
             + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
             .sqrt();
-        let leg_1_inverse_length = one / leg_1_length.max(tiny);
+        let leg_1_t = leg_1_length.max(tiny);
+        let leg_1_inverse_length = one / leg_1_t;
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
-        let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t = leg_0_scaled_capsule_wy - c_6 * capsule_wz;
-        let leg_1_t_2 = c_5 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_3 = c_6 * capsule_wx - c_5 * capsule_wy;
+        let leg_1_stretch = leg_1_t - c_2_1;
+        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_6 * capsule_wz;
+        let leg_1_t_3 = c_5 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_1_t_4 = c_6 * capsule_wx - c_5 * capsule_wy;
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
-                + capsule_r13 * leg_1_t_3);
+            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
+                + capsule_r13 * leg_1_t_4);
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
-                + capsule_r23 * leg_1_t_3);
+            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
+                + capsule_r23 * leg_1_t_4);
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
-                + capsule_r33 * leg_1_t_3);
+            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
+                + capsule_r33 * leg_1_t_4);
         let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
             + (leg_1_u_x * (confluence_wx - leg_1_v_x)
                 + leg_1_u_y * (confluence_wy - leg_1_v_y));
@@ -3235,8 +3259,8 @@ const _: () = {
                 T::select(zero.lt(leg_1_stretch), leg_1_pull.max(zero), zero),
             ),
         );
-        let leg_1_t_4 = leg_1_stretch.max(zero);
-        let leg_1_t_5 = leg_1_rate * (leg_1_tension.max(zero) - c_47000 * leg_1_t_4);
+        let leg_1_t_5 = leg_1_stretch.max(zero);
+        let leg_1_t_6 = leg_1_rate * (leg_1_tension.max(zero) - c_47000 * leg_1_t_5);
         /// `leg[2]`: length and tension.
         let leg_2_arm_x = leg_0_scaled_capsule_r13
             + (c_7 * capsule_r11 + c_8 * capsule_r12);
@@ -3253,23 +3277,24 @@ const _: () = {
         let leg_2_length = (leg_2_e_z * leg_2_e_z
             + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
             .sqrt();
-        let leg_2_inverse_length = one / leg_2_length.max(tiny);
+        let leg_2_t = leg_2_length.max(tiny);
+        let leg_2_inverse_length = one / leg_2_t;
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
-        let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t = leg_0_scaled_capsule_wy - c_8 * capsule_wz;
-        let leg_2_t_2 = c_7 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_3 = c_8 * capsule_wx - c_7 * capsule_wy;
+        let leg_2_stretch = leg_2_t - c_2_1;
+        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_8 * capsule_wz;
+        let leg_2_t_3 = c_7 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_2_t_4 = c_8 * capsule_wx - c_7 * capsule_wy;
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
-                + capsule_r13 * leg_2_t_3);
+            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
+                + capsule_r13 * leg_2_t_4);
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
-                + capsule_r23 * leg_2_t_3);
+            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
+                + capsule_r23 * leg_2_t_4);
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
-                + capsule_r33 * leg_2_t_3);
+            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
+                + capsule_r33 * leg_2_t_4);
         let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));
@@ -3283,15 +3308,15 @@ const _: () = {
                 T::select(zero.lt(leg_2_stretch), leg_2_pull.max(zero), zero),
             ),
         );
-        let leg_2_t_4 = leg_2_stretch.max(zero);
-        let leg_2_t_5 = half * (c_47000 * (leg_2_t_4 * leg_2_t_4));
-        let elastic = half * (riser_k * (riser_t * riser_t))
-            + half * (c_47000 * (leg_0_t_2 * leg_0_t_2))
-            + half * (c_47000 * (leg_1_t_4 * leg_1_t_4)) + leg_2_t_5;
-        let leg_2_t_6 = leg_2_rate * (leg_2_tension.max(zero) - c_47000 * leg_2_t_4);
-        let damper_power = riser_rate * (riser_k * riser_t - riser_tension.max(zero))
-            - leg_0_rate * (leg_0_tension.max(zero) - c_47000 * leg_0_t_2) - leg_1_t_5
-            - leg_2_t_6;
+        let leg_2_t_5 = leg_2_stretch.max(zero);
+        let leg_2_t_6 = half * (c_47000 * (leg_2_t_5 * leg_2_t_5));
+        let elastic = half * (riser_k * (riser_t_2 * riser_t_2))
+            + half * (c_47000 * (leg_0_t_3 * leg_0_t_3))
+            + half * (c_47000 * (leg_1_t_5 * leg_1_t_5)) + leg_2_t_6;
+        let leg_2_t_7 = leg_2_rate * (leg_2_tension.max(zero) - c_47000 * leg_2_t_5);
+        let damper_power = riser_rate * (riser_k * riser_t_2 - riser_tension.max(zero))
+            - leg_0_rate * (leg_0_tension.max(zero) - c_47000 * leg_0_t_3) - leg_1_t_6
+            - leg_2_t_7;
         let leg_2_scaled_canopy_wy = c_1_57 * canopy_wy;
         let leg_2_scaled_canopy_wx = c_1_57 * canopy_wx;
         let leg_2_v_x_2 = canopy_vx
@@ -3520,11 +3545,12 @@ const _: () = {
         let riser_length = (riser_e_z * riser_e_z
             + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
             .sqrt();
-        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_t = riser_length.max(tiny);
+        let riser_inverse_length = one / riser_t;
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
-        let riser_stretch = riser_length - c_10;
+        let riser_stretch = riser_t - c_10;
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
@@ -3568,23 +3594,24 @@ const _: () = {
         let leg_0_length = (leg_0_e_z * leg_0_e_z
             + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
             .sqrt();
-        let leg_0_inverse_length = one / leg_0_length.max(tiny);
+        let leg_0_t = leg_0_length.max(tiny);
+        let leg_0_inverse_length = one / leg_0_t;
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
-        let leg_0_stretch = leg_0_length - c_2_1;
+        let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
         let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
+            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
                 - capsule_r13 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
+            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
                 - capsule_r23 * leg_0_scaled_capsule_wy_2);
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
+            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
                 - capsule_r33 * leg_0_scaled_capsule_wy_2);
         let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
             + (leg_0_u_x * (confluence_wx - leg_0_v_x)
@@ -3618,23 +3645,24 @@ const _: () = {
         let leg_1_length = (leg_1_e_z * leg_1_e_z
             + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
             .sqrt();
-        let leg_1_inverse_length = one / leg_1_length.max(tiny);
+        let leg_1_t = leg_1_length.max(tiny);
+        let leg_1_inverse_length = one / leg_1_t;
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
-        let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_2 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_stretch = leg_1_t - c_2_1;
+        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
+        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
-                + capsule_r13 * leg_1_t_3);
+            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
+                + capsule_r13 * leg_1_t_4);
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
-                + capsule_r23 * leg_1_t_3);
+            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
+                + capsule_r23 * leg_1_t_4);
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
-                + capsule_r33 * leg_1_t_3);
+            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
+                + capsule_r33 * leg_1_t_4);
         let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
             + (leg_1_u_x * (confluence_wx - leg_1_v_x)
                 + leg_1_u_y * (confluence_wy - leg_1_v_y));
@@ -3667,23 +3695,24 @@ const _: () = {
         let leg_2_length = (leg_2_e_z * leg_2_e_z
             + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
             .sqrt();
-        let leg_2_inverse_length = one / leg_2_length.max(tiny);
+        let leg_2_t = leg_2_length.max(tiny);
+        let leg_2_inverse_length = one / leg_2_t;
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
-        let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_2 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_stretch = leg_2_t - c_2_1;
+        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
+        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
-                + capsule_r13 * leg_2_t_3);
+            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
+                + capsule_r13 * leg_2_t_4);
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
-                + capsule_r23 * leg_2_t_3);
+            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
+                + capsule_r23 * leg_2_t_4);
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
-                + capsule_r33 * leg_2_t_3);
+            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
+                + capsule_r33 * leg_2_t_4);
         let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));

@@ -11,8 +11,8 @@
 //! f is the elastic force of the line's law, K s where it is linear: [`LineKind`].
 //!
 //! The force on the `from` end is +T u, on the `to` end −T u. Row units N, N/m.
-//! Singular case d = 0: only an L = 0 line is taut there; it is linear, J = K I, and u is never needed: d is guarded by [`TINY`] where it
-//! divides and τ is selected. The kink s = 0 counts as taut in (5): a Newton step with one taut line lands exactly on that line's kink,
+//! Singular case d = 0: only an L = 0 line is taut there; it is linear, T u = K e, J = K I. d is guarded by ε = [`TINY`] where it divides and in s
+//! alike, so that below ε T u = (K ε)(e/ε) has the derivative K I, too; in (5) τ is selected. The kink s = 0 counts as taut in (5): a Newton step with one taut line lands exactly on that line's kink,
 //! and would cycle otherwise (`equilibrium.md` §8, 3).
 //! Rejected: damping that acts on the length while slack (it lets slack lines pull), and damping that jumps at L0 (no root in 2–3.5 % of scenes).
 
@@ -31,7 +31,7 @@ pub struct Geometry<S: Real> {
     pub inverse_length: S,
     /// Unit vector u from the `from` end to the `to` end; zero at zero length.
     pub direction: Vector3<S>,
-    /// Stretch s = d − L0 [m].
+    /// Stretch s = d − L0, d guarded at zero length [m].
     pub stretch: S,
 }
 
@@ -39,7 +39,8 @@ pub struct Geometry<S: Real> {
 pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
     let vector = labelled(*vector, ["e_x", "e_y", "e_z"]);
     let length = vector.dot(&vector).sqrt().label("length");
-    let inverse_length = (S::one() / length.max(S::from_f64(TINY))).label("inverse_length");
+    let guarded = length.max(S::from_f64(TINY));
+    let inverse_length = (S::one() / guarded).label("inverse_length");
     let direction = Vector3::new(
         (vector.x * inverse_length).label("u_x"),
         (vector.y * inverse_length).label("u_y"),
@@ -49,7 +50,7 @@ pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
         length,
         inverse_length,
         direction,
-        stretch: (length - free_length).label("stretch"),
+        stretch: (guarded - free_length).label("stretch"),
     }
 }
 

@@ -220,6 +220,11 @@ pub enum LinearisationError {
         /// The node.
         node: String,
     },
+    /// Both ends of a spring are at the same place, where its damping, or the force that it has there, acts along no direction.
+    NoDirection {
+        /// The spring.
+        spring: String,
+    },
     /// The model has another layout than this room was made for.
     OtherModel,
     /// The equations, or their derivatives, are no finite numbers at this state.
@@ -273,6 +278,10 @@ impl fmt::Display for LinearisationError {
             LinearisationError::Stepwise { node } => write!(
                 f,
                 "the lines of `{node}` are damped by differences from step to step (`equilibrium: stepwise`), which has no linear system: declare `equilibrium: rate`, give the point a mass, or look for a rest, which damping does not move"
+            ),
+            LinearisationError::NoDirection { spring } => write!(
+                f,
+                "both ends of `{spring}` are at the same place, where its damping, or its force, has no direction and there is no linear system: linearise where they are apart, or let a load act in its place, `-c * bob.velocity`"
             ),
             LinearisationError::OtherModel => write!(
                 f,

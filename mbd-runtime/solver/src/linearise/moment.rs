@@ -3,16 +3,19 @@
 
 use std::sync::Arc;
 
-use mbd_scene::{At, Float, JointStart, Layout, Model, NodeModel, Quantity, Scene, Variable, Work};
+use mbd_scene::{
+    At, Float, JointStart, LINE_NUMBERS, Layout, Model, NodeModel, Quantity, Scene, Variable, Work,
+};
 use nalgebra::{DMatrix, DVector};
 
 use super::{Linearisation, LinearisationError};
-use crate::columns::{input_name, state_names};
+use crate::columns::{input_name, line_name, state_names};
 use crate::displace::displace;
 use crate::generic::Generic;
 use crate::laws::{numbers_of, params_of};
 use crate::slopes::{Effective, Slopes};
-use crate::system::{Remembered, System};
+use crate::system::{Remembered, SAME_PLACE, System};
+use crate::unilateral::Mode;
 
 /// A scene at one moment.
 pub(crate) struct SceneMoment {
@@ -222,6 +225,36 @@ impl SceneMoment {
     }
 
     /// Positions of the nodes at the state as it is now, as the last balance has them.
+    /// The lines and springs with both ends at the same place whose damping has no direction there.
+    ///
+    /// # Errors
+    /// The first spring whose force has none: one that has a free length.
+    pub(crate) fn without_direction(&mut self) -> Result<Vec<String>, LinearisationError> {
+        let numbers = self.evaluate(Quantity::Lines, &[]);
+        let (scene, layout) = (self.scene(), self.layout());
+        let lines = scene.lines.iter().zip(&layout.lines);
+        let lines = lines.zip(numbers.chunks_exact(LINE_NUMBERS)).enumerate();
+        let mut undamped = Vec::new();
+        for (index, ((line, slots), numbers)) in lines {
+            let [force, apart, stretch, ..] = *numbers else {
+                continue;
+            };
+            let detached = self.system.memory.modes().get(index) == Some(&Mode::Detached);
+            if slots.effective.is_some() || detached || apart > SAME_PLACE {
+                continue;
+            }
+            let name = line_name(scene, index).to_owned();
+            match stretch.abs() > SAME_PLACE {
+                true if !line.kind.is_unilateral() && force != 0.0 => {
+                    return Err(LinearisationError::NoDirection { spring: name });
+                }
+                false if !scene.is_zero(&line.damping) => undamped.push(name),
+                _ => (),
+            }
+        }
+        Ok(undamped)
+    }
+
     pub(crate) fn node_positions(&self) -> Vec<f64> {
         let layout = &self.model.layout;
         layout.node_positions(&self.state, self.system.nodes.nodes())

@@ -40,7 +40,8 @@ pub struct StateSpace {
     pub tangent: DMatrix<f64>,
     /// Accelerations of the coordinates at the state [m/s² or rad/s²], then ż: zero where the motion is steady.
     pub accelerations: DVector<f64>,
-    /// `stepwise` nodes with damped lines, which are in this system without their damping; only that of a rest has such.
+    /// `stepwise` nodes with damped lines, and damped springs with both ends at the same place, which are in this system without their damping; only that
+    /// of a rest has such.
     pub undamped: Vec<String>,
     /// Where it stands at a place that has another linear system on the other side: what changes there. Empty elsewhere.
     pub kinks: Vec<Kink>,
@@ -109,6 +110,9 @@ impl StateSpace {
             return Err(LinearisationError::Stepwise { node });
         }
         moment.settle(known.map(|(nodes, _)| nodes))?;
+        if let Some(spring) = moment.without_direction()?.pop() {
+            return Err(LinearisationError::NoDirection { spring });
+        }
         let chart = Chart::choose(&mut moment, coordinates, ChartOrder::Places)?;
         Ok(Self::in_chart(&mut moment, &chart)?.with_kinks(&moment))
     }

@@ -8,7 +8,7 @@ use crate::error::StepError;
 use crate::unilateral::Mode;
 
 /// Ends that are nearer than this part of the scale of lengths are at the same place: rounding alone says which way they are apart.
-const SAME_PLACE: f64 = 1e-13;
+pub(crate) const SAME_PLACE: f64 = 1e-13;
 
 impl<T: Float> System<T> {
     /// Looks at every spring at a start.
@@ -30,11 +30,14 @@ impl<T: Float> System<T> {
         let scene = self.model.scene();
         let lines = scene.lines.iter().zip(numbers.chunks_exact(LINE_NUMBERS));
         for (index, (line, numbers)) in lines.enumerate() {
-            let [force, apart, ..] = *numbers else {
+            let [force, apart, stretch, ..] = *numbers else {
                 continue;
             };
             let is_attached = self.memory.modes().get(index) != Some(&Mode::Detached);
-            if pushes(line) && is_attached && apart <= SAME_PLACE * length && force != 0.0 {
+            let same = SAME_PLACE * length;
+            // A spring of zero free length is at rest there.
+            let strained = stretch.abs() > same && force != 0.0;
+            if pushes(line) && is_attached && apart <= same && strained {
                 return Err(StepError::NoDirection {
                     spring: line_name(scene, index).to_owned(),
                     time,

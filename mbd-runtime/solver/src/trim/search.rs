@@ -381,7 +381,10 @@ impl Search {
         let scale = size(&slopes);
         self.chart.refresh(&mut self.moment)?;
         let residual = self.residual(None)?;
-        let space = StateSpace::in_chart(&mut self.moment, &self.chart)?.with_kinks(&self.moment);
+        let undamped = self.moment.without_direction()?;
+        let mut space =
+            StateSpace::in_chart(&mut self.moment, &self.chart)?.with_kinks(&self.moment);
+        space.undamped.extend(undamped);
         let sizes = residual.iter().map(|x| x.abs()).enumerate();
         let worst = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((worst, left)) = worst

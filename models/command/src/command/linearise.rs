@@ -427,7 +427,7 @@ fn undamped(space: &StateSpace) -> String {
     match space.undamped.as_slice() {
         [] => String::new(),
         nodes => format!(
-            "\nnote: the damping of the lines of {} is none of this linear system: differences from step to step (`equilibrium: stepwise`) have none. Declare `equilibrium: rate`, or give the point a mass.\n",
+            "\nnote: the damping of {} is none of this linear system: differences from step to step (`equilibrium: stepwise`) have none, declare `equilibrium: rate`, or give the point a mass; nor has a spring where both its ends are at the same place.\n",
             nodes
                 .iter()
                 .map(|node| format!("`{node}`"))

@@ -390,3 +390,49 @@ fn states_that_nothing_else_feels_take_part_in_their_own_eigenvalues_alone() {
         "slide",
     );
 }
+
+#[test]
+fn a_spring_of_zero_free_length_is_as_stiff_in_every_direction_where_its_ends_meet() {
+    let text = "model Bushing {
+        gravity: none;
+        body mount { mass: 2 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint loose: free from world to mount.com;
+        spring rubber from world to mount.com { free_length: 0 m, stiffness: 50 N/m }
+        output pull = rubber.tension;
+    }";
+    for family in ["absolute", "relative"] {
+        let text = text.replace("gravity", &format!("coordinates: {family}; gravity"));
+        let model = generic(read(&text));
+        let at = placed(&model, &[], &[]);
+        let space = linearise(&model, 0.0, &at, &[]).expect("linear");
+        // ω² = k/m = 25 along each axis; nothing holds the turns.
+        let below = space.a.view((6, 0), (6, 6));
+        let diagonal = [-25.0, -25.0, -25.0, 0.0, 0.0, 0.0];
+        let want = DMatrix::from_diagonal(&DVector::from_row_slice(&diagonal));
+        assert!((below - want).amax() < 1e-12, "{family}: {below}");
+        // The tension itself, k |x|, has a kink there; the motion has none.
+        assert!(space.kinks.iter().all(|kink| kink.of.name == "pull"));
+    }
+}
+
+#[test]
+fn what_has_no_direction_where_both_ends_of_a_spring_meet_is_told() {
+    let told = |fields: &str| {
+        let model = generic(read(&format!(
+            "model Bushing {{
+                gravity: none;
+                point mount {{ mass: 2 kg }}
+                spring rubber from world to mount {{ {fields} }}
+            }}"
+        )));
+        let refused = linearise(&model, 0.0, &vec![0.0; 6], &[]).expect_err("no direction");
+        assert!(refused.to_string().contains("`rubber`"), "{refused}");
+        trim(&model).solve().map(|rest| rest.space.undamped)
+    };
+    // Damping is along the spring: at one place it damps no direction, and any. A rest it does not move.
+    let undamped = told("free_length: 0 m, stiffness: 50 N/m, damping: 2 N*s/m");
+    assert_eq!(undamped.expect("a rest"), ["rubber"]);
+    assert_eq!(told("damping: 2 N*s/m").expect("a rest"), ["rubber"]);
+    // The force of a free length pushes in any direction.
+    told("free_length: 0.1 m, stiffness: 50 N/m").expect_err("no rest");
+}
