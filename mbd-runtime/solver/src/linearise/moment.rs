@@ -224,7 +224,6 @@ impl SceneMoment {
         }
     }
 
-    /// Positions of the nodes at the state as it is now, as the last balance has them.
     /// The lines and springs with both ends at the same place whose damping has no direction there.
     ///
     /// # Errors
@@ -255,6 +254,7 @@ impl SceneMoment {
         Ok(undamped)
     }
 
+    /// Positions of the nodes at the state as it is now, as the last balance has them.
     pub(crate) fn node_positions(&self) -> Vec<f64> {
         let layout = &self.model.layout;
         layout.node_positions(&self.state, self.system.nodes.nodes())
