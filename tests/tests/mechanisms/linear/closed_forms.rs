@@ -425,7 +425,7 @@ fn what_has_no_direction_where_both_ends_of_a_spring_meet_is_told() {
                 spring rubber from world to mount {{ {fields} }}
             }}"
         )));
-        let refused = linearise(&model, 0.0, &vec![0.0; 6], &[]).expect_err("no direction");
+        let refused = linearise(&model, 0.0, &[0.0; 6], &[]).expect_err("no direction");
         assert!(refused.to_string().contains("`rubber`"), "{refused}");
         trim(&model).solve().map(|rest| rest.space.undamped)
     };
