@@ -129,6 +129,39 @@ hung!(MassKnot { mass: 1 kg, start at [0.0, 0.0, -1.0] m } { , damping: 90 N*s/m
 hung!(RateKnot { equilibrium: rate } { , damping: 90 N*s/m });
 hung!(StaticKnot { equilibrium: static } {});
 
+model! {
+    /// A four-bar: a loop of hinges.
+    model Bar {
+        coordinates: relative;
+        planar: xz;
+        emit: [derivative];
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        world { frame pivot at [1.0, 0.0, 0.0] m }
+        body crank {
+            mass: 0.48 kg,
+            inertia: diag(1e-5, 0.0036, 0.0036) kg*m^2,
+            frame left at [-0.15, 0.0, 0.0] m,
+            frame right at [0.15, 0.0, 0.0] m,
+        }
+        body coupler {
+            mass: 1.44 kg,
+            inertia: diag(1e-5, 0.0972, 0.0972) kg*m^2,
+            frame left at [-0.45, 0.0, 0.0] m,
+            frame right at [0.45, 0.0, 0.0] m,
+        }
+        body rocker {
+            mass: 1.28 kg,
+            inertia: diag(1e-5, 0.06827, 0.06827) kg*m^2,
+            frame left at [-0.4, 0.0, 0.0] m,
+            frame right at [0.4, 0.0, 0.0] m,
+        }
+        joint crank_pin: hinge from world to crank.left { axis: y, start: -60 deg }
+        joint coupler_pin: hinge from crank.right to coupler.left { axis: y }
+        joint rocker_pin: hinge from coupler.right to rocker.right { axis: y }
+        joint ground_pin: hinge from world.pivot to rocker.left { axis: y }
+    }
+}
+
 #[test]
 fn a_step_without_lines_asks_for_four_derivatives_and_nothing_else() {
     let rods = Rods::new(RodsParams::default()).unwrap();
@@ -165,4 +198,33 @@ fn a_static_node_asks_for_its_anchors_once_a_stage_and_for_its_lines_twice() {
     assert_eq!(asked.len(), 4, "{asked:?}");
     // Newton from the last place, carried along with the anchors: a step or two.
     assert!((36..=36 * 3).contains(&balances), "{balances}");
+}
+
+#[test]
+fn stages_made_in_one_call_are_those_made_one_by_one() {
+    let ends = |model: &dyn Model<f64>, options: Options| {
+        let mut run = Simulation::new(model, options).unwrap();
+        run.start().unwrap();
+        for _ in 0..300 {
+            run.step().unwrap();
+        }
+        let bits: Vec<u64> = run.state().iter().map(|x| x.to_bits()).collect();
+        (bits, run.statistics())
+    };
+    let rods = Rods::new(RodsParams::default()).unwrap();
+    let bar = Bar::new(BarParams::default()).unwrap();
+    let mass = MassKnot::new(MassKnotParams::default()).unwrap();
+    let rate = RateKnot::new(RateKnotParams::default()).unwrap();
+    let models: [(&dyn Model<f64>, f64); 4] =
+        [(&rods, 1e-3), (&bar, 1e-3), (&mass, 1e-4), (&rate, 1e-3)];
+    for (model, step) in models {
+        let one_by_one = Asked {
+            model: model.share(),
+            counts: Arc::default(),
+        };
+        for options in [Options::rk4(step), without_locating(step)] {
+            let expected = ends(&one_by_one, options.clone());
+            assert_eq!(ends(model, options), expected, "{}", model.scene().name);
+        }
+    }
 }

@@ -31,6 +31,11 @@ pub trait Model<T: Float>: Send + Sync {
     /// (`MassMatrix`, `NodeByAnchor`, `CondensedStiffness`, `Partial`) only the structural non-zeros, so `out` starts at zero there.
     /// A slice of a wrong length, or the scratch of another model, leaves `out` untouched; what a compiled model was not asked to emit is not a number.
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]);
+    /// Evaluates the stages inside a step of the classical method of order four in one call; `false`: nothing is done, they are evaluated one by one. A
+    /// compiled model without equilibrium points does it, to the bit, where the lengths of all lists are known.
+    fn inner_stages(&self, _step: StepStages<'_, T>, _work: &mut Work<T>) -> bool {
+        false
+    }
     /// Whether a quantity has a value here; of a compiled model, whether it was asked to emit it.
     fn emits(&self, _what: Quantity) -> bool {
         true
@@ -39,6 +44,21 @@ pub trait Model<T: Float>: Send + Sync {
     fn beside(&self) -> Option<&(dyn Any + Send + Sync)> {
         None
     }
+}
+
+/// The stages of a step of the classical Runge–Kutta method of order four: rates k₁ … k₄ at and inside it, and the state that they lead to.
+#[derive(Debug)]
+pub struct StepStages<'a, T> {
+    /// Where the step starts, and what is held in it.
+    pub at: At<'a, T>,
+    /// Time at its start, and its size [s].
+    pub span: [f64; 2],
+    /// Rates, one after the other: k₁ is given.
+    pub rates: &'a mut [T],
+    /// The state at its end.
+    pub next: &'a mut [T],
+    /// What [`Quantity::Rates`] is at the three stages inside it, where nodes are found along with the rates; empty elsewhere.
+    pub found: &'a mut [T],
 }
 
 /// Scratch of the evaluations of one model: carries nothing from call to call.

@@ -1,20 +1,23 @@
 //! Moving positions by small moves in the components of the speeds; rotations by the exponential, q ← q ∘ exp(δ/2) in body components,
 //! q ← exp(δ/2) ∘ q in world components.
 
-use mbd_scene::{AngularVelocity, Float, Layout, quaternion_rate};
+use std::borrow::Borrow;
+
+use mbd_scene::{AngularVelocity, Float, quaternion_rate};
 use nalgebra::Vector3;
 
-use crate::moving::moving;
+use crate::moving::Moving;
 
-/// Moves the positions of a state by `share` of δ (n_v) [m, rad]. Quaternions keep their length but for rounding.
+/// Moves the positions of these parts of a state by `share` of δ (n_v) [m, rad]. Quaternions keep their length but for rounding.
 pub(crate) fn displace<T: Float>(
-    (layout, components): (&Layout, AngularVelocity),
+    (parts, components): (impl Iterator<Item: Borrow<Moving>>, AngularVelocity),
     state: &mut [T],
     moves: &[T],
     share: T,
 ) {
     let body_axes = components == AngularVelocity::Body;
-    for part in moving(layout) {
+    for part in parts {
+        let part = part.borrow();
         let [moved, rotated] =
             [part.moves(), part.turns()].map(|speeds| moves.get(speeds).unwrap_or(&[]));
         let position = state.get_mut(part.position.clone()).unwrap_or_default();

@@ -105,7 +105,7 @@ pub use mbd_scene as scene;
 #[doc(inline)]
 pub use mbd_scene::Model;
 #[doc(inline)]
-pub use mbd_scene::{At, Float, Layout, ParamError, Quantity, Real, StartNumber, Work};
+pub use mbd_scene::{At, Float, Layout, ParamError, Quantity, Real, StartNumber, StepStages, Work};
 
 // Its state and what it hands out.
 pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};

@@ -135,6 +135,26 @@ pub(crate) fn combine<T: Real>(state: &[T], h: T, weights: &[T], stages: &[T], o
     add_all(state, list.get(..count).unwrap_or_default(), out);
 }
 
+/// The same of lists whose length the compiler knows, for weights that it knows: the numbers are those of [`Combination::add`].
+#[inline(always)]
+pub(crate) fn combined<T: Real, const N: usize, const K: usize>(
+    state: &[T; N],
+    h: T,
+    weights: &[f64],
+    lists: [&[T; N]; K],
+) -> [T; N] {
+    let mut out = *state;
+    for (&weight, list) in weights.iter().zip(lists) {
+        if weight != 0.0 {
+            let factor = h * T::from_f64(weight);
+            for (out, x) in out.iter_mut().zip(list) {
+                *out += factor * *x;
+            }
+        }
+    }
+    out
+}
+
 /// out = state + Σ factor × list, every number in the order of the terms; no list is shorter than `out`.
 #[inline(always)]
 fn add<T: Real, const K: usize>(state: &[T], terms: [(T, &[T]); K], out: &mut [T]) {
@@ -289,6 +309,17 @@ mod tests {
                 assert_eq!(*out, state[i] + a - 0.5 * c);
             }
         }
+    }
+
+    #[test]
+    fn a_combination_of_known_length_is_the_same_to_the_bit() {
+        let state = [0.1, 0.7, -1.3];
+        let lists = [[1.1, -0.2, 3.3], [0.3, 0.9, -7.7], [4.1, 1e-3, 0.6]];
+        let weights = [1.0 / 3.0, 0.0, 1.0 / 6.0];
+        let mut out = [0.0; 3];
+        Combination::new(&weights).add(&state, 0.01, lists.as_flattened(), &mut out);
+        let [a, b, c] = &lists;
+        assert_eq!(out, combined(&state, 0.01, &weights, [a, b, c]));
     }
 
     #[test]

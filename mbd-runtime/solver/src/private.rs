@@ -10,6 +10,7 @@ use num_traits::Zero;
 
 use crate::{CoordInfo, Lanes, Lanes4, LineState, Reaction};
 
+pub use crate::integrate::{inner_rates, inner_stages};
 pub use crate::parts::{member, read, write};
 pub use crate::verify::verify;
 

@@ -18,7 +18,6 @@ use crate::error::{Source, StepError};
 use crate::fallback::{Dependence, NEW, dependent};
 use crate::laws::numbers_of;
 use crate::list::{all_finite, largest};
-use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
 
@@ -330,14 +329,15 @@ impl<T: Float> System<T> {
 
     /// Moves positions by δ, shortened where it turns a body too far.
     fn displace(&self, state: &mut [T]) {
-        let layout = self.model.layout();
         let components = self.model.scene().angular_velocity;
-        let shift = self.projection.moves();
-        let turns = moving(layout).map(|part| square(shift.get(part.turns()).unwrap_or(&[])));
+        let (parts, shift) = (self.projection.parts.iter(), self.projection.moves());
+        let turns = parts
+            .clone()
+            .map(|part| square(shift.get(part.turns()).unwrap_or(&[])));
         let most = turns.fold(T::zero(), |a, b| a.max(b)).sqrt();
         let limit = T::from_f64(LARGEST_TURN);
         let share = if most > limit { limit / most } else { T::one() };
-        displace((layout, components), state, shift, share);
+        displace((parts, components), state, shift, share);
         self.normalise(state);
     }
 

@@ -86,6 +86,8 @@ pub(crate) struct System<T: Float> {
     /// Whether rates are the derivative at a state, inputs and modes and nothing else: no equilibrium point, no row, no work that is integrated, nothing
     /// that jumps.
     takes_derivative: bool,
+    /// Whether rates are those of the model, where its rows are solved as emitted: no work that is integrated, nothing that jumps.
+    takes_rates: bool,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
     /// Derivatives of the rates, for a method that asks for them.
@@ -136,13 +138,14 @@ impl<T: Float> System<T> {
         let defaults = layout.default_inputs(model.scene());
         let held: Vec<T> = defaults.into_iter().map(T::from_f64).collect();
         let (near, nodes) = (NearSide::new(&*model), Nodes::new(layout));
-        let projection = Projection::new(layout.nc, layout.nv, layout.nx());
+        let projection = Projection::new(layout);
         let may_fold = model.scene().folding_joints().next().is_some();
         System {
             takes_derivative: !nodes.has_networks()
                 && !projection.any()
                 && !works
                 && near.is_none(),
+            takes_rates: !works && near.is_none(),
             latest: f64::INFINITY,
             near,
             unsupplied: controls.is_empty() && layout.needs_caller(),

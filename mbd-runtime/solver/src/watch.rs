@@ -62,7 +62,8 @@ impl Watch {
         if is_above {
             self.last = stiffness;
         }
-        self.above.count_ones() >= ALLOWED
+        // Almost no window has any.
+        self.above != 0 && self.above.count_ones() >= ALLOWED
     }
 
     /// What grows where a step cannot even be made: energy, or else stages; `None` where nothing does.

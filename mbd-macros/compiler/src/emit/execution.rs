@@ -100,6 +100,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             }
         }
     });
+    let inner_stages = inner_stages(context);
     quote! {
         #over
         impl #float ::mbd_runtime::Model<#t> for #name #used {
@@ -129,6 +130,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
                 &self.lines
             }
             #emits
+            #inner_stages
             fn evaluate(
                 &self,
                 what: ::mbd_runtime::Quantity,
@@ -140,6 +142,42 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
             }
         }
     }
+}
+
+/// The stages inside a step in one call, of a model whose rates are its state derivative or are found along with its nodes.
+fn inner_stages(context: &EmitContext) -> Option<TokenStream> {
+    let (equations, t) = (context.equations, context.scalar());
+    let layout = &equations.layout;
+    let length = whole(layout.nx());
+    let (what, made) = match layout.nodes.is_empty() {
+        true => {
+            let made = quote!(inner_stages::<#t, #length>);
+            (Quantity::Derivative, made)
+        }
+        false => {
+            let all = whole(layout.len(Quantity::Rates));
+            let made = quote!(inner_rates::<#t, #length, #all>);
+            (Quantity::Rates, made)
+        }
+    };
+    let program = equations.program(what)?;
+    let reads = ProgramArguments::of(program, layout);
+    // What they read of nodes would be that of another stage.
+    let is_alone = !reads.reads(NumberList::Nodes) && !reads.reads(NumberList::Ends);
+    let what = quantity_path(what);
+    (is_alone && !program.outputs.is_empty()).then(|| {
+        quote! {
+            fn inner_stages(
+                &self,
+                step: ::mbd_runtime::StepStages<'_, #t>,
+                work: &mut ::mbd_runtime::Work<#t>,
+            ) -> bool {
+                ::mbd_runtime::__private::#made(step, |at, rates| {
+                    ::mbd_runtime::Model::evaluate(self, #what, at, work, rates)
+                })
+            }
+        }
+    })
 }
 
 /// The arm of `evaluate` for a quantity, whose program is number `index`.

@@ -1056,6 +1056,28 @@ const _: () = {
                 ::mbd_runtime::scene::Variable::Input,)
             )
         }
+        fn inner_stages(
+            &self,
+            step: ::mbd_runtime::StepStages<'_, T>,
+            work: &mut ::mbd_runtime::Work<T>,
+        ) -> bool {
+            ::mbd_runtime::__private::inner_rates::<
+                T,
+                29,
+                66,
+            >(
+                step,
+                |at, rates| {
+                    ::mbd_runtime::Model::evaluate(
+                        self,
+                        ::mbd_runtime::Quantity::Rates,
+                        at,
+                        work,
+                        rates,
+                    )
+                },
+            )
+        }
         fn evaluate(
             &self,
             what: ::mbd_runtime::Quantity,

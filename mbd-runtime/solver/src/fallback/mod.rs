@@ -27,6 +27,7 @@ pub(crate) use self::limits::NEW;
 use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING, POWER, WIDE};
 use crate::error::StepError;
 use crate::moving::moving;
+use crate::options::Stabilise;
 use crate::system::System;
 
 mod chain;
@@ -272,6 +273,14 @@ impl<T: Float> System<T> {
         }
         self.fallback.anew = true;
         Ok(())
+    }
+
+    /// Whether the accelerations of a stage inside a step are those of the model.
+    #[inline]
+    pub(crate) fn solves_as_emitted(&self) -> bool {
+        let Fallback { now, at_end, .. } = &self.fallback;
+        let pulls_back = matches!(self.projection.stabilise, Stabilise::Baumgarte { .. });
+        !at_end && now.strategy == RowStrategy::Emitted && !now.near && !pulls_back
     }
 
     /// Solves for the move that takes `rows` out, with rows chosen at this state.

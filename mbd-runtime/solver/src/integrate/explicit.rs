@@ -11,8 +11,8 @@
 
 use mbd_scene::{Float, Real};
 
-use super::Rates;
 use super::tableau::Tableau;
+use super::{RK4, Rates};
 use crate::error::StepError;
 use crate::list::{Combination, MOST_TERMS, combine, weighted_change, weighted_size};
 
@@ -46,6 +46,8 @@ pub(crate) struct Explicit<T> {
     pub stable: f64,
     /// Two stages at the same time.
     alike: [usize; 2],
+    /// Whether this is RK4, whose stages inside a step a system may make at once.
+    at_once: bool,
     /// Stages, one after the other.
     stages: Vec<T>,
     /// Whether the stages of the interpolant belong to the last attempt.
@@ -112,6 +114,7 @@ impl<T: Real> Explicit<T> {
             exponent: (tableau.embedded + 1) as f64,
             stable: tableau.stable,
             alike: tableau.alike,
+            at_once: false,
             stages: vec![T::zero(); N * length],
             complete: false,
             trial: vec![T::zero(); length],
@@ -242,6 +245,14 @@ impl<T: Real> Explicit<T> {
 }
 
 impl<T: Float> Explicit<T> {
+    /// RK4, whose stages inside a step are made at once where a system does that.
+    pub(crate) fn rk4(length: usize) -> Self {
+        Explicit {
+            at_once: true,
+            ..Self::new(&RK4, length)
+        }
+    }
+
     /// It, keeping what rounding takes where the scalar is so short that it matters.
     pub(crate) fn keeping_digits(mut self) -> Self {
         if T::EPSILON > T::from_f64(SHORT) {
@@ -285,6 +296,7 @@ impl<T: Float> Explicit<T> {
             exponent: self.exponent,
             stable: self.stable,
             alike: self.alike,
+            at_once: false,
             stages: room(&self.stages),
             complete: false,
             trial: room(&self.trial),
@@ -318,21 +330,57 @@ impl<T: Float> Explicit<T> {
         state: &[T],
     ) -> Result<(), StepError> {
         system.enter();
-        let h = T::from_f64(step);
         system.hold(true);
-        let made = self.stages(
-            [time, step],
-            h,
-            state,
-            |last, [time, span], trial, stage| {
-                if last {
-                    system.project_end(time, trial)?;
-                }
-                system.rates(time, span, trial, stage)
-            },
-        );
+        let made = match self.makes_inner_stages(system, [time, step], state) {
+            true => self.make_last_stage(system, [time, step]),
+            false => self.make_stages(system, [time, step], state),
+        };
         system.hold(false);
         made
+    }
+
+    /// Makes the stages inside a step at once, and the state at its end; `false`: they are made one by one.
+    #[inline]
+    fn makes_inner_stages(
+        &mut self,
+        system: &mut impl Rates<T>,
+        span: [f64; 2],
+        state: &[T],
+    ) -> bool {
+        self.at_once
+            && self.lost.is_empty()
+            && system.inner_stages(span, state, &mut self.stages, &mut self.next)
+    }
+
+    /// The last stage of a step, whose state is known.
+    #[inline]
+    fn make_last_stage(
+        &mut self,
+        system: &mut impl Rates<T>,
+        [time, step]: [f64; 2],
+    ) -> Result<(), StepError> {
+        self.complete = false;
+        let last = (self.steps - 1) * self.length;
+        let stage = self.stages.get_mut(last..last + self.length);
+        let (end, next) = (time + step, &mut self.next);
+        system.project_end(end, next)?;
+        system.rates(end, step, next, stage.unwrap_or_default())
+    }
+
+    /// All stages of a step but the first, one by one.
+    fn make_stages(
+        &mut self,
+        system: &mut impl Rates<T>,
+        span: [f64; 2],
+        state: &[T],
+    ) -> Result<(), StepError> {
+        let h = T::from_f64(span[1]);
+        self.stages(span, h, state, |last, [time, span], trial, stage| {
+            if last {
+                system.project_end(time, trial)?;
+            }
+            system.rates(time, span, trial, stage)
+        })
     }
 
     /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt, and the state at its end.
@@ -464,7 +512,7 @@ impl<T: Float> Explicit<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{RK4, TSIT5, VERN7};
+    use crate::integrate::{TSIT5, VERN7};
 
     /// A pendulum, q̈ = −sin q, with a reference from tiny steps.
     struct Pendulum;

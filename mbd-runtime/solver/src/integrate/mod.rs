@@ -3,6 +3,7 @@
 mod control;
 mod explicit;
 mod free_motion;
+mod inner_stages;
 mod norm;
 mod rattle;
 mod resolution;
@@ -22,6 +23,8 @@ use crate::error::StepError;
 pub(crate) use control::{Control, Verdict};
 pub(crate) use explicit::{Explicit, stiffness};
 pub(crate) use free_motion::FreeMotion;
+pub(crate) use inner_stages::INNER;
+pub use inner_stages::{inner_rates, inner_stages};
 pub(crate) use norm::ErrorNorm;
 pub use norm::Scales;
 pub(crate) use rattle::{Rattle, Reversible};
@@ -49,6 +52,17 @@ pub(crate) trait Rates<T> {
         out: &mut [T],
     ) -> Result<(), StepError> {
         self.rates(time, span, state, out)
+    }
+
+    /// Evaluates the stages inside a step of RK4 in one call, from the rates at its start, and the state at its end; `false`: nothing is done.
+    fn inner_stages(
+        &mut self,
+        _span: [f64; 2],
+        _state: &[T],
+        _rates: &mut [T],
+        _next: &mut [T],
+    ) -> bool {
+        false
     }
 
     /// Writes ∂f/∂x, dense, row by row, and ∂f/∂t at the start of a step, where the rates were evaluated last.

@@ -13,6 +13,7 @@ use crate::columns::{input_name, line_name, state_names};
 use crate::displace::displace;
 use crate::generic::Generic;
 use crate::laws::{numbers_of, params_of};
+use crate::moving::moving;
 use crate::slopes::{Effective, Slopes};
 use crate::system::{Remembered, SAME_PLACE, System};
 use crate::unilateral::Mode;
@@ -132,7 +133,7 @@ impl SceneMoment {
     pub(crate) fn displace(&mut self, moves: &[f64]) {
         let components = self.scene().angular_velocity;
         displace(
-            (&self.model.layout, components),
+            (moving(&self.model.layout), components),
             &mut self.state,
             moves,
             1.0,

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use mbd_scene::{At, Float, Quantity, Real, Work};
+use mbd_scene::{At, Float, Quantity, Real, StepStages, Work};
 
 use super::error::NodeError;
 use super::memory::NodeMemory;
@@ -42,6 +42,48 @@ impl<T: Float> Nodes<T> {
         let at = self.at(stage.time, stage.state, stage.inputs);
         stage.model.evaluate(Quantity::Derivative, &at, work, out);
         Ok(())
+    }
+
+    /// Makes the stages inside a step of a size that starts at a stage in one call, and the state at its end, as [`Nodes::differentiate`] makes them
+    /// one by one; `false`: nothing is done.
+    #[inline]
+    pub(crate) fn make_inner_stages(
+        &mut self,
+        stage: Stage<'_, T>,
+        span: [f64; 2],
+        memory: &NodeMemory<T>,
+        work: &mut Work<T>,
+        (rates, next): (&mut [T], &mut [T]),
+    ) -> bool {
+        if !self.has_networks() {
+            self.hold_once(memory);
+        } else if self.spanned && (self.held || self.hold_for_rates(memory)) {
+            self.has_held();
+        } else {
+            // Where nodes were found by other rules they mostly are again.
+            return false;
+        }
+        let at = At {
+            nodes: &self.nodes,
+            effective: &self.effective,
+            hold: &self.hold,
+            ends: &self.ends,
+            ..At::of_state(stage.time, stage.state, stage.inputs)
+        };
+        let step = StepStages {
+            at,
+            span,
+            rates,
+            next,
+            found: &mut self.inner,
+        };
+        stage.model.inner_stages(step, work) && self.takes_inner_stages()
+    }
+
+    /// Whether the nodes of the stages inside a step may be taken as they were found.
+    fn takes_inner_stages(&self) -> bool {
+        let mut inner = self.inner.chunks_exact(self.rates.len().max(1));
+        inner.all(|rates| self.holds(rates))
     }
 
     /// Whether nodes and derivative may be found at once at a stage: lines that may span space carry at every node. Elements are then held in the modes
@@ -120,12 +162,7 @@ impl<T: Float> Nodes<T> {
 
     /// Takes over nodes, anchors and lines out of [`Quantity::Rates`], if the lines that were held are those which carry.
     fn take_rates(&mut self, stage: Stage<'_, T>, span: T) -> bool {
-        let zero = T::zero();
-        let carries = |line: usize| self.hold.get(line).is_some_and(|hold| zero < *hold);
-        let holds = self
-            .layout_of_rates()
-            .holds(&self.rates, T::EPSILON, carries);
-        if !holds {
+        if !self.holds(&self.rates) {
             return false;
         }
         // What its lines do is read off where somebody asks: most stages are followed by others.
@@ -145,6 +182,13 @@ impl<T: Float> Nodes<T> {
         self.count_solves(1);
         (self.span, self.spanned, self.stretched) = (span, true, false);
         true
+    }
+
+    /// Whether the lines that were held are those which carry.
+    fn holds(&self, rates: &[T]) -> bool {
+        let zero = T::zero();
+        let carries = |line: usize| self.hold.get(line).is_some_and(|hold| zero < *hold);
+        self.layout_of_rates().holds(rates, T::EPSILON, carries)
     }
 
     /// Stretches and modes of the lines of nodes that were found along with the derivative.

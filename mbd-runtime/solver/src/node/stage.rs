@@ -13,6 +13,7 @@ use super::scene::{NetworkPlan, PlanLine, SceneBalance, is_detached, of_scene};
 use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::RateFormula;
 use super::warm::{against, carried, predicted};
+use crate::integrate::INNER;
 use crate::unilateral::Mode;
 
 /// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
@@ -44,6 +45,8 @@ pub struct Nodes<T: Float> {
     pub(super) held: bool,
     /// Room for `Quantity::Rates`, no number before they are found; empty where the nodes are not found that way.
     pub(crate) rates: Vec<T>,
+    /// The same at the stages inside a step.
+    pub(super) inner: Vec<T>,
     /// Where the margins of the nodes are in it, each with the largest term of a pull behind it.
     pub(super) margins: Range<usize>,
     /// Whether the last solve found all nodes along with the derivative, by lines that span space.
@@ -104,6 +107,7 @@ impl<T: Float> Nodes<T> {
             kept: false,
             held: false,
             rates: vec![T::from_f64(f64::NAN); layout.len(Quantity::Rates)],
+            inner: list(INNER * layout.len(Quantity::Rates)),
             margins: margins..margins + 2 * layout.nodes.len(),
             spanned: false,
             span: T::zero(),

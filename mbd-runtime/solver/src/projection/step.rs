@@ -1,7 +1,8 @@
 //! Room for the projection steps of a run, and the last of them.
 
-use mbd_scene::Float;
+use mbd_scene::{Float, Layout};
 
+use crate::moving::{Moving, moving};
 use crate::options::Stabilise;
 
 /// Room for the projection of one scene.
@@ -12,6 +13,8 @@ pub(crate) struct Projection<T> {
     pub length: f64,
     /// How far from the origin places of a tree may be, whose coordinates do not say so; zero in absolute coordinates [m].
     pub extent: f64,
+    /// What moves.
+    pub(super) parts: Vec<Moving>,
     pub(super) rows: Vec<T>,
     /// δ, and behind it the margin of the factor.
     pub(super) shift: Vec<T>,
@@ -19,16 +22,18 @@ pub(crate) struct Projection<T> {
 }
 
 impl<T: Float> Projection<T> {
-    /// Room for `nc` rows, `nv` speeds and states of length `nx`; nothing to do without rows.
-    pub(crate) fn new(nc: usize, nv: usize, nx: usize) -> Self {
-        let room = |length| vec![T::zero(); if nc > 0 { length } else { 0 }];
+    /// Room for a layout; nothing to do without rows.
+    pub(crate) fn new(layout: &Layout) -> Self {
+        let room = |length| vec![T::zero(); if layout.nc > 0 { length } else { 0 }];
+        let parts = moving(layout).filter(|_| layout.nc > 0);
         Projection {
             stabilise: Stabilise::Projection,
             length: 1.0,
             extent: 0.0,
-            rows: room(nc),
-            shift: room(nv + 1),
-            trial: room(nx),
+            parts: parts.collect(),
+            rows: room(layout.nc),
+            shift: room(layout.nv + 1),
+            trial: room(layout.nx()),
         }
     }
 

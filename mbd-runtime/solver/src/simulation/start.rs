@@ -19,7 +19,7 @@ use crate::chatter::Chatter;
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
-    Attached, Control, ErrorNorm, Explicit, Family, RK4, RODAS5P, Rattle, Resolution, Rosenbrock,
+    Attached, Control, ErrorNorm, Explicit, Family, RODAS5P, Rattle, Resolution, Rosenbrock,
     Scales, Stepper, StiffnessTest, TSIT5, VERN7,
 };
 use crate::laws::params_of;
@@ -83,7 +83,7 @@ impl<T: Float> Simulation<T> {
             Family::Implicit(Rosenbrock::new(&RODAS5P, length, attached(layout), behind))
         };
         let method = match options.method {
-            Method::Rk4 { .. } => Stepper::new(explicit(Explicit::new(&RK4, length)), None),
+            Method::Rk4 { .. } => Stepper::new(explicit(Explicit::rk4(length)), None),
             Method::Tsit5 { .. } => Stepper::new(explicit(Explicit::new(&TSIT5, length)), None),
             Method::Vern7 { .. } => Stepper::new(explicit(Explicit::new(&VERN7, length)), None),
             Method::Rodas5P { .. } => Stepper::new(implicit(&mut system), None),

@@ -5,7 +5,7 @@ use mbd_scene::{Float, Node, NodeModel, Quantity};
 use super::{System, stage};
 use crate::columns::state_names;
 use crate::error::{Source, StepError};
-use crate::integrate::{Rates, fastest};
+use crate::integrate::{INNER, Rates, fastest};
 use crate::linearise::{Jacobian, LinearisationError};
 use crate::list::all_finite;
 
@@ -105,6 +105,13 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// Whether the rates inside a step are those of the model at a state, inputs and modes that are held, whatever is made of them at its end.
+    #[inline]
+    fn takes_inner_stages(&self) -> bool {
+        let solved = !self.projection.any() || self.solves_as_emitted();
+        self.takes_rates && solved && !self.has_functions() && self.latest == f64::INFINITY
+    }
+
     /// The rates of a scene of any kind.
     fn rates_of_any(
         &mut self,
@@ -165,6 +172,32 @@ impl<T: Float> Rates<T> for System<T> {
             true => self.derivative_as_rates(time, state, out),
             false => self.rates_of_any(time, span, state, out),
         }
+    }
+
+    #[inline]
+    fn inner_stages(
+        &mut self,
+        span: [f64; 2],
+        state: &[T],
+        rates: &mut [T],
+        next: &mut [T],
+    ) -> bool {
+        if !self.takes_inner_stages() {
+            return false;
+        }
+        let stage = stage(&*self.model, span[0], state, &self.inputs);
+        let (memory, out) = (&self.memory, (&mut *rates, next));
+        let made = self
+            .nodes
+            .make_inner_stages(stage, span, memory, &mut self.work, out);
+        // What is not finite is told by the stage in which it is found, one by one.
+        let inner = rates.get(state.len()..(INNER + 1) * state.len());
+        let made = made && inner.is_some_and(all_finite);
+        if made {
+            self.counters.rhs = self.counters.rhs.saturating_add(INNER as u64);
+            self.nodes.count_solves(INNER);
+        }
+        made
     }
 
     fn rates_inside(
