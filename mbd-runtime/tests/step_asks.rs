@@ -223,7 +223,7 @@ fn stages_made_in_one_call_are_those_made_one_by_one() {
             counts: Arc::default(),
         };
         for options in [Options::rk4(step), without_locating(step)] {
-            let expected = ends(&one_by_one, options.clone());
+            let expected = ends(&one_by_one, options);
             assert_eq!(ends(model, options), expected, "{}", model.scene().name);
         }
     }
