@@ -12,7 +12,7 @@ use tests::declared::{cost, derived_cost, operations, read};
 /// ```text
 /// e = p_to − p_from          3 additions                     d = √(e·e)         3 mul, 2 add, 1 root
 /// 1/max(d, tiny)             1 div, 1 sel                    u = e/d            3 mul
-/// s = d − L0                 1 add                           pull = K s         1 mul
+/// s = max(d, tiny) − L0      1 add                           pull = K s         1 mul
 /// T = hold > 0 ? pull : hold < 0 ? 0 : max(pull, 0)          2 comparisons, 2 selects, 1 maximum
 /// force = T u                3 mul
 /// ```
@@ -109,8 +109,8 @@ fn removing_a_line_removes_its_operations() {
     let removed = sum(&[(1, LINE), (1, [3, 0, 0, 0, 0, 0])]);
     let after = cost(&fewer, Quantity::Derivative);
     assert_eq!(after + removed, cost(&scene, Quantity::Derivative));
-    // Guards: stretch and pull of the line, without u and T: e 3, d 5 and a root, s 1, K s 1.
-    let removed = operations([6, 4, 0, 1, 0, 0]);
+    // Guards: stretch and pull of the line, without u and T: e 3, d 5 and a root, max(d, tiny) 1, s 1, K s 1.
+    let removed = operations([6, 4, 0, 1, 0, 1]);
     let after = cost(&fewer, Quantity::Guards);
     assert_eq!(after + removed, cost(&scene, Quantity::Guards));
 }
@@ -288,12 +288,13 @@ fn asking_for_fewer_outputs_computes_fewer_terms() {
     // e 3 add, d 3 mul, 2 add, 1 root.
     assert_eq!(outputs(length), operations([5, 3, 0, 1, 0, 0]));
     let both = format!("{length} output tension = second.tension;");
-    // s 1 add, K s 1 mul, maximum, 2 comparisons, 2 selects, and the maximum that cuts what a mode holds below zero; the length is shared.
-    let tension = operations([1, 1, 0, 0, 0, 6]);
+    // max(d, tiny) 1, s 1 add, K s 1 mul, maximum, 2 comparisons, 2 selects, and the maximum that cuts what a mode holds below zero; the length is
+    // shared.
+    let tension = operations([1, 1, 0, 0, 0, 7]);
     assert_eq!(outputs(length) + tension, outputs(&both));
     let three = format!("{both} output rate = second.stretch_rate;");
-    // u: 1 div, 1 sel, 3 mul; v_to − v_from 3 add; their product 3 mul, 2 add.
-    let rate = operations([5, 6, 1, 0, 0, 1]);
+    // u: 1 div, 3 mul; v_to − v_from 3 add; their product 3 mul, 2 add.
+    let rate = operations([5, 6, 1, 0, 0, 0]);
     assert_eq!(outputs(&both) + rate, outputs(&three));
 }
 

@@ -1098,27 +1098,30 @@ const _: () = {
         let left_stay_length = (left_stay_knot_pz_squared
             + (left_stay_e_x * left_stay_e_x + knot_py * knot_py))
             .sqrt();
-        let left_stay_stretch = left_stay_length.max(tiny) - left_stay_l;
+        let left_stay_t = left_stay_length.max(tiny);
+        let left_stay_stretch = left_stay_t - left_stay_l;
         let left_stay_pull = left_stay_k * left_stay_stretch;
-        let left_stay_length_minus_scaled = left_stay_length - c_0_6;
+        let left_stay_t_2 = left_stay_t - c_0_6;
         /// `right_stay`: length and tension.
         let right_stay_e_x = knot_px - one;
         let right_stay_e_y = knot_py - half;
         let right_stay_length = (left_stay_knot_pz_squared
             + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
             .sqrt();
-        let right_stay_stretch = right_stay_length.max(tiny) - right_stay_l;
+        let right_stay_t = right_stay_length.max(tiny);
+        let right_stay_stretch = right_stay_t - right_stay_l;
         let right_stay_pull = right_stay_k * right_stay_stretch;
-        let right_stay_length_minus_scaled = right_stay_length - c_0_6;
+        let right_stay_t_2 = right_stay_t - c_0_6;
         /// `back_stay`: length and tension.
         let back_stay_e_y = knot_py - minus_one;
         let back_stay_e_z = knot_pz - c_0_2;
         let back_stay_length = (back_stay_e_z * back_stay_e_z
             + (knot_px * knot_px + back_stay_e_y * back_stay_e_y))
             .sqrt();
-        let back_stay_stretch = back_stay_length.max(tiny) - back_stay_l;
+        let back_stay_t = back_stay_length.max(tiny);
+        let back_stay_stretch = back_stay_t - back_stay_l;
         let back_stay_pull = back_stay_k * back_stay_stretch;
-        let back_stay_length_minus_scaled = back_stay_length - c_0_6;
+        let back_stay_t_2 = back_stay_t - c_0_6;
         /// `hanger`: length and tension.
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
@@ -1126,17 +1129,18 @@ const _: () = {
         let hanger_length = (hanger_e_z * hanger_e_z
             + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
             .sqrt();
-        let hanger_stretch = hanger_length.max(tiny) - hanger_l;
+        let hanger_t = hanger_length.max(tiny);
+        let hanger_stretch = hanger_t - hanger_l;
         let hanger_pull = hanger_k * hanger_stretch;
-        let hanger_length_minus_half = hanger_length - half;
+        let hanger_stretch_2 = hanger_t - half;
         *out = [
-            left_stay_length_minus_scaled,
+            left_stay_t_2,
             left_stay_pull,
-            right_stay_length_minus_scaled,
+            right_stay_t_2,
             right_stay_pull,
-            back_stay_length_minus_scaled,
+            back_stay_t_2,
             back_stay_pull,
-            hanger_length_minus_half,
+            hanger_stretch_2,
             hanger_pull,
         ];
     }

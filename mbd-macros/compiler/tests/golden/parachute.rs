@@ -242,7 +242,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// | [`derivative`](Self::derivative) | 29 of 29 | 589 |
 /// | [`rates`](Self::rates) | 66 of 66 | 789 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
-/// | [`guards`](Self::guards) | 9 of 9 | 303 |
+/// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
 /// | [`energy`](Self::energy) | 6 of 6 | 488 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 303 operations (151 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -534,7 +534,7 @@ const _: () = {
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
         ///
         /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
-        /// 303 operations (151 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
+        /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -707,7 +707,7 @@ const _: () = {
                 (
                     "guards",
                     ::mbd_runtime::Cost {
-                        adds: 151,
+                        adds: 147,
                         muls: 132,
                         divs: 4,
                         sqrts: 4,
@@ -2626,7 +2626,7 @@ const _: () = {
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
     /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 1 events.
-    /// 303 operations (151 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
+    /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2752,7 +2752,6 @@ const _: () = {
                 T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
             ),
         );
-        let riser_length_minus_scaled = riser_length - c_10;
         /// `leg[0]`: length and tension.
         let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
         let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
@@ -2792,7 +2791,6 @@ const _: () = {
             + (leg_0_u_x * (confluence_wx - leg_0_v_x)
                 + leg_0_u_y * (confluence_wy - leg_0_v_y));
         let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
-        let leg_0_length_minus_scaled = leg_0_length - c_2_1;
         /// `leg[1]`: length and tension.
         let leg_1_arm_x = leg_0_scaled_capsule_r13
             + (c * capsule_r11 + c_2 * capsule_r12);
@@ -2831,7 +2829,6 @@ const _: () = {
             + (leg_1_u_x * (confluence_wx - leg_1_v_x)
                 + leg_1_u_y * (confluence_wy - leg_1_v_y));
         let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
-        let leg_1_length_minus_scaled = leg_1_length - c_2_1;
         /// `leg[2]`: length and tension.
         let leg_2_arm_x = leg_0_scaled_capsule_r13
             + (c_3 * capsule_r11 + c_4 * capsule_r12);
@@ -2870,16 +2867,15 @@ const _: () = {
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));
         let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
-        let leg_2_length_minus_scaled = leg_2_length - c_2_1;
         let riser_t_2 = riser_tension.max(zero);
         *out = [
-            riser_length_minus_scaled,
+            riser_stretch,
             riser_pull,
-            leg_0_length_minus_scaled,
+            leg_0_stretch,
             leg_0_pull,
-            leg_1_length_minus_scaled,
+            leg_1_stretch,
             leg_1_pull,
-            leg_2_length_minus_scaled,
+            leg_2_stretch,
             leg_2_pull,
             riser_t_2,
         ];

@@ -33,6 +33,15 @@ pub struct Geometry<S: Real> {
     pub direction: Vector3<S>,
     /// Stretch s = d − L0, d guarded at zero length [m].
     pub stretch: S,
+    /// d, guarded at zero length [m].
+    guarded: S,
+}
+
+impl<S: Real> Geometry<S> {
+    /// The stretch over another free length [m].
+    pub fn stretch_over(&self, free_length: S) -> S {
+        self.guarded - free_length
+    }
 }
 
 /// Geometry of a line whose ends are `vector` = p_to − p_from apart.
@@ -51,6 +60,7 @@ pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
         inverse_length,
         direction,
         stretch: (guarded - free_length).label("stretch"),
+        guarded,
     }
 }
 

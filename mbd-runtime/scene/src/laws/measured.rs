@@ -37,7 +37,7 @@ pub fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         if let Some(motion) = evaluation.line_motion(index) {
             let wound = evaluation.wound(index);
             let free = wound.unwrap_or(evaluation.numbers.lines[index].free_length);
-            out[2 * index] = motion.geometry.length - free;
+            out[2 * index] = motion.geometry.stretch_over(free);
             out[2 * index + 1] = motion.pull;
         }
     }
