@@ -150,12 +150,9 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
     let of = |joint: usize| reading.joints.get(joint).copied();
     let message = |text, at: Option<Location>| Some(Message::new(text, at.unwrap_or(reading.head)));
     let redundancy = &layout.redundancy;
-    if let (Some(text), Some(held)) = (
-        redundancy.idle_motors(scene).first(),
-        redundancy.held.first(),
-    ) {
-        let motor = reading.motors.get(held.joint).copied();
-        return message(say::idle_motor(text), motor);
+    if let Some((joint, text)) = redundancy.idle_motor(scene) {
+        let motor = reading.motors.get(joint).copied();
+        return message(say::idle_motor(&text), motor);
     }
     if let Some((lock, text)) = redundancy.idle_lock(scene) {
         return message(say::idle_lock(&text), of(lock));

@@ -350,6 +350,9 @@ fn a_motor_that_has_nothing_to_drive_is_told_with_the_joints_that_hold_its_coord
         told(&format!("{slide} {plane} {free}")),
         "`slide` cannot drive its `slide`: `floor` holds it; leave this motor out, or take away what holds it"
     );
+    // It drives until an event attaches the floor.
+    let apart = plane.replace(';', " { at_start: detached }");
+    assert_eq!(told(&format!("{slide} {apart} {free}")), "");
     let pins = |first: &str, second: &str| {
         format!(
             "joint p1: hinge from world to a.one {{ axis: y {first} }}

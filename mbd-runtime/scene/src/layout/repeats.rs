@@ -56,20 +56,22 @@ impl Redundancy {
         self.repeats.iter().map(lost).sum()
     }
 
-    /// One sentence for every motor that has nothing to drive: "`spin` cannot drive its `angle`: `a`, `b` hold it".
+    /// The first motor that never drives anything, by index of its joint, and what holds its coordinate: "`spin` cannot drive its `angle`: `a`, `b`
+    /// hold it". A motor drives where one of these is detached or freed, as the wheel of a Geneva drive is locked while its pin is out.
     #[must_use]
-    pub fn idle_motors(&self, scene: &Scene) -> Vec<String> {
-        let sentence = |held: &HeldMotor| {
+    pub fn idle_motor(&self, scene: &Scene) -> Option<(usize, String)> {
+        let lasting = |joint: &usize| !scene.is_detachable(Detachable::Joint(*joint));
+        let mut idle = self.held.iter().filter(|held| held.of.iter().all(lasting));
+        idle.find_map(|held| {
             let (joint, coordinate) = scene.coordinate(held.joint, held.coordinate)?;
             let verb = if held.of.len() == 1 { "holds" } else { "hold" };
-            Some(format!(
-                "`{}` cannot drive its `{}`: {} {verb} it",
-                joint.name,
-                coordinate.name,
-                named(scene, &held.of)
-            ))
-        };
-        self.held.iter().filter_map(sentence).collect()
+            let (driven, holding) = (&coordinate.name, named(scene, &held.of));
+            let sentence = format!(
+                "`{}` cannot drive its `{driven}`: {holding} {verb} it",
+                joint.name
+            );
+            Some((held.joint, sentence))
+        })
     }
 
     /// The first lock that never holds anything, by index among the joints, and what holds its coordinate: "`a`, `b` hold `crank.angle` already".

@@ -520,3 +520,51 @@ fn what_cannot_be_locked_at_the_start_is_told_at_its_place() {
         "{error}"
     );
 }
+
+/// A Geneva drive: the pin of a driver at constant speed turns a star by a quarter while it is in its slot; the star is locked while it is out.
+fn geneva(family: &str, enters: &str) -> Simulation<f64> {
+    let text = format!(
+        "model Geneva {{ coordinates: {family}; gravity: none; planar: xz;
+           world {{ frame axle at [0.1 * sqrt(2), 0, 0] m }}
+           body driver {{ mass: 1 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2, frame pin at [0.1, 0, 0] m }}
+           body star {{ mass: 0.5 kg, inertia: diag(0.002, 0.002, 0.002) kg*m^2, frame slot at [0, 0, 0] m rotated about(y, -135 deg) }}
+           joint drive: hinge from world to driver.com {{ axis: y, motor: 1 rad/s * time - 60 deg }}
+           joint wheel: hinge from world.axle to star.com {{ axis: y, at_start: locked }}
+           joint engage: point_on_line from star.slot to driver.pin {{ axis: x, at_start: detached }}
+           event enters = drive.angle rises -45 deg {{ {enters} }}
+           event leaves = drive.angle rises 45 deg {{ detach: engage, lock: wheel }}
+           output turned = wheel.angle;
+           output turns = wheel.angle_rate; }}"
+    );
+    let model = Generic::with_defaults(read(&text)).expect("defaults");
+    Simulation::new(&model, Options::tsit5(1e-9)).expect("a start")
+}
+
+#[test]
+fn a_motor_drives_what_only_a_lock_and_a_joint_together_would_hold() {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, FRAC_PI_4, SQRT_2};
+    for family in ["absolute", "relative"] {
+        let mut run = geneva(family, "free: wheel, attach: engage");
+        let output =
+            |run: &mut Simulation<f64>, name: &str| run.output(name).expect("it is declared");
+        run.run(0.2).expect("the pin is out");
+        assert_eq!(output(&mut run, "turned"), 0.0);
+        // The pin is nearest to the axle of the star: a / (c - a) times the speed of the driver.
+        run.run(FRAC_PI_3).expect("the pin is in the slot");
+        assert!((output(&mut run, "turned") + FRAC_PI_4).abs() < 1e-9);
+        assert!((output(&mut run, "turns").abs() - 1.0 / (SQRT_2 - 1.0)).abs() < 1e-8);
+        run.run(2.0).expect("the pin is out again");
+        assert!((output(&mut run, "turned") + FRAC_PI_2).abs() < 1e-9);
+        assert!(output(&mut run, "turns").abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_motor_whose_coordinate_is_held_in_a_run_ends_it() {
+    for family in ["absolute", "relative"] {
+        let mut run = geneva(family, "attach: engage");
+        let error = run.run(2.0).expect_err("the star stays locked");
+        let told = error.to_string();
+        assert!(told.contains("`engage`, `wheel.angle.lock`"), "{told}");
+    }
+}
