@@ -137,6 +137,7 @@ pub const LED_OVER: &str =
     "a line runs straight from its `from` to its `to`; it cannot be led over a pulley yet";
 const A_START: &str = "a start is written with what starts: `joint pin: hinge from world to link.top { axis: y, start: 30 deg }`, `body link { …, start at [0.0, 0.0, 1.0] m }`";
 const ONE_TEXT: &str = "a declaration is one text and takes in no other; copy what is shared";
+const SPEED_OF_START: &str = "speeds are part of a start, without a comma before them: `start at [0.0, 0.0, 1.0] m velocity [1.0, 0.0, 0.0] m/s`; a coordinate of a joint has its `start_rate`";
 /// A table whose entries stand in another file.
 pub const NO_FILE_OF_TABLE: &str = "the entries of a table stand in its declaration, `table gas = { 0 s: 0 N, 1 s: 5 N };`: no file of numbers is read";
 const NO_PARTS: &str = "a declaration has no parts to use again; what is alike is repeated by an index, `body leg[i in 0..3] { … }`";
@@ -278,6 +279,8 @@ pub const EXPECTED_FIELDS: Dictionary = &[
     ("collision", SHAPE),
     ("mesh", NO_MESH),
     ("position", A_START),
+    ("velocity", SPEED_OF_START),
+    ("angular_velocity", SPEED_OF_START),
     ("motor_speed", SPEED_OF_MOTOR),
     ("motor_velocity", SPEED_OF_MOTOR),
     ("preload", PRELOAD),
