@@ -75,8 +75,7 @@ impl Arguments<f64> {
 }
 
 /// Writes the declared starts of bodies and points into a state, behind the places of bodies that fly from frames of the world; returns which have a
-/// declared start. In relative coordinates the others hang from them with joint
-/// coordinates of zero, or as their motors have them.
+/// declared start. In relative coordinates the others hang from them with joint coordinates of zero, or as their motors have them.
 pub fn declared_parts(
     scene: &Scene,
     layout: &Layout,

@@ -51,6 +51,7 @@ fn set_as(param: &Parameter) -> String {
         "`{name}` is a param and no input: its value stands under [run.params], `{name} = \"{value}\"`, or behind `--set` of `mbd run`"
     )
 }
+
 /// What the caller supplies, in the order of the layout.
 pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, PlanError> {
     let mut numbers = layout.default_inputs(scene);
