@@ -135,7 +135,7 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         Quantity::Rates => (
             "State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.",
             format!(
-                "{nx} ẋ, then {} anchors × 6 [m, m/s], {} nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³] and the largest term of a pull [N], per line stretch and pull [m, N].",
+                "{nx} ẋ, then {} anchors × 6 [m, m/s], {} nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³], the largest term of a pull and the largest pull [N], whether its lines do what was held of them (> 0), per line stretch [m].",
                 layout.anchors.len(),
                 layout.nodes.len(),
             ),

@@ -240,7 +240,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// |---|---|---|
 /// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 589 |
-/// | [`rates`](Self::rates) | 66 of 66 | 789 |
+/// | [`rates`](Self::rates) | 64 of 64 | 812 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 812 operations (335 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -490,8 +490,8 @@ const _: () = {
         }
         /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
         ///
-        /// 29 ẋ, then 4 anchors × 6 \[m, m/s\], 1 nodes × 3 loads \[N\], per node `det D − 1e-5 (tr D)³` \[N³ s³/m³\] and the largest term of a pull \[N\], per line stretch and pull \[m, N\].
-        /// 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
+        /// 29 ẋ, then 4 anchors × 6 \[m, m/s\], 1 nodes × 3 loads \[N\], per node `det D − 1e-5 (tr D)³` \[N³ s³/m³\], the largest term of a pull and the largest pull \[N\], whether its lines do what was held of them (> 0), per line stretch \[m\].
+        /// 812 operations (335 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -500,12 +500,12 @@ const _: () = {
             state: &ParachuteState<T>,
             hold: &[T; 4],
             inputs: &ParachuteInputs<T>,
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 66> {
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 64> {
             let [q] = &state.q.data.0;
             let [v] = &state.v.data.0;
             let [z] = &state.z.data.0;
             let inputs = &inputs.to_array();
-            let mut values = [T::zero(); 66];
+            let mut values = [T::zero(); 64];
             let out = &mut values;
             rates(q, v, z, hold, inputs, &self.values, &self.derived, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
@@ -685,12 +685,12 @@ const _: () = {
                 (
                     "rates",
                     ::mbd_runtime::Cost {
-                        adds: 331,
+                        adds: 335,
                         muls: 386,
                         divs: 7,
                         sqrts: 7,
                         trigs: 0,
-                        selects: 58,
+                        selects: 77,
                     },
                 ),
                 (
@@ -1064,7 +1064,7 @@ const _: () = {
             ::mbd_runtime::__private::inner_rates::<
                 T,
                 29,
-                66,
+                64,
             >(
                 step,
                 |at, rates| {
@@ -1738,8 +1738,8 @@ const _: () = {
         ];
     }
     /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
-    /// 29 ẋ, then 4 anchors × 6 [m, m/s], 1 nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³] and the largest term of a pull [N], per line stretch and pull [m, N].
-    /// 789 operations (331 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
+    /// 29 ẋ, then 4 anchors × 6 [m, m/s], 1 nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³], the largest term of a pull and the largest pull [N], whether its lines do what was held of them (> 0), per line stretch [m].
+    /// 812 operations (335 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
     #[inline(never)]
     fn rates<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1749,7 +1749,7 @@ const _: () = {
         inputs: &[T; 9],
         params: &[T; 3],
         derived: &[T; 3],
-        out: &mut [T; 66],
+        out: &mut [T; 64],
     ) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
         capsule_x, capsule_y, capsule_z, capsule_qw, capsule_qx, capsule_qy, capsule_qz,
@@ -2069,15 +2069,20 @@ const _: () = {
             * (riser_u_z * leg_2_t_30
                 + (riser_u_x * leg_2_t_28 + riser_u_y * leg_2_t_29));
         let riser_pull_2 = riser_pull + riser_t_7;
+        let riser_t_8 = riser_stretch.min(riser_pull_2);
         let leg_0_t_8 = c_470
             * (leg_0_u_z * leg_2_t_30
                 + (leg_0_u_x * leg_2_t_28 + leg_0_u_y * leg_2_t_29));
         let leg_0_pull_2 = leg_0_pull + leg_0_t_8;
+        let leg_0_t_9 = leg_0_stretch.min(leg_0_pull_2);
+        /// `leg[1]`.
         let leg_1_t_10 = c_470
             * (leg_1_u_z * leg_2_t_30
                 + (leg_1_u_x * leg_2_t_28 + leg_1_u_y * leg_2_t_29));
         let leg_1_t_11 = T::select(leg_1_t_5, leg_1_pull.abs() + leg_1_t_10.abs(), zero);
         let leg_1_pull_2 = leg_1_pull + leg_1_t_10;
+        let leg_1_t_12 = leg_1_stretch.min(leg_1_pull_2);
+        /// `leg[2]`.
         let leg_2_t_31 = c_470
             * (leg_2_u_z * leg_2_t_30
                 + (leg_2_u_x * leg_2_t_28 + leg_2_u_y * leg_2_t_29));
@@ -2088,6 +2093,16 @@ const _: () = {
             .max(leg_1_t_11)
             .max(leg_2_t_32);
         let leg_2_pull_2 = leg_2_pull + leg_2_t_31;
+        let leg_2_t_34 = zero
+            .max(T::select(riser_t_2, riser_pull_2, zero))
+            .max(T::select(leg_0_t_3, leg_0_pull_2, zero))
+            .max(T::select(leg_1_t_5, leg_1_pull_2, zero))
+            .max(T::select(leg_2_t_8, leg_2_pull_2, zero));
+        let leg_2_t_35 = leg_2_stretch.min(leg_2_pull_2);
+        let leg_2_agreed = T::select(riser_t_2, riser_t_8, -riser_t_8)
+            .min(T::select(leg_0_t_3, leg_0_t_9, -leg_0_t_9))
+            .min(T::select(leg_1_t_5, leg_1_t_12, -leg_1_t_12))
+            .min(T::select(leg_2_t_8, leg_2_t_35, -leg_2_t_35));
         let confluence_x_rate = leg_2_t_4 + leg_2_t_28;
         let confluence_y_rate = leg_2_t_5 + leg_2_t_29;
         let confluence_z_rate = leg_2_t_6 + leg_2_t_30;
@@ -2327,14 +2342,12 @@ const _: () = {
             zero,
             leg_2_margin,
             leg_2_t_33,
+            leg_2_t_34,
+            leg_2_agreed,
             riser_stretch,
-            riser_pull_2,
             leg_0_stretch,
-            leg_0_pull_2,
             leg_1_stretch,
-            leg_1_pull_2,
             leg_2_stretch,
-            leg_2_pull_2,
         ];
     }
     /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.

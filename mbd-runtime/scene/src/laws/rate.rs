@@ -73,6 +73,9 @@ pub fn mean<S: Real>(vectors: impl Iterator<Item = Vector3<S>>) -> Vector3<S> {
     sum.map(|x| share * x)
 }
 
+/// How many numbers [`Quantity::Rates`](crate::Quantity::Rates) says of a node beside its velocity.
+pub const NODE_CERTIFICATE: usize = 4;
+
 /// Finds the velocities of all nodes of a scene that [solves them with its derivative](Layout::solves_rates), on the lines whose hold is positive,
 /// and writes them into `nodes`, 3 a node; into `certificates` what [`Quantity::Rates`](crate::Quantity::Rates) says of nodes and lines; into `pulls`, a line
 /// each, the pulls by which the lines balance there: what they do to bodies need not be found anew.
@@ -83,8 +86,8 @@ pub fn velocities<S: Real>(
     pulls: &mut [Option<S>],
 ) {
     let layout = evaluation.layout;
-    let (of_nodes, of_lines) = certificates.split_at_mut(2 * layout.nodes.len());
-    let mut written = of_lines.chunks_exact_mut(2);
+    let (of_nodes, of_lines) = certificates.split_at_mut(NODE_CERTIFICATE * layout.nodes.len());
+    let mut written = of_lines.iter_mut();
     let zero = S::zero();
     for (index, network) in layout.networks.iter().enumerate() {
         let anchors = || legs(layout, index).filter_map(|(_, anchor)| layout.anchors.get(anchor));
@@ -102,23 +105,31 @@ pub fn velocities<S: Real>(
             dashpots.add(&leg.geometry.direction, damping, push);
         }
         let slip = dashpots.solve();
-        let mut largest = zero;
+        let (mut largest, mut most, mut agreed) = (zero, zero, None);
         for leg in legs(layout, index).filter_map(leg) {
             let along = leg.geometry.direction.dot(&slip.velocity);
             let opening = leg.toward(leg.damping * along);
             let size = leg.push.abs() + opening.abs();
             largest = largest.max(S::select(leg.carries, size, zero));
             let found = (leg.push - opening).label("pull");
-            if let Some([stretch, pull]) = written.next() {
-                (*stretch, *pull) = (leg.geometry.stretch, found);
+            most = most.max(S::select(leg.carries, found, zero));
+            let stretch = leg.geometry.stretch;
+            // Of a line that carries both are positive; of another one of them is not.
+            let both = stretch.min(found);
+            let agrees = S::select(leg.carries, both, -both);
+            agreed = Some(agreed.map_or(agrees, |least: S| least.min(agrees)));
+            if let Some(written) = written.next() {
+                *written = stretch;
             }
             if let Some(pull) = pulls.get_mut(leg.line) {
                 *pull = Some(found);
             }
         }
         write(nodes, 3 * node, &(mean + slip.velocity));
-        if let Some([margin, size]) = of_nodes.get_mut(2 * node..2 * node + 2) {
-            (*margin, *size) = (slip.margin, largest);
+        let agreed = agreed.unwrap_or(zero).label("agreed");
+        let own = of_nodes.get_mut(NODE_CERTIFICATE * node..);
+        if let Some(own) = own.and_then(<[S]>::first_chunk_mut) {
+            *own = [slip.margin, largest, most, agreed];
         }
     }
 }

@@ -1,5 +1,6 @@
 //! How long the list of every quantity is, and which quantities a scene has a use for.
 
+use crate::laws::rate::NODE_CERTIFICATE;
 use crate::layout::{FromSolution, Layout, LineEnd, Network, Node};
 use crate::scene::NodeModel;
 use crate::{Differentiated, LINE_NUMBERS, Quantity, Scene, Variable};
@@ -20,7 +21,7 @@ impl Layout {
             Quantity::Rates if self.solves_rates() => {
                 let lines: usize = self.networks.iter().map(|n| n.lines.len()).sum();
                 let ends = self.len(Quantity::AnchorStates);
-                self.nx() + ends + 2 * self.nodes.len() + 2 * lines
+                self.nx() + ends + NODE_CERTIFICATE * self.nodes.len() + lines
             }
             Quantity::Rates => 0,
             Quantity::Balance => 3 * self.nodes.len(),

@@ -23,8 +23,9 @@ pub enum Quantity {
     Derivative,
     /// ẋ and what it needs of `rate` nodes at once, for scenes whose nodes are all of that kind ([`Layout::solves_rates`](crate::Layout::solves_rates)): ẋ
     /// with the velocities that balance the lines which [`At::hold`] says carry (> 0); the value of [`Quantity::AnchorStates`]; per node the margin
-    /// det D − 1e-5 (tr D)³ of its damping D [N³ s³/m³], without which all of this means nothing, and the largest term of a pull [N]; per line,
-    /// network by network, stretch [m] and pull K s + C ṡ [N]. Reads everything but `ends`, of `nodes` nothing.
+    /// det D − 1e-5 (tr D)³ of its damping D [N³ s³/m³], without which all of this means nothing, the largest term of a pull and the largest pull
+    /// K s + C ṡ of a line that carries [N], and the smallest of ± min(s, K s + C ṡ) over its lines, + of those which carry: negative where one of them
+    /// does something else than was said of it; per line, network by network, stretch s [m]. Reads everything but `ends`, of `nodes` nothing.
     Rates,
     /// Balance of all nodes as a function of the state and the node unknowns: Σ T u + W (3 per node) [N]; the residual whose derivatives
     /// carry the node into the linearisation. Reads what `Derivative` reads.

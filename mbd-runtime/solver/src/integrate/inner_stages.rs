@@ -13,71 +13,80 @@ pub(crate) const INNER: usize = 3;
 #[inline]
 pub fn inner_stages<T: Float, const N: usize>(
     step: StepStages<'_, T>,
-    mut derivative: impl FnMut(&At<'_, T>, &mut [T]),
+    derivative: impl FnMut(&At<'_, T>, &mut [T]),
 ) -> bool {
-    let StepStages {
-        at,
-        span: [from, over],
-        rates,
-        next,
-        ..
-    } = step;
-    let (rates, _) = rates.as_chunks_mut::<N>();
-    let (Ok(state), Some([k1, k2, k3, k4]), Ok(next)) = (
-        <&[T; N]>::try_from(at.state),
-        rates.first_chunk_mut(),
-        <&mut [T; N]>::try_from(next),
-    ) else {
+    let (rates, _) = step.rates.as_chunks_mut::<N>();
+    let Some([first, second, third, fourth]) = rates.first_chunk_mut() else {
         return false;
     };
-    let h = T::from_f64(over);
-    let mut stage = |number: usize, trial: [T; N], rates: &mut [T; N]| {
-        let time = T::from_f64(from + RK4.c[number] * over);
-        let at = At {
-            time,
-            state: &trial,
-            ..at
-        };
-        derivative(&at, rates);
-    };
-    let [_, second, third, fourth, end] = &RK4.a;
-    stage(1, combined(state, h, second, [k1]), k2);
-    stage(2, combined(state, h, third, [k1, k2]), k3);
-    stage(3, combined(state, h, fourth, [k1, k2, k3]), k4);
-    *next = combined(state, h, end, [k1, k2, k3, k4]);
-    true
+    let inner: [&mut [T]; INNER] = [second, third, fourth];
+    make::<T, N>((step.at, step.span), first, inner, step.next, derivative)
 }
 
 /// The same of a model whose rates are the first N of R numbers that nodes are found with.
 #[inline]
 pub fn inner_rates<T: Float, const N: usize, const R: usize>(
     step: StepStages<'_, T>,
+    find: impl FnMut(&At<'_, T>, &mut [T]),
+) -> bool {
+    let (rates, _) = step.rates.as_chunks_mut::<N>();
+    let Some((first, rates)) = rates.split_first_mut() else {
+        return false;
+    };
+    let (found, []) = step.found.as_chunks_mut::<R>() else {
+        return false;
+    };
+    let Ok([second, third, fourth]) = <&mut [_; INNER]>::try_from(&mut *found) else {
+        return false;
+    };
+    // Sums read them where they were found: a copy would be waited for.
+    let inner: [&mut [T]; INNER] = [second, third, fourth];
+    let made = make::<T, N>((step.at, step.span), first, inner, step.next, find);
+    for (rates, found) in rates.iter_mut().zip(found) {
+        if let Some(own) = found.first_chunk() {
+            *rates = *own;
+        }
+    }
+    made
+}
+
+/// Makes the stages inside a step behind the `first`, each into the first N numbers of its list, and the state at its end.
+#[inline(always)]
+fn make<T: Float, const N: usize>(
+    (at, [from, over]): (At<'_, T>, [f64; 2]),
+    first: &[T; N],
+    [second, third, fourth]: [&mut [T]; INNER],
+    next: &mut [T],
     mut find: impl FnMut(&At<'_, T>, &mut [T]),
 ) -> bool {
-    let StepStages {
-        at,
-        span,
-        rates,
-        next,
-        found,
-    } = step;
-    let mut found = match found.as_chunks_mut::<R>() {
-        (found, []) if found.len() == INNER => found.iter_mut(),
-        _ => return false,
+    let (Ok(state), Ok(next)) = (<&[T; N]>::try_from(at.state), <&mut [T; N]>::try_from(next))
+    else {
+        return false;
     };
-    let step = StepStages {
-        at,
-        span,
-        rates,
-        next,
-        found: &mut [],
+    let h = T::from_f64(over);
+    let mut stage = |number: usize, trial: [T; N], out: &mut [T]| {
+        let time = T::from_f64(from + RK4.c[number] * over);
+        let at = At {
+            time,
+            state: &trial,
+            ..at
+        };
+        find(&at, out);
     };
-    inner_stages::<T, N>(step, |at, rates| {
-        if let Some(found) = found.next() {
-            find(at, found);
-            if let (Some(own), Ok(rates)) = (found.first_chunk(), <&mut [T; N]>::try_from(rates)) {
-                *rates = *own;
-            }
-        }
-    })
+    let [_, to_second, to_third, to_fourth, end] = &RK4.a;
+    let k1 = first;
+    stage(1, combined(state, h, to_second, [k1]), second);
+    let Some(k2) = second.first_chunk() else {
+        return false;
+    };
+    stage(2, combined(state, h, to_third, [k1, k2]), third);
+    let Some(k3) = third.first_chunk() else {
+        return false;
+    };
+    stage(3, combined(state, h, to_fourth, [k1, k2, k3]), fourth);
+    let Some(k4) = fourth.first_chunk() else {
+        return false;
+    };
+    *next = combined(state, h, end, [k1, k2, k3, k4]);
+    true
 }

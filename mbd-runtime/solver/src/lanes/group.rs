@@ -154,11 +154,7 @@ impl<L: Lanes> Stages<L> {
         out.copy_from_slice(own);
         let (ends, _) = rest.split_at(self.ends.len());
         self.ends.copy_from_slice(ends);
-        let carries = |line: usize| {
-            let hold = self.hold.get(line).copied();
-            L::zero().lt(hold.unwrap_or_else(L::zero))
-        };
-        let holds = layout.holds(&rates, L::from_f64(f64::EPSILON), carries);
+        let holds = layout.holds(&rates, L::from_f64(f64::EPSILON));
         self.rates = rates;
         L::select(holds, L::one(), L::zero())
     }

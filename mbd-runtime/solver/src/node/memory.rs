@@ -17,7 +17,7 @@ pub struct NodeMemory<T> {
     /// and taut or all are slack, and of `rate` nodes.
     #[serde(default = "Vec::new")]
     pub(crate) against: Vec<T>,
-    /// Anchors P_n, 3 an anchor [m].
+    /// Anchors P_n, 3 an anchor [m]; as the next two, of `rate` nodes those of any step before.
     pub(crate) anchors: Vec<T>,
     /// Stretch s_n of each line, either sign [m].
     pub(crate) stretch: Vec<T>,
@@ -152,12 +152,6 @@ impl<T: Float> NodeMemory<T> {
     #[must_use]
     pub fn nodes(&self) -> &[T] {
         &self.nodes
-    }
-
-    /// The accepted stretch s_n of each line, either sign [m]; zero for lines without a node.
-    #[must_use]
-    pub fn stretch(&self) -> &[T] {
-        &self.stretch
     }
 
     /// The mode of each line, of each stop of a joint, of each joint that may be detached.

@@ -70,6 +70,7 @@ impl<T: Float> Nodes<T> {
         memory: &mut NodeMemory<T>,
         work: &mut Work<T>,
     ) {
+        self.held_for_rates = false;
         let mut guards = std::mem::take(&mut self.guards);
         let at = self.at(stage.time, stage.state, stage.inputs);
         stage

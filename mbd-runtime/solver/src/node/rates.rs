@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use mbd_scene::laws::rate::NODE_CERTIFICATE;
 use mbd_scene::{At, Float, Quantity, Real, StepStages, Work};
 
 use super::error::NodeError;
@@ -89,6 +90,10 @@ impl<T: Float> Nodes<T> {
     /// Whether nodes and derivative may be found at once at a stage: lines that may span space carry at every node. Elements are then held in the modes
     /// of the memory.
     pub(crate) fn hold_for_rates(&mut self, memory: &NodeMemory<T>) -> bool {
+        if self.held_for_rates && self.modes == memory.modes && memory.held.is_empty() {
+            let mut plans = self.plans.iter();
+            return plans.all(|plan| memory.ranks.get(plan.index) == Some(&3));
+        }
         if self.rates.is_empty() || !self.may_span(memory) {
             return false;
         }
@@ -102,6 +107,7 @@ impl<T: Float> Nodes<T> {
                 }
             }
         }
+        self.held_for_rates = true;
         true
     }
 
@@ -180,29 +186,47 @@ impl<T: Float> Nodes<T> {
             }
         }
         self.count_solves(1);
-        (self.span, self.spanned, self.stretched) = (span, true, false);
+        (self.span, self.spanned) = (span, true);
         true
     }
 
     /// Whether the lines that were held are those which carry.
     fn holds(&self, rates: &[T]) -> bool {
-        let zero = T::zero();
-        let carries = |line: usize| self.hold.get(line).is_some_and(|hold| zero < *hold);
-        self.layout_of_rates().holds(rates, T::EPSILON, carries)
+        self.layout_of_rates().holds(rates, T::EPSILON)
     }
 
-    /// Stretches and modes of the lines of nodes that were found along with the derivative.
-    pub(super) fn measure_along(&mut self) {
-        let lines = self.rates.get(self.margins.end..);
-        let mut lines = lines.unwrap_or_default().as_chunks::<2>().0.iter();
+    /// What [`Nodes::accept`] writes where nodes were found along with the derivative: nothing of such a node begins in the step before it but the
+    /// modes of its lines, and those of lines that carry stay as they are.
+    pub(super) fn accept_rates(&mut self, h: T, memory: &mut NodeMemory<T>) {
+        memory.step = h;
         for plan in &self.plans {
-            for ((_, leg), &[stretch, _]) in plan.legs.iter().zip(&mut lines) {
-                self.stretch[leg.line] = stretch;
-                if !self.frozen {
-                    // They were held in the modes of the memory: a line that carried pulls.
-                    let carries = self.modes[leg.line] == Mode::Active;
-                    self.modes[leg.line] = Mode::of(stretch > T::zero(), carries);
-                }
+            let place = plan.nodes.first().map(|node| 3 * node);
+            let kept = place.and_then(|at| memory.nodes.get_mut(at..));
+            let kept = kept.and_then(<[T]>::first_chunk_mut::<3>);
+            if let (Some(kept), Some(own)) = (kept, plan.p.first_chunk()) {
+                *kept = *own;
+            }
+        }
+        let carry = |plan: &NetworkPlan<T>| {
+            let mut legs = plan.legs.iter();
+            legs.all(|(_, leg)| self.modes.get(leg.line) == Some(&Mode::Active))
+        };
+        if !self.frozen && !self.plans.iter().all(carry) {
+            self.find_modes_along();
+            memory.modes.copy_from_slice(&self.modes);
+        }
+    }
+
+    /// The modes of lines that do not all carry, of nodes that were found along with the derivative.
+    fn find_modes_along(&mut self) {
+        self.held_for_rates = false;
+        let lines = self.rates.get(self.certificates.end..);
+        let mut lines = lines.unwrap_or_default().iter();
+        for plan in &self.plans {
+            for ((_, leg), stretch) in plan.legs.iter().zip(&mut lines) {
+                // They were held in the modes of the memory: a line that carried pulls.
+                let carries = self.modes[leg.line] == Mode::Active;
+                self.modes[leg.line] = Mode::of(*stretch > T::zero(), carries);
             }
         }
     }
@@ -216,7 +240,7 @@ impl<T: Float> Nodes<T> {
     pub(crate) fn layout_of_rates(&self) -> RatesLayout<'_, T> {
         RatesLayout {
             plans: &self.plans,
-            margins: self.margins.clone(),
+            certificates: self.certificates.clone(),
             frozen: self.frozen,
         }
     }
@@ -226,8 +250,8 @@ impl<T: Float> Nodes<T> {
 #[derive(Clone, Debug)]
 pub(crate) struct RatesLayout<'a, T: Float> {
     plans: &'a [NetworkPlan<T>],
-    /// The margin of every node, each with the largest term of a pull behind it; stretch and pull of their lines follow.
-    margins: Range<usize>,
+    /// What is said of every node, [`NODE_CERTIFICATE`] numbers each; the stretches of their lines follow.
+    certificates: Range<usize>,
     /// Whether the modes of lines are kept, whatever stretch and pull say.
     frozen: bool,
 }
@@ -242,40 +266,20 @@ impl<T: Float> RatesLayout<'_, T> {
     /// Whether the lines that were held are those which carry: at every node they pull beyond rounding and span space, and where modes are not
     /// frozen every line does what was held of it.
     #[inline]
-    pub(crate) fn holds<S: Real>(
-        &self,
-        rates: &[S],
-        epsilon: S,
-        carries: impl Fn(usize) -> S::Mask,
-    ) -> S::Mask {
+    pub(crate) fn holds<S: Real>(&self, rates: &[S], epsilon: S) -> S::Mask {
         let zero = S::zero();
-        let (no, mut all) = (zero.lt(zero), zero.le(zero));
-        let nodes = rates.get(self.margins.clone()).unwrap_or_default();
-        let lines = rates.get(self.margins.end..).unwrap_or_default();
-        let (nodes, mut lines) = (nodes.as_chunks::<2>().0, lines.as_chunks::<2>().0);
-        for plan in self.plans {
-            let node = plan.nodes.first().filter(|_| plan.is_rate());
-            let own = node.and_then(|node| nodes.get(*node));
-            let (Some(&[margin, size]), Some((own, rest))) =
-                (own, lines.split_at_checked(plan.legs.len()))
-            else {
-                return no;
-            };
-            lines = rest;
+        let Some(nodes) = rates.get(self.certificates.clone()) else {
+            return zero.lt(zero);
+        };
+        let mut all = zero.le(zero);
+        // Numbers that were never found are none, and nothing holds.
+        for &[margin, size, most, agreed] in nodes.as_chunks::<NODE_CERTIFICATE>().0 {
             // Where nothing pulls, or D may have lost a direction, the node follows other rules.
-            let mut most = zero;
-            for ((_, leg), &[stretch, pull]) in plan.legs.iter().zip(own) {
-                let carries = carries(leg.line);
-                if !self.frozen {
-                    // Of a line that carries both are positive, or there is no pull; of another one of them is not.
-                    let taut = S::select(carries, stretch, S::one());
-                    let agrees = S::select(carries, pull, -stretch.min(pull));
-                    all = S::both(all, S::both(zero.lt(taut), zero.le(agrees)));
-                }
-                most = S::select(carries, most.max(pull), most);
-            }
             let rounding = size * epsilon * S::from_f64(ROUNDING);
             all = S::both(all, S::both(rounding.lt(most), zero.lt(margin)));
+            if !self.frozen {
+                all = S::both(all, zero.lt(agreed));
+            }
         }
         all
     }

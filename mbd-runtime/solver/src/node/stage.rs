@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use mbd_scene::laws::LineNumbers;
+use mbd_scene::laws::rate::NODE_CERTIFICATE;
 use mbd_scene::{At, Float, Layout, Model, Quantity, Work};
 use nalgebra::Vector3;
 
@@ -43,12 +44,14 @@ pub struct Nodes<T: Float> {
     kept: bool,
     /// Whether the elements are held in the modes of the memory, and have been since it was kept.
     pub(super) held: bool,
+    /// Whether they are held as nodes are found along with the derivative, in the modes that stand here.
+    pub(super) held_for_rates: bool,
     /// Room for `Quantity::Rates`, no number before they are found; empty where the nodes are not found that way.
     pub(crate) rates: Vec<T>,
     /// The same at the stages inside a step.
     pub(super) inner: Vec<T>,
-    /// Where the margins of the nodes are in it, each with the largest term of a pull behind it.
-    pub(super) margins: Range<usize>,
+    /// Where it says of the nodes whether they hold.
+    pub(super) certificates: Range<usize>,
     /// Whether the last solve found all nodes along with the derivative, by lines that span space.
     pub(crate) spanned: bool,
     /// Time since the last accepted step, of the last solve.
@@ -91,7 +94,7 @@ impl<T: Float> Nodes<T> {
     #[must_use]
     pub fn new(layout: &Layout) -> Self {
         let list = |n: usize| vec![T::zero(); n];
-        let margins = layout.nx() + layout.len(Quantity::AnchorStates);
+        let first = layout.nx() + layout.len(Quantity::AnchorStates);
         Nodes {
             plans: NetworkPlan::of(layout),
             ends: list(layout.len(Quantity::AnchorStates)),
@@ -106,9 +109,10 @@ impl<T: Float> Nodes<T> {
             frozen: false,
             kept: false,
             held: false,
+            held_for_rates: false,
             rates: vec![T::from_f64(f64::NAN); layout.len(Quantity::Rates)],
             inner: list(INNER * layout.len(Quantity::Rates)),
-            margins: margins..margins + 2 * layout.nodes.len(),
+            certificates: first..first + NODE_CERTIFICATE * layout.nodes.len(),
             spanned: false,
             span: T::zero(),
             against: list(3 * layout.nodes.len()),
@@ -198,7 +202,7 @@ impl<T: Float> Nodes<T> {
 
     /// Whether the modes of damped lines stay as the memory holds them (`true`: runs with located events) or every stage decides anew.
     pub fn freeze(&mut self, frozen: bool) {
-        self.frozen = frozen;
+        (self.frozen, self.held_for_rates) = (frozen, false);
     }
 
     /// Whether the memory that solves are given stays as it is from here on: then it need not be read for every one of them.
@@ -392,6 +396,10 @@ impl<T: Float> Nodes<T> {
             memory.step = h;
             return;
         }
+        if self.spanned {
+            self.accept_rates(h, memory);
+            return;
+        }
         self.measure_lines();
         let zero = T::zero();
         for (plan, smooth) in self.plans.iter().zip(&mut memory.smooth) {
@@ -461,12 +469,8 @@ impl<T: Float> Nodes<T> {
         memory.stretch.copy_from_slice(&self.stretch);
         memory.nodes.copy_from_slice(&self.nodes);
         for plan in self.plans.iter().filter(|plan| plan.z.is_some()) {
-            memory.ranks[plan.index] = if self.spanned {
-                3
-            } else {
-                let crossing = plan.rate.crossing(self.span);
-                crossing.map_or(plan.rate.rank(), |(_, rank)| rank)
-            };
+            let crossing = plan.rate.crossing(self.span);
+            memory.ranks[plan.index] = crossing.map_or(plan.rate.rank(), |(_, rank)| rank);
             for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact(3)) {
                 memory.nodes[3 * node..3 * node + 3].copy_from_slice(p);
             }
@@ -522,6 +526,7 @@ impl<T: Float> Nodes<T> {
     /// Takes the modes of the memory, and holds the elements in them if modes are frozen, detached ones always; those of `rate` nodes are decided
     /// afterwards.
     pub(crate) fn hold_modes(&mut self, memory: &NodeMemory<T>) {
+        self.held_for_rates = false;
         let slots = self.hold.iter_mut().zip(&mut self.modes);
         let slots = slots.zip(&memory.modes);
         match self.frozen {
@@ -649,20 +654,16 @@ impl<T: Float> Nodes<T> {
             return;
         }
         self.stretched = true;
-        if self.spanned {
-            self.measure_along();
-        } else {
-            let lengths = std::mem::take(&mut self.free_lengths);
-            for plan in &self.plans {
-                for line in &plan.lines {
-                    if let Some(free) = lengths.get(line.line) {
-                        let stretch = plan.stretch(line, *free, &self.ends, &self.nodes);
-                        self.stretch[line.line] = stretch;
-                    }
+        let lengths = std::mem::take(&mut self.free_lengths);
+        for plan in &self.plans {
+            for line in &plan.lines {
+                if let Some(free) = lengths.get(line.line) {
+                    let stretch = plan.stretch(line, *free, &self.ends, &self.nodes);
+                    self.stretch[line.line] = stretch;
                 }
             }
-            self.free_lengths = lengths;
         }
+        self.free_lengths = lengths;
     }
 
     /// Stretches of the node lines with the nodes where the last solve put them.

@@ -390,21 +390,31 @@ fn a_rate_node_moves_as_the_dampers_of_its_carrying_lines_let_it() {
                 .iter()
                 .fold(Vector3::zeros(), |sum, p| sum + p.velocity)
                 / 4.0;
-            let (mut largest, mut told) = (0.0_f64, Vec::new());
+            let (mut largest, mut most, mut agreed) = (0.0_f64, 0.0_f64, f64::INFINITY);
+            let (mut stretches, mut pulls) = (Vec::new(), Vec::new());
             for index in 0..4 {
                 let (u, stiffness, stretch) = leg(index);
                 let push =
                     stiffness * stretch + damping[index] * u.dot(&(points[index].velocity - mean));
                 let opening = damping[index] * u.dot(&(w - mean));
-                if carried[index] > 0.0 {
+                let (pull, carries) = (push - opening, carried[index] > 0.0);
+                if carries {
                     largest = largest.max(push.abs() + opening.abs());
+                    most = most.max(pull);
                 }
-                told.extend([stretch, push - opening]);
+                agreed = agreed.min(match carries {
+                    true => stretch.min(pull),
+                    false => -stretch.min(pull),
+                });
+                stretches.push(stretch);
+                pulls.push(pull);
             }
             assert_close(&certificates[1..2], &[largest], 1e-9, 0.0, "largest");
-            assert_close(&certificates[2..], &told, 1e-9, 1e-9, "pulls");
+            assert_close(&certificates[2..3], &[most], 1e-9, 1e-9, "most");
+            assert_close(&certificates[3..4], &[agreed], 1e-9, 1e-9, "agreed");
+            assert_close(&certificates[4..], &stretches, 1e-9, 1e-9, "stretches");
             // The accelerations are those of the same pulls.
-            for (index, pull) in told.chunks(2).map(|pair| pair[1]).enumerate() {
+            for (index, pull) in pulls.into_iter().enumerate() {
                 let (u, _, stretch) = leg(index);
                 let pull = match carried[index] {
                     -1.0 => 0.0,
