@@ -37,6 +37,7 @@ mod units;
 mod urdf;
 mod vocabulary;
 
+pub use check::without_inertia;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};

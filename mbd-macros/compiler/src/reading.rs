@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use mbd_scene::Scene;
+use mbd_scene::{Coordinates, Scene};
 use proc_macro2::{Span, TokenStream};
 
-use crate::check::check;
+use crate::check::{check, without_inertia};
 use crate::families::Families;
 use crate::lexeme::{self, Lexeme, LexemeIndex, LexemeKind, Places, Region};
 use crate::messages::{Location, Message, Messages, syntax as say};
@@ -232,11 +232,19 @@ fn motor(item: &Item<'_>) -> Option<LexemeIndex> {
 
 /// Takes the cheaper family of coordinates, and notes the choice.
 fn choose_family(resolver: &mut Resolver<'_>) {
-    let families = Families::count(&resolver.scene);
-    let chosen = families.cheaper();
+    let (chosen, why) = match without_inertia(&resolver.scene)[..] {
+        [] => {
+            let families = Families::count(&resolver.scene);
+            (families.cheaper(), families.to_string())
+        }
+        [..] => {
+            let why = "a body without mass or moments of its own has no accelerations in absolute coordinates";
+            (Coordinates::Relative, why.to_owned())
+        }
+    };
     resolver
         .notes
-        .push(format!("coordinates: {}: {families}", chosen.word()));
+        .push(format!("coordinates: {}: {why}", chosen.word()));
     resolver.scene.coordinates = chosen;
 }
 

@@ -3,7 +3,7 @@
 mod dice;
 
 use dice::Dice;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mbd_compiler::{Interpreted, Reading, read_text_in, read_urdf};
 use mbd_scene::solids::Solid;
@@ -610,8 +610,12 @@ impl Folder {
         Folder(path)
     }
 
+    fn reading(&self, text: &str) -> Reading {
+        read_text_in(text, &self.0)
+    }
+
     fn read(&self, text: &str) -> Scene {
-        scene(read_text_in(text, &self.0))
+        scene(self.reading(text))
     }
 }
 
@@ -629,14 +633,15 @@ fn plain() -> String {
     kept.collect::<Vec<_>>().join("\n")
 }
 
-/// A declaration that starts the joints of the arm in a stored state; its outputs are their accelerations.
-fn declaration(stored: &Value, settings: &str) -> String {
+/// A declaration that starts the joints of a robot in a stored state; its outputs are their accelerations.
+fn declaration(stored: &Value, fields: &str, settings: &str) -> String {
     let base = if stored["free"] == true {
         "free"
     } else {
         "fixed"
     };
-    let mut text = format!("model Arm {{ urdf: \"arm.urdf\" {{ base: {base} }} {settings}\n");
+    let mut text =
+        format!("model Arm {{ urdf: \"arm.urdf\" {{ base: {base}{fields} }} {settings}\n");
     for (joint, state) in stored["state"].as_object().unwrap() {
         let (coordinate, unit) = match joint.starts_with("grip") {
             true => ("slide", "m"),
@@ -691,15 +696,17 @@ fn at_start(scene: Scene) -> Vec<f64> {
 
 /// The accelerations of a robot in all stored states are Pinocchio's, to rounding.
 fn accelerates_as_pinocchio_says(name: &str, robot: &str, settings: &str) {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../tests/reference/robots/urdf_arm.json"
-    );
-    let text = std::fs::read_to_string(file).unwrap();
+    accelerates_as_stored((name, robot), "urdf_arm.json", ["", settings]);
+}
+
+/// The same of those in a file; `fields` of the URDF, and `settings` of the model.
+fn accelerates_as_stored((name, robot): (&str, &str), file: &str, [fields, settings]: [&str; 2]) {
+    let stored = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/robots");
+    let text = std::fs::read_to_string(Path::new(stored).join(file)).unwrap();
     let file: Value = serde_json::from_str(&text).unwrap();
     let folder = Folder::with(name, robot);
     for stored in file["states"].as_array().unwrap() {
-        let text = declaration(stored, settings);
+        let text = declaration(stored, fields, settings);
         let found = at_start(folder.read(&text));
         let wanted = stored["acceleration"].as_object().unwrap().values();
         let wanted: Vec<f64> = wanted.map(|number| number.as_f64().unwrap()).collect();
@@ -718,6 +725,43 @@ fn accelerates_as_pinocchio_says(name: &str, robot: &str, settings: &str) {
 fn an_arm_with_its_base_at_rest_or_flying_accelerates_as_in_joint_coordinates() {
     accelerates_as_pinocchio_says("robot", &plain(), "angular_velocity: body;");
     accelerates_as_pinocchio_says("robot", &plain(), "angular_velocity: world;");
+}
+
+#[test]
+fn links_without_mass_move_with_what_they_carry() {
+    let hip = include_str!("urdf/hip.urdf");
+    for family in ["relative", "auto"] {
+        let settings = format!("coordinates: {family};");
+        let how = [", inertias: unchecked", settings.as_str()];
+        accelerates_as_stored(("leg", hip), "urdf_hip.json", how);
+    }
+    let folder = Folder::with("legs", hip);
+    let told_of = |fields: &str, settings: &str| {
+        let text = format!("model Leg {{ urdf: \"arm.urdf\" {{ {fields} }} {settings} }}");
+        told(&folder.reading(&text))
+    };
+    let checked = told_of("base: fixed", "coordinates: relative;");
+    for link in ["hip_ring", "hip_cross", "ankle_cross"] {
+        let without = format!("link \"{link}\" moves and has no mass");
+        assert!(checked.contains(&without), "{checked}");
+    }
+    let absolute = told_of("base: fixed, inertias: unchecked", "");
+    let refused = "body `shank` has no mass, or a moment of inertia that is not positive";
+    assert!(absolute.contains(refused), "{absolute}");
+    // A foot without mass: nothing behind the ankle has any.
+    let footless = hip.replace("<mass value=\"0.8\"/>", "<mass value=\"0\"/>");
+    let footless = footless.replace(
+        "ixx=\"0.001\" iyy=\"0.004\" izz=\"0.0045\"",
+        "ixx=\"0\" iyy=\"0\" izz=\"0\"",
+    );
+    let folder = Folder::with("footless", &footless);
+    let text = "model Leg { urdf: \"arm.urdf\" { inertias: unchecked } coordinates: relative; }";
+    let footless = told(&folder.reading(text));
+    for body in ["foot", "ankle_cross"] {
+        let idle = format!("body `{body}` has no mass and carries nothing that has any");
+        assert!(footless.contains(&idle), "{footless}");
+    }
+    assert!(!footless.contains("hip_ring"), "{footless}");
 }
 
 /// The elements of a robot, each with all that is inside it, in reverse order.

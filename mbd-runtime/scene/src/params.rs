@@ -136,13 +136,18 @@ pub fn checked_numbers<T: Float>(scene: &Scene, params: &[T]) -> Result<Numbers<
 fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), ParamError> {
     let positive = |value: T| value.is_finite() && value > T::zero();
     for (index, (body, numbers)) in scene.bodies.iter().zip(&numbers.bodies).enumerate() {
-        demand(
-            positive(numbers.mass),
-            format!("{}.mass", body.name),
-            numbers.mass,
-            "positive [kg]",
-        )?;
+        let (what, mass) = (format!("{}.mass", body.name), numbers.mass);
         let inertia = numbers.inertia.map(Float::to_f64);
+        if scene.is_carried(index) {
+            let holds = mass.is_finite() && mass >= T::zero();
+            demand(holds, what, mass, "positive, or zero [kg]")?;
+            let wrong = inertia.iter().find(|element| !element.is_finite());
+            let what = format!("{}.inertia", body.name);
+            let element = T::from_f64(wrong.copied().unwrap_or_default());
+            demand(wrong.is_none(), what, element, "finite [kg m²]")?;
+            continue;
+        }
+        demand(positive(mass), what, mass, "positive [kg]")?;
         let moments = inertia.symmetric_eigenvalues();
         let (smallest, largest) = (moments.min(), moments.max());
         let moment = |which: &str| format!("{}.inertia, {which} principal moment", body.name);

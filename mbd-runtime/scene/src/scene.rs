@@ -64,7 +64,8 @@ pub struct Scene {
     /// Where a run starts, as far as it is declared.
     #[serde(default)]
     pub starts: Starts,
-    /// Bodies, by their index, whose inertia need not be that of a rigid body: its principal moments are positive, and no more is asked of them.
+    /// Bodies, by their index, whose inertia need not be that of a rigid body: in absolute coordinates its principal moments are positive, and no more is
+    /// asked of them; in relative ones they, and the mass, may be zero where what the body carries gives its joints an inertia.
     #[serde(default)]
     pub unchecked: Vec<usize>,
     /// Shapes of bodies, in their order: what is drawn. Mass and inertia are those of the bodies, whether they follow from shapes or not.

@@ -86,6 +86,7 @@ impl<T: Float> System<T> {
     /// Makes a start consistent: independent rows, positions by (1), the branch every joint means, velocities by (2).
     pub(crate) fn assemble(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         let state = state.get_mut(..self.nx).unwrap_or_default();
+        self.check_inertia(time, state)?;
         if !self.projection.any() {
             return self.check_plane(time, state);
         }

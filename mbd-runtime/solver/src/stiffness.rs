@@ -118,7 +118,8 @@ impl Stiffness {
     /// The fastest rates ω at which lines and stops that push or pull one way swing it [rad/s]: √(ΣK/m) along, and of a body √(ΣK/I) about its
     /// centre of mass, where a line at a lever r counts as K r².
     pub(crate) fn rates(&self, owner: &Moving) -> [f64; 2] {
-        let root = |stiffness: f64, inertia: f64| match stiffness > 0.0 {
+        // A body without mass swings with what it carries: what that takes shows in the stages of a run.
+        let root = |stiffness: f64, inertia: f64| match stiffness > 0.0 && inertia > 0.0 {
             true => (stiffness / inertia).sqrt(),
             false => 0.0,
         };

@@ -24,6 +24,7 @@ use crate::watch;
 mod branches;
 mod by_laws;
 mod ends;
+mod inertia;
 mod known;
 mod near_side;
 mod no_number;

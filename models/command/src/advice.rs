@@ -3,7 +3,7 @@
 //! A scene moves in a plane if the joints of its tree leave nothing else, and if bodies and points that nothing carries start in it and are
 //! not accelerated out of it at random states there, whatever the inputs and the time.
 
-use mbd_compiler::Families;
+use mbd_compiler::{Families, without_inertia};
 use mbd_runtime::scene::random::SplitMix64;
 use mbd_runtime::scene::{
     Arguments, Coordinates, Layout, Model, Plane, PointSlots, Quantity, Scene, Slots,
@@ -34,7 +34,7 @@ pub fn advice(scene: &Scene, settings: &Settings) -> Vec<String> {
         format!("`{setting};` takes {operations} operations a step of RK4 instead of {own}")
     };
     let cheaper = families.cheaper();
-    if cheaper != scene.coordinates {
+    if cheaper != scene.coordinates && without_inertia(scene).is_empty() {
         let setting = format!("coordinates: {}", cheaper.word());
         told.push(instead(setting, cost(families, cheaper)));
     }

@@ -22,3 +22,4 @@ mod time_jumps;
 mod told_events;
 mod too_long;
 mod two_sides;
+mod without_mass;

@@ -32,8 +32,12 @@ pub fn inertia(inertia: &Inertia, scene: &Scene) -> Result<(), WrongInertia> {
     let [Some(xx), Some(yy), Some(zz), Some(xy), Some(xz), Some(yz)] = elements else {
         return Ok(());
     };
-    let matrix = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-    let moments = principal_moments(&matrix)?;
+    moments_of_a_body(&Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+}
+
+/// Checks the principal moments a ≤ b ≤ c of a body: a > 0, c ≤ a + b.
+pub fn moments_of_a_body(matrix: &Matrix3<f64>) -> Result<(), WrongInertia> {
+    let moments = principal_moments(matrix)?;
     let [smallest, _, largest] = moments;
     if smallest <= ROUNDING * ROUNDING * largest.abs() {
         return Err(WrongInertia::NotPositive(smallest));

@@ -3,6 +3,7 @@
 //! A check runs when everything it looks at was resolved, so that one mistake is told once.
 
 mod attached;
+mod carried;
 mod complete;
 mod inertia;
 mod lone;
@@ -11,7 +12,8 @@ mod planar;
 mod unused;
 mod winding;
 
-pub use inertia::{WrongInertia, inertia, moments_of_a_part};
+pub use carried::without_inertia;
+pub use inertia::{WrongInertia, inertia, moments_of_a_body, moments_of_a_part};
 pub use winding::wound_by_themselves;
 
 use mbd_scene::{Place, PointKind};
@@ -36,6 +38,7 @@ pub fn check(resolver: &mut Resolver<'_>, model: &ModelSyntax<'_>, whole: bool) 
     nodes::choose_models(resolver);
     nodes::check_models(resolver);
     planar::check_planar(resolver);
+    carried::check_carried(resolver);
     unused::check_used(resolver, model);
 }
 

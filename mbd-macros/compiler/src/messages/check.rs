@@ -41,6 +41,24 @@ pub fn on_points(at: Region, body: &str) -> LexemeMessage {
     )
 }
 
+pub fn no_inertia_in_absolute(at: Region, body: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "body `{body}` has no mass, or a moment of inertia that is not positive: absolute coordinates give every body six speeds of its own, which need both. declare `coordinates: relative;`, where what it carries gives its joints an inertia"
+        ),
+    )
+}
+
+pub fn carries_nothing(at: Region, body: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "body `{body}` has no mass and carries nothing that has any, so that its acceleration is not determined: give it a `mass`, or make its joint `rigid`"
+        ),
+    )
+}
+
 pub fn lone_index(at: Region, kind: &str, word: &str, count: i64) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -188,9 +188,9 @@ pub fn negative(at: LexemeIndex, joint: &str, name: &str, found: f64) -> LexemeM
 
 pub fn impossible_inertia(at: LexemeIndex, link: &str, wrong: WrongInertia) -> LexemeMessage {
     let instead = match wrong {
-        // Nothing can be computed with a body that has a negative moment.
+        // In absolute coordinates nothing can be computed with a body that has such a moment.
         WrongInertia::NotPositive(_) => {
-            "; if it is fixed to others and their sum is positive, `urdf: \"…\" { inertias: unchecked }` takes it as it stands"
+            "; if it is fixed to others and their sum is positive, or with `coordinates: relative;`, `urdf: \"…\" { inertias: unchecked }` takes it as it stands"
         }
         WrongInertia::Triangle(..) => {
             "; to compute with it as it stands, declare `urdf: \"…\" { inertias: unchecked }`"
@@ -210,7 +210,7 @@ pub fn no_mass(at: LexemeIndex, link: &str) -> LexemeMessage {
     told(
         at,
         format!(
-            "link \"{}\" moves and has no mass, so that its acceleration is not determined: give it an `<inertial>`, or make its joint `fixed`",
+            "link \"{}\" moves and has no mass, so that its acceleration is not determined: give it an `<inertial>`, make its joint `fixed`, or, where it carries links that have mass, declare `coordinates: relative; urdf: \"…\" {{ inertias: unchecked }}`",
             cut(link)
         ),
     )

@@ -4,7 +4,6 @@ use mbd_scene::{Axis, Formula, Function, Inertia, Unit};
 
 use super::fields::Accept;
 use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
-use crate::check::WrongInertia;
 use crate::lexeme::{Bracket, Lexeme, LexemeKind, Region};
 use crate::messages::resolve as say;
 use crate::syntax::expression::{self, Expression};
@@ -72,24 +71,6 @@ impl Resolver<'_> {
             let at = density.word.at.into();
             self.messages.push(say::mass_and_density(at, &name));
         }
-        match fields.value("mass") {
-            Some(value) => {
-                let mass =
-                    self.quantity(&name, "mass", value, units::MASS, Accept::Positive, scope);
-                if let (Some(mass), Some(body)) = (mass, self.scene.bodies.get_mut(instance.slot)) {
-                    body.mass = mass;
-                }
-            }
-            None => match fields.get("density") {
-                Some(_) if even => {}
-                Some(density) if !doubtful => {
-                    let at = density.word.at.into();
-                    self.messages.push(say::density_alone(at, &name));
-                }
-                None if !doubtful => self.messages.push(say::no_mass(at, &name)),
-                _ => {}
-            },
-        }
         match fields.value("inertia") {
             Some(value) => {
                 let read = self.inertia(&name, value, scope);
@@ -104,6 +85,28 @@ impl Resolver<'_> {
             }
             None if !doubtful && !even => self.messages.push(say::no_inertia(at, &name)),
             None => {}
+        }
+        match fields.value("mass") {
+            Some(value) => {
+                // Of a body whose inertia is taken as it stands, what it carries may have all of it.
+                let accept = match self.scene.unchecked.contains(&instance.slot) {
+                    true => Accept::NotNegative,
+                    false => Accept::Positive,
+                };
+                let mass = self.quantity(&name, "mass", value, units::MASS, accept, scope);
+                if let (Some(mass), Some(body)) = (mass, self.scene.bodies.get_mut(instance.slot)) {
+                    body.mass = mass;
+                }
+            }
+            None => match fields.get("density") {
+                Some(_) if even => {}
+                Some(density) if !doubtful => {
+                    let at = density.word.at.into();
+                    self.messages.push(say::density_alone(at, &name));
+                }
+                None if !doubtful => self.messages.push(say::no_mass(at, &name)),
+                _ => {}
+            },
         }
     }
 
@@ -436,8 +439,8 @@ impl Resolver<'_> {
         Some((rows != identity).then_some(rows))
     }
 
-    /// `diag(…) unit`, also `[…] unit`, in a plane one number, or `full { … } unit (matrix elements)` with the unit before or behind the brackets; `(unchecked)` behind it lets through moments that no rigid body has. They must be
-    /// positive all the same, or nothing could be computed. Hands back whether that was said, too.
+    /// `diag(…) unit`, also `[…] unit`, in a plane one number, or `full { … } unit (matrix elements)` with the unit before or behind the brackets; `(unchecked)` behind it lets through moments that no rigid body has;
+    /// those that are not positive are looked at where the coordinates are known. Hands back whether that was said, too.
     fn inertia(
         &mut self,
         owner: &str,
@@ -475,7 +478,7 @@ impl Resolver<'_> {
         }
         match crate::check::inertia(&inertia, &self.scene) {
             Ok(()) => Some((inertia, unchecked)),
-            Err(WrongInertia::Triangle(..)) if unchecked => Some((inertia, true)),
+            Err(_) if unchecked => Some((inertia, true)),
             Err(wrong) => self.fail(say::impossible_inertia(value.at, owner, wrong)),
         }
     }

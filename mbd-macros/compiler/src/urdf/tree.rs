@@ -85,6 +85,17 @@ pub struct MassProperties {
     pub inertia: Matrix3<f64>,
 }
 
+impl MassProperties {
+    /// Of links without mass.
+    pub fn none() -> Self {
+        MassProperties {
+            mass: 0.0,
+            center: Vector3::zeros(),
+            inertia: Matrix3::zeros(),
+        }
+    }
+}
+
 /// Finds the root. A robot that is no tree is told: links carried twice, several roots, circles.
 pub fn mistakes(robot: &mut Robot) -> Vec<LexemeMessage> {
     let mut reports = Vec::new();

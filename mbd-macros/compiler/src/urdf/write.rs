@@ -8,8 +8,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::names::RobotNames;
 use super::robot::{Robot, UrdfJoint, UrdfJointKind, UrdfLimit};
-use super::tree::{PlacedFrame, RigidGroup, lump};
-use crate::check::moments_of_a_part;
+use super::tree::{MassProperties, PlacedFrame, RigidGroup, lump};
+use crate::check::moments_of_a_body;
 use crate::lexeme::LexemeIndex;
 use crate::messages::{LexemeMessage, urdf as say};
 use crate::resolve::letter;
@@ -84,7 +84,11 @@ impl UrdfWriter<'_> {
     fn body(&self, group: &RigidGroup) -> Result<Fragment, LexemeMessage> {
         let link = &self.robot.links[group.members[0].link];
         let name = &self.names.links[group.members[0].link];
-        let lump = lump(self.robot, group).ok_or_else(|| say::no_mass(link.at, &link.name))?;
+        let lump = match lump(self.robot, group) {
+            Some(lump) => lump,
+            None if self.unchecked => MassProperties::none(),
+            None => return Err(say::no_mass(link.at, &link.name)),
+        };
         let fixed: Vec<String> = (group.members.iter().skip(1))
             .map(|member| format!("`{}`", self.robot.links[member.link].name))
             .collect();
@@ -271,7 +275,7 @@ fn inertia(of: &Matrix3<f64>, unchecked: bool) -> String {
             )
         }
     };
-    if unchecked && moments_of_a_part(of).is_err() {
+    if unchecked && moments_of_a_body(of).is_err() {
         text.push_str(" (unchecked)");
     }
     text

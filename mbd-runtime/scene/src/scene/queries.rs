@@ -15,6 +15,12 @@ impl Scene {
         }
     }
 
+    /// Whether a body may be without mass or moments of its own: its joints have the inertia of what it carries.
+    #[must_use]
+    pub fn is_carried(&self, body: usize) -> bool {
+        self.coordinates == Coordinates::Relative && self.unchecked.contains(&body)
+    }
+
     /// The name of a line.
     pub(crate) fn line_name(&self, line: usize) -> &str {
         let line = self.lines.get(line);

@@ -94,7 +94,7 @@ impl<T: Float> System<T> {
         let numbers = self.numbers();
         let bodies = numbers.bodies.iter().map(|body| body.mass);
         let points = numbers.points.iter().map(|(mass, _)| *mass);
-        let masses = bodies.chain(points.filter(|mass| *mass > 0.0));
+        let masses = bodies.chain(points).filter(|mass| *mass > 0.0);
         let (least, most) = masses.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), mass| {
             (least.min(mass), most.max(mass))
         });

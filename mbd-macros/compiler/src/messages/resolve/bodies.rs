@@ -145,10 +145,19 @@ pub fn products_sign(at: Region) -> LexemeMessage {
 
 pub fn impossible_inertia(at: Region, owner: &str, wrong: WrongInertia) -> LexemeMessage {
     let text = match wrong {
-        WrongInertia::NotPositive(_) => format!(
-            "the inertia of `{owner}` must be positive about every axis: {}",
-            no_body(wrong)
-        ),
+        WrongInertia::NotPositive(smallest) => {
+            // A negative one is a slip; one of zero may be meant.
+            let instead = match smallest < 0.0 {
+                true => "",
+                false => {
+                    ". in relative coordinates `(unchecked)` behind it (`inertias: unchecked` of a URDF) takes it as it stands"
+                }
+            };
+            format!(
+                "the inertia of `{owner}` must be positive about every axis: {}{instead}",
+                no_body(wrong)
+            )
+        }
         WrongInertia::Triangle(..) => format!(
             "{}. check the unit, and that it is about the centre of mass",
             no_body(wrong)

@@ -1,0 +1,53 @@
+//! Bodies without mass: whether what they carry gives every joint an inertia.
+
+use mbd_scene::{Float, Quantity};
+use nalgebra::{Cholesky, DMatrix, Dyn};
+
+use super::System;
+use crate::columns::state_names;
+use crate::error::StepError;
+
+/// What is left of an inertia, relative, that is all rounding.
+const ROUNDED: f64 = 1e-12;
+
+impl<T: Float> System<T> {
+    /// Whether the mass matrix of a scene with such bodies is positive at a state.
+    ///
+    /// # Errors
+    /// The first speed whose inertia, with all before it free to move, is none.
+    pub(crate) fn check_inertia(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let model = self.model.clone();
+        let (scene, layout) = (model.scene(), model.layout());
+        if !(0..scene.bodies.len()).any(|body| scene.is_carried(body)) {
+            return Ok(());
+        }
+        let mut mass = vec![0.0; layout.len(Quantity::MassMatrix)];
+        self.by_laws(Quantity::MassMatrix, time, state, &mut mass);
+        match without_inertia(&DMatrix::from_row_slice(layout.nv, layout.nv, &mass)) {
+            None => Ok(()),
+            Some(speed) => Err(StepError::NoInertia {
+                time,
+                speed: (state_names(scene, layout).into_iter())
+                    .nth(layout.nq + speed)
+                    .map_or_else(String::new, |speed| speed.name),
+            }),
+        }
+    }
+}
+
+/// The first of n speeds whose inertia is none where all before it are free to move.
+fn without_inertia(mass: &DMatrix<f64>) -> Option<usize> {
+    let is_positive = |speeds: usize| {
+        let own = mass.view((0, 0), (speeds, speeds)).into_owned();
+        let positive = |factor: Cholesky<f64, Dyn>| {
+            let lower = factor.l_dirty();
+            (0..speeds).all(|k| lower[(k, k)].powi(2) > ROUNDED * mass[(k, k)])
+        };
+        own.cholesky().is_some_and(positive)
+    };
+    let n = mass.nrows();
+    match is_positive(n) {
+        true => None,
+        false => (0..n).find(|speed| !is_positive(speed + 1)),
+    }
+}
