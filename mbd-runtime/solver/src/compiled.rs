@@ -270,10 +270,12 @@ impl<T: Scalar> Simulation<T> {
 
     /// Changes the parameters of a run: `simulation.set_params(&CartParams { mass: 2.0, ..Default::default() })`, or a list of them (declaration order, SI).
     /// Nothing is built anew: time and state stay, and [`Simulation::start`] makes them consistent with the new values before the next step: bodies back
-    /// on their joints, nodes in balance, lines slack or taut.
+    /// on their joints, nodes in balance, lines slack or taut. What has not begun, and was given no state, starts as the declaration and
+    /// [`Simulation::set_joints`] say with the new values. From here on the run is the one that was made with them, to the bit, its tolerances included.
     ///
     /// # Errors
-    /// [`StepError::Params`](crate::StepError::Params): the params of another model; the first parameter that cannot be run; the run keeps the old ones.
+    /// [`StepError::Params`](crate::StepError::Params): the params of another model; the first parameter that cannot be run. Joint coordinates that were
+    /// set and cannot be with the new values. The run keeps the old ones.
     pub fn set_params<P: Params<T> + ?Sized>(&mut self, params: &P) -> Result<(), RunError> {
         let checked = P::check_model(self.model().scene());
         T::give_params(self, checked, params.values().as_ref())

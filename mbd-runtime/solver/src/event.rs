@@ -217,18 +217,28 @@ impl Margins {
         }
     }
 
-    /// The stiffnesses and dampings of other parameters.
-    pub(crate) fn read_lines<T: Float>(&mut self, lines: &[LineNumbers<T>]) {
+    /// The stiffnesses, dampings and tolerances of other parameters.
+    pub(crate) fn read_lines<T: Float>(
+        &mut self,
+        model: &dyn Model<T>,
+        tolerance: impl Fn(&Acting) -> f64,
+    ) {
+        let (scene, layout) = (model.scene(), model.layout());
         for watched in &mut self.watched {
             if let WatchedGuard::Element {
-                element, softness, ..
+                element,
+                softness,
+                at_node,
+                floor,
             } = watched
-                && let Some(numbers) = lines.get(*element)
+                && let Some(numbers) = model.lines().get(*element)
             {
+                let delay = (numbers.damping / numbers.stiffness).to_f64();
                 *softness = 1.0 / numbers.stiffness.to_f64();
+                *floor = tolerance(&Acting::new(scene, layout, *element, (*at_node, delay)));
             }
         }
-        self.delay = longest_delay(lines);
+        self.delay = longest_delay(model.lines());
     }
 
     /// Raises the tolerance to what a step with this error resolves: an error of a place, and of a velocity through C ṡ/K. A smaller tolerance

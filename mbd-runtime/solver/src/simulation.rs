@@ -18,7 +18,7 @@ use crate::linearise::output_names;
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
-use crate::rounding::{Rounding, TimeRounding};
+use crate::rounding::TimeRounding;
 use crate::step_sizes::StepSizes;
 use crate::supply::Sampler;
 use crate::system::System;
@@ -38,6 +38,7 @@ mod measure;
 mod moved;
 mod offered;
 mod overlooked;
+mod sizes;
 mod snapshot;
 mod space;
 mod stability;
@@ -52,6 +53,7 @@ pub use handover::{Given, Handover};
 pub use moved::Moved;
 use offered::emitted;
 use overlooked::Overlooked;
+use sizes::Sizes;
 pub use snapshot::Snapshot;
 use stability::Meter;
 
@@ -194,12 +196,8 @@ pub struct Simulation<T: Float> {
     judged: bool,
     /// How the energy is read.
     meter: Meter,
-    /// What rounding of positions makes of forces.
-    rounding: Rounding,
-    /// How far what the origin follows may get from it [m].
-    length: f64,
-    /// The sum of the stiffnesses of all lines and springs between places [N/m].
-    line_stiffness: f64,
+    /// What is small and what is stiff, for the params of now.
+    sizes: Sizes,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
     /// What rounding of time makes of what follows it, and whether anything does.
@@ -233,7 +231,7 @@ pub struct Simulation<T: Float> {
     given: Vec<T>,
     /// Whether something jumped since the last step that was measured.
     jumped: bool,
-    /// Whether the state is still that of the declared start.
+    /// Whether the state is still that of the declared start, but for the joint coordinates that were set.
     as_declared: bool,
     started: bool,
     /// Whether something is being done that asks closures of the caller; between calls: one of them panicked, and left the run in the middle of it.
@@ -466,10 +464,21 @@ impl<T: Float> Simulation<T> {
         of: Result<(), ParamError>,
         params: &[T],
     ) -> Result<(), RunError> {
+        let before = self.system.model.clone();
         let taken = of.and_then(|()| self.take_params(params));
         taken.map_err(|error| self.failed(error.into()))?;
-        self.changes.own = params.to_vec();
-        self.start_again();
+        let own = std::mem::replace(&mut self.changes.own, params.to_vec());
+        let start = (self.state.clone(), self.system.memory.clone());
+        let said = (self.joints_set.clone(), self.assembly.clone());
+        if let Err(error) = self.start_again() {
+            self.changes.own = own;
+            (self.state, self.system.memory) = start;
+            (self.joints_set, self.assembly) = said;
+            self.take_model(before);
+            self.system.take_up_turns();
+            self.shown.forget();
+            return Err(error);
+        }
         self.started = false;
         Ok(())
     }

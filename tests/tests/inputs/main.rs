@@ -7,6 +7,7 @@ mod control;
 mod declared_starts;
 mod driving;
 mod lets;
+mod other_params;
 mod placed_anywhere;
 mod refused;
 mod starts;

@@ -4,7 +4,9 @@
 //! (the last value of a number counts), and made consistent once. Actions may let other events happen at the same instant: these act next.
 //! The energy that jumps is the work of the action ([`Acted`]); it counts neither as made nor as lost by the steps.
 
-use mbd_scene::{Float, Gravity, ParamError, Quantity, Settable, plain};
+use std::sync::Arc;
+
+use mbd_scene::{Float, Gravity, Model, ParamError, Quantity, Settable, plain};
 
 use super::handover::HandedBefore;
 use super::{Simulation, moved};
@@ -94,9 +96,7 @@ impl<T: Float> Simulation<T> {
             (self.state, self.system.memory) = before;
             self.system.take_up_turns();
             (self.changes.done, self.changes.stop) = (done, None);
-            self.margins.read_lines(model.lines());
-            self.system.take(model);
-            self.overlooked.forget();
+            self.take_model(model);
             for &event in crossed {
                 if let Some(side) = self.margins.sides.get_mut(event) {
                     *side = !*side;
@@ -265,10 +265,15 @@ impl<T: Float> Simulation<T> {
     /// Runs the same scene with these params from here on.
     pub(super) fn take_params(&mut self, params: &[T]) -> Result<(), ParamError> {
         let model = self.system.model.with_params(params)?;
-        self.margins.read_lines(model.lines());
-        self.system.take(model);
-        self.overlooked.forget();
+        self.take_model(model);
         Ok(())
+    }
+
+    /// The same of the model with its params.
+    pub(super) fn take_model(&mut self, model: Arc<dyn Model<T>>) {
+        self.system.take(model);
+        self.take_sizes();
+        self.overlooked.forget();
     }
 
     /// Makes the changed run consistent: joints hold, speeds that are set jump, nodes in balance from where they are, every element in its mode, the first

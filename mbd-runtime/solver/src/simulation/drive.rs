@@ -605,7 +605,7 @@ impl<T: Float> Simulation<T> {
         if projected {
             self.begin_noting()?;
         }
-        let length = self.length;
+        let length = self.sizes.length();
         match self.system.keep_up(end, length, &mut self.state) {
             true => {
                 self.stays = false;

@@ -89,15 +89,27 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// After other params the declared start is another one, unless a state has been set or run.
-    pub(crate) fn start_again(&mut self) {
+    /// After other params the declared start is another one, and so is one by joint coordinates, unless a state has been set or run.
+    pub(crate) fn start_again(&mut self) -> Result<(), RunError> {
         if !self.as_declared {
-            return;
+            return Ok(());
         }
         let (time, inputs) = (self.time, self.inputs_now());
+        let set = std::mem::take(&mut self.joints_set);
         if let Ok((start, assembly)) = declared_start(&*self.system.model, time, Some(&inputs)) {
             self.begin_at(start, assembly);
         }
+        match set.is_empty() {
+            true => Ok(()),
+            false => self.set_again(&set),
+        }
+    }
+
+    /// Joint coordinates that were set before.
+    pub(super) fn set_again(&mut self, set: &[(String, StartNumber)]) -> Result<(), RunError> {
+        let set: Vec<(&str, StartNumber)> =
+            set.iter().map(|(name, x)| (name.as_str(), *x)).collect();
+        self.give_joints(&set)
     }
 
     /// Stands at the declared start, in the world.
@@ -154,7 +166,9 @@ impl<T: Float> Simulation<T> {
         let numbers: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
         let checked = self.check_state(self.time, &numbers);
         checked.map_err(|cause| self.failed(cause))?;
+        let as_declared = self.as_declared;
         self.put(self.time, None, &state)?;
+        self.as_declared = as_declared;
         self.system
             .remember_starts(&starts, (self.time, &self.state));
         let set = given.iter().map(|(name, said)| ((*name).to_owned(), *said));

@@ -45,7 +45,7 @@ impl<T: Float> Simulation<T> {
         };
         let mut speeds: Vec<f64> = self.state[nq..nq + nv].iter().map(|x| x.to_f64()).collect();
         // Of translations by themselves slopes are of size 1, of rotations an arm of the scene.
-        let rounding = ROUNDING * self.length.max(1.0);
+        let rounding = ROUNDING * self.sizes.length().max(1.0);
         let largest = speeds.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         for (number, (event, what, value)) in set.iter().enumerate() {
             let slopes = slopes.iter().map(|slope| slope[number] - at_rest[number]);

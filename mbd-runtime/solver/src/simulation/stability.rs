@@ -65,9 +65,10 @@ impl<T: Float> Simulation<T> {
             .energy_and_power(self.meter, self.time, &self.state);
         let places = moving(self.system.model.layout()).flat_map(|part| part.position);
         let places = places.filter_map(|place| self.state.get(place));
-        let reach = places.fold(self.length, |most, x| most.max(x.to_f64().abs()));
+        let reach = places.fold(self.sizes.length(), |most, x| most.max(x.to_f64().abs()));
         self.balance = start.map(|start| {
-            let mut balance = EnergyBalance::with_lines(0.5 * self.line_stiffness * reach * reach);
+            let mut balance =
+                EnergyBalance::with_lines(0.5 * self.sizes.line_stiffness * reach * reach);
             balance.take_up(start);
             balance
         });
@@ -397,6 +398,7 @@ impl<T: Float> Simulation<T> {
             position.iter().fold(0.0, |most, x| x.abs().max(most))
         });
         let worst = self
+            .sizes
             .rounding
             .worst(&self.state, rates, &self.bodies, origin);
         let Some(affected) = worst else {

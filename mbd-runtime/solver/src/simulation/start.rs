@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use mbd_scene::laws::starts;
 use mbd_scene::{
-    Float, Layout, Model, PlacementError, PlacementReport, Quantity, Scene, StartFrom, StartNumber,
+    Float, Layout, Model, PlacementError, PlacementReport, Quantity, Scene, StartFrom,
     declared_beside, declared_parts, place_declared,
 };
 
@@ -13,22 +13,22 @@ use super::act::Changes;
 use super::moved::{Moved, moved};
 use super::offered::{differentiable, offered, stepwise, unsupplied};
 use super::overlooked::Overlooked;
+use super::sizes::Sizes;
 use super::stability::Meter;
 use super::{Pace, Simulation, Snapshot, WorldState};
 use crate::chatter::Chatter;
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
-    Attached, Control, ErrorNorm, Explicit, Family, RODAS5P, Rattle, Resolution, Rosenbrock,
-    Scales, Stepper, StiffnessTest, TSIT5, VERN7,
+    Attached, Control, Explicit, Family, RODAS5P, Rattle, Rosenbrock, Stepper, StiffnessTest,
+    TSIT5, VERN7,
 };
 use crate::laws::params_of;
 use crate::moving::moving;
 use crate::options::{Method, Options};
 use crate::rearm::Rearmed;
-use crate::rounding::{Rounding, TimeRounding};
+use crate::rounding::TimeRounding;
 use crate::step_sizes::StepSizes;
-use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::System;
 use crate::watch::Watch;
@@ -56,19 +56,12 @@ impl<T: Float> Simulation<T> {
         if !controls.is_empty() {
             differentiable(&options).map_err(refuse)?;
         }
-        let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
         let mut system = System::new(model.clone(), controls, options.work);
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
-        system.projection.length = scales.length;
-        let stiffness = Stiffness::new(&*model, system.numbers().clone());
-        let resolution = Resolution::new(model.layout(), &stiffness, scales);
+        let sizes = Sizes::of(&mut system, &options);
         let fixed = options.method.fixed_step().is_some();
         let length = system.length();
-        let arm = system.projection.any().then(|| system.reach());
-        let joined = (model.layout(), model.scene().joints.as_slice());
-        let rounding = Rounding::new(joined, &stiffness, scales, arm);
-        let starts = starts(model.scene(), model.params());
         let layout = model.layout();
         let noisy = fixed && options.guard_tolerance.is_none();
         let behind = length - system.nx;
@@ -102,25 +95,14 @@ impl<T: Float> Simulation<T> {
                 Stepper::new(Family::Symmetric(rattle), None)
             }
         };
-        let (pace, tolerance) = match (options.method.fixed_step(), options.method.tolerance()) {
+        let pace = match (options.method.fixed_step(), options.method.tolerance()) {
             (_, Some([rtol, max_step])) => {
                 let control = Control::new(0.0, max_step, [method.exponent(), method.memory()]);
-                let wide: Vec<f64> = starts.iter().map(|start| start.to_f64()).collect();
-                let norm = ErrorNorm::new(model.layout(), length, (scales, rtol), &wide, |part| {
-                    resolution.of(part)
-                });
-                (Pace::Adaptive(control, norm), rtol)
+                Pace::Adaptive(control, sizes.error_norm(&system, rtol))
             }
-            (step, None) => (Pace::Fixed(step.unwrap_or(f64::NAN)), 1e-10),
+            (step, None) => Pace::Fixed(step.unwrap_or(f64::NAN)),
         };
-        let finest = 16.0 * T::EPSILON.to_f64() * scales.length;
-        let margins = Margins::new(&*model, options.locate, |acting| {
-            let by_itself = || tolerance * resolution.between(acting);
-            options
-                .guard_tolerance
-                .unwrap_or_else(by_itself)
-                .max(finest)
-        });
+        let margins = Margins::new(&*model, options.locate, |acting| sizes.passing(acting));
         let room = [
             Quantity::Guards,
             Quantity::Lines,
@@ -187,9 +169,7 @@ impl<T: Float> Simulation<T> {
             fingerprint: OnceCell::new(),
             columns: OnceCell::new(),
             good: Snapshot::default(),
-            rounding,
-            length: scales.length,
-            line_stiffness: stiffness.of_lines(),
+            sizes,
             rounded: 0.0,
             time_rounding: TimeRounding::default(),
             reads_time: OnceCell::new(),
@@ -278,9 +258,7 @@ impl<T: Float> Simulation<T> {
         }
         let set = std::mem::take(&mut self.joints_set);
         if !set.is_empty() {
-            let set: Vec<(&str, StartNumber)> =
-                set.iter().map(|(name, x)| (name.as_str(), *x)).collect();
-            return self.give_joints(&set);
+            return self.set_again(&set);
         }
         let declared = declared_start(&*model, time, Some(&inputs));
         let (start, assembly) = declared.map_err(|cause| self.failed(cause))?;
@@ -345,7 +323,7 @@ impl<T: Float> Simulation<T> {
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.system
-            .check_spring_ends(self.time, &self.state, self.length)?;
+            .check_spring_ends(self.time, &self.state, self.sizes.length())?;
         self.find_passed_stops()?;
         self.begin_watch()?;
         self.method
