@@ -151,6 +151,32 @@ fn options_of_the_run_that_goes_on_are_its_own() {
 }
 
 #[test]
+fn params_of_the_run_that_goes_on_are_its_own_but_for_those_that_an_event_set() {
+    let with = |k: f64| {
+        let cart = Cart::new(CartParams { k }).expect("in range");
+        Simulation::new(&cart, Options::tsit5(1e-8)).expect("options")
+    };
+    let mut first = with(5.0);
+    first.start().expect("a start");
+    let (early, passes) = (first.snapshot(), 1.5);
+    first.run(passes).expect("it rolls back");
+    assert_eq!(first.model().params(), [7.5], "the event has set it");
+    let late = first.snapshot();
+    // The spring that nothing has changed yet is that of the run that goes on; the event makes it half as stiff again.
+    let mut harder = with(6.0);
+    harder.restore(&early).expect("of the same model");
+    assert_eq!(harder.model().params(), [6.0]);
+    harder.run(passes).expect("it rolls back");
+    assert_eq!(harder.model().params(), [9.0]);
+    let mut after = with(6.0);
+    after.restore(&late).expect("of the same model");
+    assert_eq!(after.model().params(), [7.5]);
+    // Back before the event it is its own again.
+    after.restore(&early).expect("of the same model");
+    assert_eq!(after.model().params(), [6.0]);
+}
+
+#[test]
 fn a_snapshot_of_other_controllers_or_of_no_run_is_refused() {
     let mut whole = cart(Options::rk4(2e-3), 0.05);
     let fresh = whole.snapshot();

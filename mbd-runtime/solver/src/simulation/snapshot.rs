@@ -20,7 +20,8 @@ use crate::watch::Watch;
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
 ///
 /// The inputs that are held belong to it, and when each controller is called next. What functions of time and state and controllers remember does
-/// not: give the run they are restored into the same ones, in the same order.
+/// not: give the run they are restored into the same ones, in the same order. Params are those of the run they are restored into, but for those that
+/// events had set.
 ///
 /// It can be written by whatever `serde` writes, and read in another process. A format must give back numbers as they were: `serde_json` does with its
 /// feature `float_roundtrip`, and is off in the last digit without it.
@@ -58,8 +59,11 @@ pub struct Snapshot<T> {
     /// Per controller the interval [s]; empty in a snapshot that was written before it was kept.
     #[serde(default)]
     periods: Vec<f64>,
-    /// The params that events set, in the order of their declaration.
+    /// The params that events may set, in the order of their declaration, and what they are before an event sets them; the latter is empty in a snapshot
+    /// that was written before it was kept.
     params: Vec<T>,
+    #[serde(default = "Vec::new")]
+    own_params: Vec<T>,
     /// Per event whether it has acted.
     done: Vec<bool>,
     /// Work of the actions so far [J].
@@ -125,11 +129,12 @@ impl<T: Float> Simulation<T> {
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
         to.held.1 = self.system.unsupplied;
-        to.params.clear();
-        let params = self.system.model.params();
-        let settable = self.changes.settable.iter();
-        to.params
-            .extend(settable.filter_map(|&param| params.get(param)));
+        let all = [self.system.model.params(), &self.changes.own];
+        for (kept, all) in [&mut to.params, &mut to.own_params].into_iter().zip(all) {
+            let settable = self.changes.settable.iter();
+            kept.clear();
+            kept.extend(settable.filter_map(|&param| all.get(param)));
+        }
         to.done.clone_from(&self.changes.done);
         to.action_work = self.system.action_work;
         to.samples.clear();
@@ -158,6 +163,7 @@ impl<T: Float> Simulation<T> {
             && (snapshot.held_guards.is_empty() || snapshot.held_guards.len() == self.margins.held.len())
             && snapshot.held.0.len() == self.system.held.len()
             && snapshot.params.len() == self.changes.settable.len()
+            && (snapshot.own_params.is_empty() || snapshot.own_params.len() == snapshot.params.len())
             && snapshot.done.len() == self.changes.done.len()
             && snapshot.samples.len() == self.samplers.len()
             && snapshot.from.is_some() == self.system.following.is_some()
@@ -208,11 +214,16 @@ impl<T: Float> Simulation<T> {
         *self.fingerprint.get_or_init(own)
     }
 
-    /// Runs with what events had set, where that is something else.
-    fn take_up_params(&mut self, set: &[T]) -> Result<(), StepError> {
+    /// Runs with what events had set; of the params that none had set each is that of this run.
+    fn take_up_params(&mut self, snapshot: &Snapshot<T>) -> Result<(), StepError> {
         let mut params = self.system.model.params().to_vec();
-        for (&param, &value) in self.changes.settable.iter().zip(set) {
-            if let Some(slot) = params.get_mut(param) {
+        for (number, &param) in self.changes.settable.iter().enumerate() {
+            let [now, before] = [&snapshot.params, &snapshot.own_params].map(|it| it.get(number));
+            let value = match now == before {
+                true => self.changes.own.get(param),
+                false => now,
+            };
+            if let (Some(slot), Some(&value)) = (params.get_mut(param), value) {
                 *slot = value;
             }
         }
@@ -235,7 +246,7 @@ impl<T: Float> Simulation<T> {
     pub(super) fn take_up(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
         let checked = self.check_snapshot(snapshot);
         checked.map_err(|cause| self.failed(cause))?;
-        self.take_up_params(&snapshot.params)
+        self.take_up_params(snapshot)
             .map_err(|cause| self.failed(cause))?;
         self.shown.forget();
         self.joints_set.clear();
