@@ -287,11 +287,11 @@ impl<T: Scalar> Simulation<T> {
         T::name_event(self, what)
     }
 
-    /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written. Of a generated model that
-    /// was not asked for it (`emit`), it is not a number.
+    /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written.
     ///
     /// # Errors
-    /// A slice of another length; no equilibrium of a node.
+    /// A slice of another length; what a generated model does not emit (`emit`); what does not follow from where the run stands, as inverse dynamics, which
+    /// are asked with accelerations ([`At::rows`]); no equilibrium of a node.
     pub fn evaluate(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
         T::look(self, what, out)
     }

@@ -51,7 +51,7 @@ pub use beyond_stops::PassedStop;
 pub(crate) use drive::Course;
 pub use handover::{Given, Handover};
 pub use moved::Moved;
-use offered::emitted;
+use offered::{emitted, told_by_state};
 use overlooked::Overlooked;
 use sizes::Sizes;
 pub use snapshot::Snapshot;
@@ -445,7 +445,8 @@ impl<T: Float> Simulation<T> {
             let wrong = StepError::length(&format!("{what}{with}"), out.len(), expected);
             return Err(self.failed(wrong));
         }
-        emitted(&**model, what).map_err(|cause| self.failed(cause))?;
+        let offered = told_by_state(what).and_then(|()| emitted(&**model, what));
+        offered.map_err(|cause| self.failed(cause))?;
         if !self.started {
             self.begin()?;
         }

@@ -3,7 +3,8 @@
 use mbd_runtime::nalgebra::{SMatrix, SVector};
 use mbd_runtime::scene::{Dual, Formula};
 use mbd_runtime::{
-    Content, Cost, Model, Options, ParamError, Quantity, Sampling, Simulation, Trajectory, Wrench,
+    Content, Cost, Generic, Model, Options, ParamError, Quantity, Sampling, Simulation, Trajectory,
+    Wrench,
 };
 
 mbd_runtime::model! {
@@ -413,4 +414,63 @@ fn an_output_that_is_not_emitted_is_an_error_and_no_number() {
     simulation
         .record(1.0, &mut plain)
         .expect("a run without outputs");
+}
+
+mbd_runtime::model! {
+    /// A rod on a pin whose inverse dynamics are compiled.
+    model Swinging {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        coordinates: relative;
+        emit: [derivative, inverse_dynamics, partial];
+        body rod {
+            mass: 1 kg,
+            inertia: diag(0.1, 0.1, 0.01) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
+        joint pin: hinge from world to rod.top { axis: y, start: 30 deg }
+    }
+}
+
+#[test]
+fn a_run_is_not_asked_for_what_it_has_no_numbers_for() {
+    use mbd_scene::{Differentiated, Variable};
+    let model = Swinging::new(SwingingParams::default()).expect("no params");
+    let generic = Generic::<f64>::with_defaults(Swinging::scene()).expect("no params");
+    // What acts along the pin at which acceleration? At the right-hand sides of nobody nothing is solved, either.
+    let asked = [
+        Quantity::InverseDynamics,
+        Quantity::Residual,
+        Quantity::Solve,
+        Quantity::Partial(Differentiated::Residual, Variable::State),
+    ];
+    for model in [&model as &dyn Model<f64>, &generic] {
+        let mut run = Simulation::new(model, Options::rk4(0.1)).expect("options");
+        for what in asked {
+            let mut out = vec![0.0; model.layout().len(what)];
+            let refused = run
+                .evaluate(what, &mut out)
+                .expect_err("asked with nothing");
+            assert!(refused.to_string().contains("is asked with"), "{refused}");
+        }
+    }
+    // What a compiled model has no equations for is said before, and no number that is none is handed out.
+    let mut run = Simulation::new(&model, Options::rk4(0.1)).expect("options");
+    let by_state = Quantity::Partial(Differentiated::Derivative, Variable::State);
+    for (what, instead) in [
+        (by_state, "take a `Linearisation`"),
+        (Quantity::Coordinates, "declare an output of them"),
+        (Quantity::MassMatrix, "leave `emit` out"),
+        (Quantity::CentreOfMass, "ask `Generic` of its scene"),
+        (Quantity::FrameJacobian(0, 0), "ask `Generic` of its scene"),
+    ] {
+        assert!(!model.emits(what) && generic.emits(what), "{what}");
+        let mut out = vec![0.0; model.layout().len(what)];
+        let refused = run.evaluate(what, &mut out).expect_err("not emitted");
+        assert!(refused.to_string().contains(instead), "{refused}");
+        let mut own = Simulation::new(&generic, Options::rk4(0.1)).expect("options");
+        own.evaluate(what, &mut out).expect("by the laws");
+        assert!(out.iter().all(|x| x.is_finite()), "{what}");
+    }
+    // Of what a model has nothing there is an empty list.
+    assert!(model.emits(Quantity::Lines) && model.emits(Quantity::Derivative));
 }

@@ -36,7 +36,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
         .filter(|&what| equations.program(what).is_none() && !layout.spells_out(what))
         .map(quantity_path)
         .collect();
-    let on_numbers = (!on_numbers.is_empty()).then(|| {
+    let by_numbers = (!on_numbers.is_empty()).then(|| {
         quote! {
             #(#on_numbers)|* => {
                 ::mbd_runtime::scene::sensitivity(what, &declared().layout, at, out);
@@ -56,7 +56,7 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
     let evaluation = quote! {
         match what {
             #(#arms)*
-            #on_numbers
+            #by_numbers
             #zeros
             // Not emitted: loud, not silently zero.
             _ => out.fill(#nan),
@@ -89,14 +89,13 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
         ),
         false => (own, None),
     };
-    let all = layout.quantities().into_iter().chain(layout.derivatives());
-    let missing = all.filter(|&what| equations.program(what).is_none() && layout.spells_out(what));
-    let missing: Vec<TokenStream> = missing.map(quantity_path).collect();
-    // A model that emits everything says nothing of it.
-    let emits = (!missing.is_empty()).then(|| {
+    // A list of nothing has its value in every model; the skeleton of one that has mistakes has no equations at all.
+    let present = equations.programs.iter().map(|(what, _)| *what);
+    let present: Vec<TokenStream> = present.map(quantity_path).chain(on_numbers).collect();
+    let emits = (!present.is_empty()).then(|| {
         quote! {
             fn emits(&self, what: ::mbd_runtime::Quantity) -> bool {
-                !::core::matches!(what, #(#missing)|*)
+                ::core::matches!(what, #(#present)|*) || declared().layout.len(what) == 0
             }
         }
     });

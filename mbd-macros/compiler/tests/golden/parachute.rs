@@ -1027,34 +1027,14 @@ const _: () = {
             &self.lines
         }
         fn emits(&self, what: ::mbd_runtime::Quantity) -> bool {
-            !::core::matches!(
-                what, ::mbd_runtime::Quantity::Momentum | ::mbd_runtime::Quantity::Lines
-                |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
-                ::mbd_runtime::scene::Variable::State,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
-                ::mbd_runtime::scene::Variable::Node,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
-                ::mbd_runtime::scene::Variable::Parameter,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Derivative,
-                ::mbd_runtime::scene::Variable::Input,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
-                ::mbd_runtime::scene::Variable::State,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
-                ::mbd_runtime::scene::Variable::Node,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
-                ::mbd_runtime::scene::Variable::Parameter,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Balance,
-                ::mbd_runtime::scene::Variable::Input,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
-                ::mbd_runtime::scene::Variable::State,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
-                ::mbd_runtime::scene::Variable::Node,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
-                ::mbd_runtime::scene::Variable::Parameter,) |
-                ::mbd_runtime::Quantity::Partial(::mbd_runtime::scene::Differentiated::Outputs,
-                ::mbd_runtime::scene::Variable::Input,)
-            )
+            ::core::matches!(
+                what, ::mbd_runtime::Quantity::AnchorStates |
+                ::mbd_runtime::Quantity::Derivative | ::mbd_runtime::Quantity::Rates |
+                ::mbd_runtime::Quantity::Balance | ::mbd_runtime::Quantity::Guards |
+                ::mbd_runtime::Quantity::Outputs | ::mbd_runtime::Quantity::Energy |
+                ::mbd_runtime::Quantity::MassMatrix | ::mbd_runtime::Quantity::BiasForce
+                | ::mbd_runtime::Quantity::Forces
+            ) || declared().layout.len(what) == 0
         }
         fn inner_stages(
             &self,

@@ -1,7 +1,8 @@
 //! Which runs are offered: what a method cannot do with a model, and a model without what its caller supplies, is refused before anything runs.
 
 use mbd_scene::{
-    Coordinate, Float, Formula, InputSlots, InputSource, Joint, Model, NodeModel, Quantity, Scene,
+    Coordinate, Differentiated, Float, Formula, InputSlots, InputSource, Joint, Layout, Model,
+    NodeModel, Quantity, Scene,
 };
 
 use crate::columns::{input_name, node_name};
@@ -14,8 +15,43 @@ pub(super) fn emitted<T: Float>(model: &dyn Model<T>, what: Quantity) -> Result<
         true => Ok(()),
         false => Err(StepError::Unsupported {
             what: format!("{what} of a model that does not emit them"),
-            instead: "add them to the `emit` of its declaration, or leave `emit` out".into(),
+            instead: instead_of(what, model.layout()).into(),
         }),
+    }
+}
+
+/// Whether a quantity follows from where a run stands: not one that is asked with numbers of its own.
+pub(super) fn told_by_state(what: Quantity) -> Result<(), StepError> {
+    match what {
+        Quantity::InverseDynamics
+        | Quantity::Residual
+        | Quantity::ProjectionStep
+        | Quantity::Solve
+        | Quantity::Partial(Differentiated::Residual, _) => Err(StepError::Unsupported {
+            what: format!(
+                "{what} of a run, without the accelerations or right-hand sides that it is asked with (`At::rows`),"
+            ),
+            instead:
+                "give them: `Model::evaluate`, the method of a generated model, `inverse_dynamics`"
+                    .into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What gives a quantity that a compiled model does not emit.
+fn instead_of(what: Quantity, layout: &Layout) -> &'static str {
+    match what {
+        Quantity::Partial(..) | Quantity::Residual | Quantity::Factor | Quantity::Solve => {
+            "take a `Linearisation`, or `linearise`, which finds the derivatives of every model"
+        }
+        Quantity::Coordinates | Quantity::JointCoordinates | Quantity::Bodies => {
+            "declare an output of them, or ask `Generic` of its scene"
+        }
+        what if layout.quantities().contains(&what) => {
+            "add them to the `emit` of its declaration, or leave `emit` out"
+        }
+        _ => "add them to the `emit` of its declaration, or ask `Generic` of its scene",
     }
 }
 
