@@ -206,6 +206,17 @@ fn after_an_error_every_name_is_still_there() {
 }
 
 #[test]
+fn a_refused_name_of_rust_breaks_nothing_else() {
+    let tokens: TokenStream = "model Weight { gravity: none; point r#type { mass: 1 kg } }"
+        .parse()
+        .expect("tokens");
+    // Formatting reads it as Rust.
+    let text = formatted(compile(tokens));
+    assert!(text.contains("`r#type` cannot be a name"), "{text}");
+    assert!(text.contains("pub fn set_type"), "{text}");
+}
+
+#[test]
 fn the_documentation_of_an_input_says_its_unit_and_its_default() {
     let tokens: TokenStream = "pub model Kite {
         gravity: none;

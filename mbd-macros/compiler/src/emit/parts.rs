@@ -28,7 +28,8 @@ pub fn parts(context: &EmitContext) -> TokenStream {
     let mut taken: HashSet<String> = TAKEN.iter().map(ToString::to_string).collect();
     let mut functions = TokenStream::new();
     for family in families(context) {
-        let setter = format!("set_{}", family.name);
+        // `r#type` is refused as a name; the skeleton of its model is Rust all the same.
+        let setter = format!("set_{}", family.name.trim_start_matches("r#"));
         let free = !taken.contains(family.name) && !taken.contains(&setter);
         if free {
             functions.extend(accessors(context, &family, &setter));
