@@ -10,6 +10,8 @@
 
 mod search;
 
+use std::sync::Arc;
+
 use mbd_scene::similar::near_and_all;
 use mbd_scene::{Model, plain};
 
@@ -22,8 +24,8 @@ use crate::{RunError, Simulation};
 pub(crate) use search::find;
 
 /// What is looked for: see [`trim`].
-pub struct Trim<'m, T: Scalar> {
-    model: &'m dyn Model<T>,
+pub struct Trim<T: Scalar> {
+    model: Arc<dyn Model<T>>,
     asked: TrimProblem,
 }
 
@@ -232,14 +234,14 @@ impl From<LinearisationError> for TrimError {
 /// # }
 /// ```
 #[must_use]
-pub fn trim<T: Scalar>(model: &(impl Model<T> + Sized)) -> Trim<'_, T> {
+pub fn trim<T: Scalar>(model: &(impl Model<T> + ?Sized)) -> Trim<T> {
     Trim {
-        model,
+        model: model.share(),
         asked: TrimProblem::default(),
     }
 }
 
-impl<T: Scalar> Trim<'_, T> {
+impl<T: Scalar> Trim<T> {
     /// The time at which prescribed motions stand [s]; 0 else.
     #[must_use]
     pub fn at(mut self, time: f64) -> Self {
@@ -336,7 +338,7 @@ impl<T: Scalar> Trim<'_, T> {
     /// # Errors
     /// [`TrimError`].
     pub fn solve(&self) -> Result<Trimmed, TrimError> {
-        T::find_trim(self.model, &self.asked)
+        T::find_trim(&*self.model, &self.asked)
     }
 }
 
@@ -344,9 +346,9 @@ impl<T: Scalar> Simulation<T> {
     /// Looks for a rest from where this run stands, as [`trim`] does: with the params, the locks and what is detached as its events left them, the turns of
     /// its angles, its inputs and nodes. It does not change the run; [`Simulation::set_rest`] takes it to what is found.
     #[must_use]
-    pub fn trim(&self) -> Trim<'_, T> {
+    pub fn trim(&self) -> Trim<T> {
         let asked = TrimProblem::default();
-        let model = &**self.model();
+        let model = self.model().clone();
         Trim { model, asked }.begin_at(self)
     }
 
