@@ -400,10 +400,11 @@ impl<T: Scalar> Simulation<T> {
         T::drive(self, until, None, &mut |_| true)
     }
 
-    /// Runs until a time [s] and records rows; after an error the rows so far are kept.
+    /// Runs until a time [s] and records rows; after an error the rows so far are kept. A history that has rows goes on from where its run ended; before
+    /// another run [`clear`](Trajectory::clear) it.
     ///
     /// # Errors
-    /// As [`Simulation::run`].
+    /// As [`Simulation::run`]; a history of another model, or of a run that ended later than this one stands.
     pub fn record(&mut self, until: f64, trajectory: &mut Trajectory) -> Result<Stop, RunError> {
         T::drive(self, until, Some(trajectory), &mut |_| true)
     }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 use mbd_scene::metrics::Take;
-use mbd_scene::{Float, Layout, Model, Scene};
+use mbd_scene::{Float, Layout, Model, Scene, plain};
 
 use crate::columns::Name;
 use crate::content::Content;
@@ -423,6 +423,16 @@ impl Trajectory {
             return Err(StepError::Unsupported {
                 what: "a history of another model".into(),
                 instead: "make one with `Trajectory::new` of the model that runs".into(),
+            });
+        }
+        if self.end - time > resolution(time) {
+            return Err(StepError::Unsupported {
+                what: format!(
+                    "a history of a run until {} s for one that stands at {} s",
+                    plain(self.end, 10),
+                    plain(time, 10)
+                ),
+                instead: "`clear` it before another run, or make a new one".into(),
             });
         }
         let invalid = |value: f64| {

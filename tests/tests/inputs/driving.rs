@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
 
 use mbd_runtime::{
-    External, Generic, Linearisation, LinearisationError, Model, Options, Quantity, RunError,
-    Simulation, StepError, model,
+    Content, External, Generic, Linearisation, LinearisationError, Model, Options, Quantity,
+    RunError, Sampling, Simulation, StepError, Trajectory, model,
 };
 
 model! {
@@ -339,4 +339,56 @@ fn a_run_outlives_the_model_it_was_made_of_and_moves_to_a_thread() {
         .collect();
     let near: Vec<Vec<f64>> = open().runs.into_iter().map(here).collect();
     assert_eq!(there, near);
+}
+
+model! {
+    /// A stone that falls from where it is put.
+    model Stone {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        point stone { mass: 1 kg }
+        output height = stone.position.z;
+    }
+}
+
+#[test]
+fn a_history_takes_no_rows_of_a_run_that_stands_before_its_end() {
+    let stone = Stone::new(StoneParams::default()).expect("no params");
+    for sampling in [
+        Sampling::Steps,
+        Sampling::Every(0.25),
+        Sampling::At(vec![0.5, 1.0]),
+    ] {
+        let mut history = Trajectory::new(&stone, sampling, Content::RESULTS);
+        let mut run = Simulation::new(&stone, Options::rk4(0.125)).expect("options");
+        let falls = |height: f64| height - 0.5 * 9.81;
+        let mut end = |height: f64, clears: bool| {
+            run.set_state(0.0, &[0.0, 0.0, height, 0.0, 0.0, 0.0])?;
+            if clears {
+                history.clear();
+            }
+            run.record(0.5, &mut history)?;
+            run.record(1.0, &mut history)?;
+            let heights = history.column("height").expect("an output");
+            Ok::<f64, RunError>(*heights.last().expect("a row"))
+        };
+        let first = end(10.0, false).expect("an empty one");
+        assert!((first - falls(10.0)).abs() < 1e-12, "{first}");
+        // On a grid it would have stayed the history of the first fall.
+        let refused = end(20.0, false).expect_err("that of another fall");
+        assert!(refused.to_string().contains("`clear` it"), "{refused}");
+        let second = end(30.0, true).expect("an empty one");
+        assert!((second - falls(30.0)).abs() < 1e-12, "{second}");
+    }
+}
+
+#[test]
+fn a_balance_is_found_for_a_model_whatever_its_type_is_known_as() {
+    let (hoist, _) = hoist();
+    let known: &dyn Model<f64> = &hoist;
+    let [one, other] = [
+        mbd_runtime::trim(known).solve(),
+        mbd_runtime::trim(&hoist).solve(),
+    ]
+    .map(|rest| rest.expect("it hangs still").state);
+    assert_eq!(one, other);
 }
