@@ -53,7 +53,7 @@ pub use handover::{Given, Handover};
 pub use moved::Moved;
 use offered::{emitted, told_by_state};
 use overlooked::Overlooked;
-use sizes::Sizes;
+use sizes::RunSizes;
 pub use snapshot::Snapshot;
 use stability::Meter;
 
@@ -197,7 +197,7 @@ pub struct Simulation<T: Float> {
     /// How the energy is read.
     meter: Meter,
     /// What is small and what is stiff, for the params of now.
-    sizes: Sizes,
+    sizes: RunSizes,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
     /// What rounding of time makes of what follows it, and whether anything does.

@@ -17,7 +17,7 @@ const FIXED: f64 = 1e-10;
 
 /// They of one model with its params.
 #[derive(Debug)]
-pub(super) struct Sizes {
+pub(super) struct RunSizes {
     scales: Scales,
     resolution: Resolution,
     /// What rounding of positions makes of forces.
@@ -30,7 +30,7 @@ pub(super) struct Sizes {
     finest: f64,
 }
 
-impl Sizes {
+impl RunSizes {
     /// They of the model that a system has.
     pub(super) fn of<T: Float>(system: &mut System<T>, options: &Options) -> Self {
         let model = system.model.clone();
@@ -39,7 +39,7 @@ impl Sizes {
         let stiffness = Stiffness::new(&*model, system.numbers().clone());
         let arm = system.projection.any().then(|| system.reach());
         let joined = (model.layout(), model.scene().joints.as_slice());
-        Sizes {
+        RunSizes {
             scales,
             resolution: Resolution::new(model.layout(), &stiffness, scales),
             rounding: Rounding::new(joined, &stiffness, scales, arm),
@@ -76,7 +76,7 @@ impl Sizes {
 impl<T: Float> Simulation<T> {
     /// Measures by the params that the system has now.
     pub(super) fn take_sizes(&mut self) {
-        self.sizes = Sizes::of(&mut self.system, &self.options);
+        self.sizes = RunSizes::of(&mut self.system, &self.options);
         let sizes = &self.sizes;
         self.margins
             .read_lines(&*self.system.model, |acting| sizes.passing(acting));

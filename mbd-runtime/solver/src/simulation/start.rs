@@ -13,7 +13,7 @@ use super::act::Changes;
 use super::moved::{Moved, moved};
 use super::offered::{differentiable, offered, stepwise, unsupplied};
 use super::overlooked::Overlooked;
-use super::sizes::Sizes;
+use super::sizes::RunSizes;
 use super::stability::Meter;
 use super::{Pace, Simulation, Snapshot, WorldState};
 use crate::chatter::Chatter;
@@ -59,7 +59,7 @@ impl<T: Float> Simulation<T> {
         let mut system = System::new(model.clone(), controls, options.work);
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
-        let sizes = Sizes::of(&mut system, &options);
+        let sizes = RunSizes::of(&mut system, &options);
         let fixed = options.method.fixed_step().is_some();
         let length = system.length();
         let layout = model.layout();
