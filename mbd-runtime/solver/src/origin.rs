@@ -317,7 +317,7 @@ impl<T: Float> System<T> {
         };
         let number = |index: usize| state.get(index).map_or(0.0, |x| x.to_f64());
         let away = following.away(self.model.layout(), number);
-        let [position, _] = away;
+        let [position, velocity] = away;
         if position.iter().all(|x| x.abs() <= length) {
             return false;
         }
@@ -325,23 +325,27 @@ impl<T: Float> System<T> {
         for (number, from) in state.iter_mut().zip(&following.measured.state) {
             *number -= T::from_f64(from.of(&away));
         }
-        self.memory.shift(position.map(T::from_f64));
+        let by = [position, velocity].map(|vector| vector.map(T::from_f64));
+        self.memory.shift(self.model.layout(), by);
         self.measure_from_origin();
         true
     }
 }
 
 impl<T: Float> NodeMemory<T> {
-    /// Measures places from where the origin was moved on by.
-    fn shift(&mut self, by: [T; 3]) {
-        for place in self
-            .nodes
-            .chunks_exact_mut(3)
-            .chain(self.anchors.chunks_exact_mut(3))
-        {
-            for (number, by) in place.iter_mut().zip(by) {
+    /// Measures places, and velocities of nodes, from where the origin was moved on by, and from what it is faster by.
+    fn shift(&mut self, layout: &Layout, [position, velocity]: [[T; 3]; 2]) {
+        let shift = |vector: &mut [T], by: [T; 3]| {
+            for (number, by) in vector.iter_mut().zip(by) {
                 *number -= by;
             }
+        };
+        let (nodes, anchors) = (&mut self.nodes, &mut self.anchors);
+        let places = nodes.chunks_exact_mut(3).chain(anchors.chunks_exact_mut(3));
+        places.for_each(|place| shift(place, position));
+        for at in layout.nodes.iter().filter_map(|node| node.velocity) {
+            let own = self.effective.get_mut(at..at + 3);
+            shift(own.unwrap_or_default(), velocity);
         }
     }
 }
