@@ -21,6 +21,11 @@ impl Chatter {
         }
     }
 
+    /// Forgets all of them: a run that goes back to an earlier time comes to them again.
+    pub(crate) fn forget(&mut self) {
+        self.times.fill(f64::NEG_INFINITY);
+    }
+
     /// Records a switch or an action; true when [`MOST_SWITCHES`] fell into one window.
     pub(crate) fn sees(&mut self, time: f64) -> bool {
         let Some(slot) = self.times.get_mut(self.next) else {

@@ -19,6 +19,7 @@
 //! measured against the heavy one, too. Source: derived, from a stretch d − L0 whose d comes from positions rounded to ε |p|.
 
 use mbd_scene::{Directions, Float, Joint, Layout, Part, Place};
+use serde::{Deserialize, Serialize};
 
 use crate::integrate::Scales;
 use crate::moving::{Moving, Owners, moving};
@@ -68,7 +69,7 @@ pub(crate) struct Affected {
 }
 
 /// (3) so far, for quantities of different units each by itself.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TimeRounding {
     /// The largest change and the largest rate of each.
     most: Vec<[f64; 2]>,
@@ -76,6 +77,12 @@ pub(crate) struct TimeRounding {
 }
 
 impl TimeRounding {
+    /// Copies another one into the room of this one.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.most.clone_from(&other.most);
+        self.looks = other.looks;
+    }
+
     /// How far apart times are that formulas tell apart [s]; `None` where that is close enough for whatever moves.
     pub(crate) fn coarseness<T: Float>(time: f64) -> Option<f64> {
         let apart = T::EPSILON.to_f64() * time.abs();

@@ -210,6 +210,8 @@ pub struct Simulation<T: Float> {
     columns: OnceCell<u64>,
     /// The last good state, for fixed steps that turn out too long.
     good: Snapshot<T>,
+    /// Steps that the run made elsewhere, before it was restored here; those that were made here and do not belong to it count back, modulo 2^64.
+    steps_elsewhere: u64,
     /// Fixed steps count from here, so that time does not accumulate rounding.
     origin: f64,
     count: u64,

@@ -8,6 +8,7 @@ use mbd_runtime::{
     Generic, Method, Model, Options, RunError, Simulation, Snapshot, StepError, model,
 };
 use serde_json::{Value, json};
+use tests::declared::read;
 
 model! {
     /// A cart on a spring that carries a wheel; a knot between two lines, of which one lets go; latches.
@@ -331,4 +332,85 @@ fn a_run_that_has_got_a_controller_goes_back_from_steps_that_are_too_long() {
         matches!(error.cause, StepError::UnstableStep { .. }),
         "{error}"
     );
+}
+
+/// The state of a run, and what it tells of itself and of what happened since a time [s].
+fn told(run: &Simulation<f64>, since: f64) -> (Vec<u64>, String) {
+    let happened = run.events().iter().filter(|event| event.time > since);
+    let told = [
+        format!("{:?}", run.imbalance()),
+        format!("{:e}", run.rounding()),
+        format!("{:?}", happened.collect::<Vec<_>>()),
+    ];
+    (bits(run), told.join("; "))
+}
+
+#[test]
+fn a_run_that_went_beyond_goes_back_to_the_bit() {
+    // Lines that come taut at a node on dampers: what switches at an instant may do so without a step.
+    let capsule = read(
+        "model Capsule {
+           gravity: [0, 0, -9.81] m/s^2;
+           body capsule {
+             mass: 100 kg, inertia: full { xx: 20, yy: 30, zz: 25, xy: 2 } kg*m^2 (matrix elements),
+             frame lug[i in 0..3] at polar(0.6 m, i * 120 deg, 0.5 m),
+             start at [0, 0, 30] m velocity [3, 0, 0] m/s angular_velocity [0.1, 0.2, 0.3] rad/s
+           }
+           body chute {
+             mass: 8 kg, inertia: diag(60, 60, 30) kg*m^2, frame end at [0, 0, -8] m,
+             start at [0, 0, 43.5] m
+           }
+           point knot { equilibrium: rate }
+           joint flies: free from world to capsule.com
+           joint hangs: free from world to chute.com
+           line riser from chute.end to knot { free_length: 3 m, stiffness: 20 kN/m, damping: 200 N*s/m }
+           line leg[i in 0..3] from capsule.lug[i] to knot
+             { free_length: 2 m, stiffness: 20 kN/m, damping: 100 N*s/m }
+           load drag on chute = -3 kg/m * norm(chute.velocity) * chute.velocity;
+         }",
+    );
+    let model = Generic::<f64>::with_defaults(capsule).expect("defaults");
+    for options in [|| Options::tsit5(1e-6), || Options::rk4(5e-3)] {
+        for time in [0.0, 0.52, 0.9] {
+            let new = || Simulation::new(&model, options()).expect("options that fit");
+            let mut whole = new();
+            whole.start().expect("a start");
+            whole.run(time).expect("it runs");
+            let saved = whole.snapshot();
+            whole.run(2.0).expect("it runs");
+            let all = told(&whole, time);
+            // Where it comes to the same instants again, in the same run and in one that has been elsewhere.
+            whole.restore(&saved).expect("of the same run");
+            whole.run(2.0).expect("it runs");
+            assert_eq!(told(&whole, time), all, "{time}");
+            let mut other = new();
+            other.run(1.3).expect("it runs");
+            other.restore(&saved).expect("of the same model");
+            other.run(2.0).expect("it runs");
+            assert_eq!(told(&other, time), all, "{time}");
+        }
+    }
+}
+
+#[test]
+fn what_happened_many_times_after_a_snapshot_is_no_chatter_before_it() {
+    let clock = read(
+        "model Clock {
+           gravity: none;
+           state next = 20 ms { rate: 0 }
+           state ticks = 0 { rate: 0 }
+           event tick = time rises next { set: [next = next + 20 ms, ticks = ticks + 1] }
+         }",
+    );
+    let model = Generic::<f64>::with_defaults(clock).expect("defaults");
+    for options in METHODS {
+        let mut run = Simulation::new(&model, options()).expect("options that fit");
+        run.run(0.51).expect("it runs");
+        let saved = run.snapshot();
+        run.run(6.01).expect("it runs");
+        run.restore(&saved).expect("of the same run");
+        run.run(6.01).expect("a clock does not chatter");
+        assert_eq!(run.state()[1], 300.0);
+        assert_eq!(run.events().len(), 300);
+    }
 }

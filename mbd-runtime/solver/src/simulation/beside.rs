@@ -123,7 +123,7 @@ impl<T: Float> Simulation<T> {
         if !is_this || inside || !held || !nodes || recorded {
             return 0;
         }
-        let counted = OFTEN - 1 - system.counters.steps % OFTEN;
+        let counted = OFTEN - 1 - self.steps_of_run() % OFTEN;
         let tried = self.options.max_steps.saturating_sub(course.trials);
         // The step before the last that ends before the next instant that counts does so by more than rounding.
         let row = history.due().unwrap_or(f64::INFINITY);

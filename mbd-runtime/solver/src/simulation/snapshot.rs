@@ -13,6 +13,7 @@ use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::origin::MovingOrigin;
 use crate::rearm::Rearmed;
+use crate::rounding::TimeRounding;
 use crate::supply::{Sampler, check_numbers};
 use crate::trajectory::resolution;
 use crate::watch::Watch;
@@ -31,6 +32,9 @@ pub struct Snapshot<T> {
     time: f64,
     origin: f64,
     count: u64,
+    /// Steps of the run: what is looked at now and then is looked at after the same ones.
+    #[serde(default)]
+    steps: u64,
     state: Vec<T>,
     /// What rounding took from the state, in single precision.
     #[serde(default = "Vec::new")]
@@ -50,6 +54,14 @@ pub struct Snapshot<T> {
     /// Per margin what of a guard that the joints hold is rounding; empty in a snapshot that was written before it was kept.
     #[serde(default)]
     held_guards: Vec<Option<f64>>,
+    /// Whether a switch happened at this time without a step.
+    #[serde(default)]
+    stalled: bool,
+    /// The most that rounding of positions and of time made so far.
+    #[serde(default)]
+    rounded: f64,
+    #[serde(default)]
+    time_rounding: TimeRounding,
     drift: f64,
     rows: SavedStrategy,
     /// The inputs that are held, and whether that is nobody's gift.
@@ -108,6 +120,7 @@ impl<T: Float> Simulation<T> {
         to.time = self.time;
         to.origin = self.origin;
         to.count = self.count;
+        to.steps = self.steps_of_run();
         to.state.clone_from(&self.state);
         to.lost.clear();
         to.lost.extend_from_slice(self.method.lost());
@@ -125,6 +138,9 @@ impl<T: Float> Simulation<T> {
         to.sides.clone_from(&self.margins.sides);
         to.rearmed.clone_from(&self.margins.rearmed);
         to.held_guards.clone_from(&self.margins.held);
+        to.stalled = self.stalled == self.time;
+        to.rounded = self.rounded;
+        to.time_rounding.copy_from(&self.time_rounding);
         to.drift = self.system.drift;
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
@@ -259,6 +275,7 @@ impl<T: Float> Simulation<T> {
         self.events.retain(|it| it.time <= snapshot.time);
         self.changes.all.retain(|it| it.time <= snapshot.time);
         (self.origin, self.count) = (snapshot.origin, snapshot.count);
+        self.steps_elsewhere = snapshot.steps.wrapping_sub(self.system.counters.steps);
         if let Pace::Fixed(size) = self.pace
             && (self.origin + self.count as f64 * size - self.time).abs() > resolution(self.time)
         {
@@ -292,6 +309,13 @@ impl<T: Float> Simulation<T> {
         let held = self.margins.held.iter_mut();
         let saved = held.zip(&snapshot.held_guards);
         saved.for_each(|(own, saved)| *own = *saved);
+        self.stalled = match snapshot.stalled {
+            true => snapshot.time,
+            false => f64::NAN,
+        };
+        self.chatter.forget();
+        self.rounded = snapshot.rounded;
+        self.time_rounding.copy_from(&snapshot.time_rounding);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             control.resume(saved);
         }

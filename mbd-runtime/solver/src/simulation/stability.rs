@@ -149,7 +149,7 @@ impl<T: Float> Simulation<T> {
         match self.meter {
             Meter::Nothing => Ok(()),
             // The step to be taken is not counted yet.
-            Meter::Laws if !(self.system.counters.steps + 1).is_multiple_of(SELDOM) => Ok(()),
+            Meter::Laws if !self.steps_of_run().wrapping_add(1).is_multiple_of(SELDOM) => Ok(()),
             _ => self.watch_energy(step),
         }
     }
@@ -301,6 +301,12 @@ impl<T: Float> Simulation<T> {
         f64::is_finite(power).then_some(power)
     }
 
+    /// The accepted steps of the run, wherever they were made: what is done now and then follows them.
+    pub(super) fn steps_of_run(&self) -> u64 {
+        let made = self.system.counters.steps;
+        made.wrapping_add(self.steps_elsewhere)
+    }
+
     /// After an accepted step, now and then: what rounding makes of forces there, and a state in which nothing grows is remembered.
     ///
     /// # Errors
@@ -308,7 +314,7 @@ impl<T: Float> Simulation<T> {
     #[inline]
     pub(super) fn look_back(&mut self) -> Result<(), StepError> {
         // What is done more seldom is done at one of these steps, too.
-        match self.system.counters.steps.is_multiple_of(OFTEN) {
+        match self.steps_of_run().is_multiple_of(OFTEN) {
             true => self.look_back_now(),
             false => Ok(()),
         }
@@ -423,7 +429,7 @@ impl<T: Float> Simulation<T> {
         } else {
             OFTEN
         };
-        if !self.watched || !self.system.counters.steps.is_multiple_of(every) {
+        if !self.watched || !self.steps_of_run().is_multiple_of(every) {
             return;
         }
         if self.watch.is_calm(self.excess_now()) {

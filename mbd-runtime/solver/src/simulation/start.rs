@@ -171,6 +171,7 @@ impl<T: Float> Simulation<T> {
             good: Snapshot::default(),
             sizes,
             rounded: 0.0,
+            steps_elsewhere: 0,
             time_rounding: TimeRounding::default(),
             reads_time: OnceCell::new(),
             bodies: vec![T::zero(); bodies],
@@ -354,12 +355,13 @@ impl<T: Float> Simulation<T> {
         self.settle_clocks(&clocks)?;
         self.begin_behind()?;
         self.find_held_guards()?;
-        self.begin_balance();
-        self.begin_momentum();
         self.rounded = 0.0;
         self.time_rounding = TimeRounding::default();
         self.watch_rounding()?;
-        self.watch_time()
+        self.watch_time()?;
+        self.begin_balance();
+        self.begin_momentum();
+        Ok(())
     }
 }
 
