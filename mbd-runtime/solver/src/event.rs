@@ -70,6 +70,8 @@ pub(crate) struct Margins {
     watched: Vec<WatchedGuard>,
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
+    /// The same where they were kept.
+    kept_sides: Vec<bool>,
     /// Per watched margin, of an event whose guard the joints hold at its value, what of it is rounding there (`held_guards`).
     pub held: Vec<Option<f64>>,
     /// Per watched margin, of an event that its own action armed again, when and where.
@@ -203,6 +205,7 @@ impl Margins {
             held: vec![None; count],
             rearmed: vec![Rearmed::default(); count],
             sides: vec![false; scene.events.len()],
+            kept_sides: vec![false; scene.events.len()],
             resolved: 0.0,
             delay: longest_delay(model.lines()),
             places,
@@ -515,6 +518,32 @@ impl Margins {
             }
         }
         decided
+    }
+
+    /// Keeps the sides of declared events as they are now.
+    pub(crate) fn keep_sides(&mut self) {
+        self.kept_sides.copy_from_slice(&self.sides);
+    }
+
+    /// Whether some are others than those that were kept.
+    pub(crate) fn have_passed(&self) -> bool {
+        self.kept_sides != self.sides
+    }
+
+    /// Whether a declared event that nothing holds is on another side than the one that was kept, and was not armed again.
+    pub(crate) fn has_passed(&self, index: usize) -> bool {
+        let event = self.event_of(index);
+        let sides = event.map(|event| [&self.sides, &self.kept_sides].map(|all| all.get(event)));
+        sides.is_some_and(|[now, kept]| now != kept) && !self.is_held(index)
+    }
+
+    /// Moves what counts as the value of a guard away from it by what of it is rounding: it has passed, and is back by more than that only.
+    pub(crate) fn clear_rounding(&mut self, index: usize, rounding: f64) {
+        let event = self.event_of(index);
+        let side = event.and_then(|event| self.sides.get(event));
+        if let (Some(positive), Some(rearmed)) = (side, self.rearmed.get_mut(index)) {
+            rearmed.value = if *positive { -rounding } else { rounding };
+        }
     }
 
     /// Moves what counts as the value of a guard that was let go by the noise of its evaluation, a part of what was rounding while it was held, away from

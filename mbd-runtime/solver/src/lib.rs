@@ -24,6 +24,7 @@ mod displace;
 mod error;
 mod event;
 mod fallback;
+mod far_guards;
 mod generated;
 mod generic;
 mod held_guards;

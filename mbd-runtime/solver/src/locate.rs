@@ -450,10 +450,15 @@ impl<T: Float> Simulation<T> {
 
     /// Margins at the accepted state after something jumped there; declared events that jumped past their zero happen now.
     pub(crate) fn begin_noting(&mut self) -> Result<(), StepError> {
+        self.margins.keep_sides();
         let mut crossed = std::mem::take(&mut self.crossed);
         let noted = self.note_crossed(&mut crossed);
         self.crossed = crossed;
-        noted
+        noted?;
+        match self.system.following {
+            Some(_) => self.settle_far_guards(),
+            None => Ok(()),
+        }
     }
 
     /// Notes what has happened and lets it act, until nothing more happens at this instant.

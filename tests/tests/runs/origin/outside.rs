@@ -1,5 +1,6 @@
 //! What the outside gives and gets is in the world: states, histories, events, energies, controllers, snapshots, what goes on in another model.
 
+use mbd_compiler::Interpreted;
 use mbd_runtime::{Content, Generic, Options, Sampling, Simulation, Trajectory};
 use mbd_scene::Scene;
 use tests::assert_close;
@@ -123,6 +124,77 @@ fn a_stepwise_node_with_its_memory_is_the_same_wherever_the_origin_is() {
             let (_, near) = moved.near_origin().expect("it follows");
             assert!(near[..3].iter().all(|x| x.abs() < 101.0), "{near:?}");
         }
+    }
+}
+
+/// A stone on a riser under two lines to points that are braked: lines of 2 m.
+fn braked(family: &str) -> Scene {
+    read(&format!(
+        "model Braked {{
+           coordinates: {family};
+           gravity: [0, 0, -9.81] m/s^2;
+           origin: follows stone;
+           body stone {{
+             mass: 10 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, frame top at [0, 0.1, 0.3] m,
+             start at [0, 0, 3000] m velocity [3, 0, -20] m/s
+           }}
+           joint flies: free from world to stone.com
+           point knot {{ equilibrium: stepwise }}
+           point brake[i in 0..2] {{ mass: 0.5 kg, start at [i - 0.5, 0, 3004.5] m velocity [3, 0, -20] m/s }}
+           line riser from stone.top to knot {{ free_length: 2 m, stiffness: 2 kN/m, damping: 60 N*s/m }}
+           line leg[i in 0..2] from knot to brake[i] {{ free_length: 2 m, stiffness: 1 kN/m, damping: 30 N*s/m }}
+           load air[i in 0..2] on brake[i] = -0.3 kg/m * norm(brake[i].velocity) * brake[i].velocity;
+         }}"
+    ))
+}
+
+#[test]
+fn what_a_stepwise_node_damps_is_the_same_at_the_steps_after_which_the_origin_moves_on() {
+    for family in ["absolute", "relative"] {
+        let follows = braked(family);
+        let mut stays = follows.clone();
+        stays.runs.origin = None;
+        let [moving, still] = [follows, stays].map(|scene| {
+            let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+            let options = Options {
+                work: true,
+                ..Options::rk4(2e-3)
+            };
+            let mut run = Simulation::new(&model, options).expect("options");
+            let mut history = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+            run.record(3.0, &mut history)
+                .unwrap_or_else(|error| panic!("{error}"));
+            history
+        });
+        for name in ["power.dampers", "work.dampers", "riser.tension"] {
+            let [a, b] = [&moving, &still].map(|history| history.column(name).expect("a column"));
+            let size = b.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+            assert_close(a, b, 0.0, 1e-6 * size, &format!("{family} {name}"));
+        }
+    }
+}
+
+#[test]
+fn a_place_in_the_world_is_passed_once_however_its_last_digits_go_up_and_down() {
+    // 6.4e6 m away the world has digits of 1e-9 m, and a place there is the sum of that of the origin and of what is measured from it.
+    for guard in ["dart.position.x", "norm(dart.position)"] {
+        let scene = read(&format!(
+            "model Passing {{
+               gravity: [-9.81, 0, 0] m/s^2;
+               origin: follows dart;
+               state passed = 0 {{ rate: 0 }}
+               point dart {{ mass: 1 kg, start at [6.4001e6, 0, 0] m velocity [-30, 1200, 3] m/s }}
+               point tail {{ mass: 1 kg, start at [6.4001e6, 2, 0] m velocity [-30, 1200, 3] m/s }}
+               spring tie from dart to tail {{ free_length: 1 m, stiffness: 400 N/m }}
+               event mark[i in 0..400] = {guard} falls 6.4001e6 m - (i + 1) * 0.0625 m
+                 {{ set: passed = passed + 1 }}
+             }}"
+        ));
+        let model = Interpreted::<f64>::new(scene, &[]).expect("no params");
+        let mut run = Simulation::new(&model, Options::rodas5p(1e-8)).expect("options");
+        run.run(0.8).unwrap_or_else(|error| panic!("{error}"));
+        let passed = run.state().last().copied();
+        assert_eq!((passed, run.events().len()), (Some(400.0), 400), "{guard}");
     }
 }
 
