@@ -2,8 +2,9 @@
 
 use super::model::docs;
 use super::words::{self, Clause, ItemWord};
-use super::{ClauseValue, Cursor, Item, NameSyntax, ValueSyntax, Word};
+use super::{ClauseValue, Cursor, Item, NameSyntax, ValueSyntax, Word, foreign};
 use crate::lexeme::{Bracket, LexemeIndex, LexemeKind, Region};
+use crate::messages::resolve::unknown_field;
 use crate::messages::{LexemeMessage, Messages, similar, syntax as say};
 
 /// Reads all items of a model, or all fields of an item (`inside`).
@@ -187,7 +188,11 @@ fn no_colon(cursor: &Cursor<'_>, field: &Word) -> LexemeMessage {
         Some(value) if ends(&behind, true) => {
             say::no_colon(value.at.into(), &field.text, &value.text)
         }
-        _ => cursor.expected(&format!("`:` and a value after `{}`", field.text)),
+        // What another item or place has, as `velocity [1, 0, 0] m/s` behind the comma after a start.
+        _ => foreign::translated(foreign::EXPECTED_FIELDS, &field.text).map_or_else(
+            || cursor.expected(&format!("`:` and a value after `{}`", field.text)),
+            |_| unknown_field(field.at.into(), &field.text, &[]),
+        ),
     }
 }
 
