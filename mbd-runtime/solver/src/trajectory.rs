@@ -28,7 +28,7 @@ pub enum Sampling {
     /// Every so many seconds from the first row on, by the interpolant of the method, and where a run stops; where it goes on that last row is dropped,
     /// unless it is one of the others.
     Every(f64),
-    /// At these times, increasing [s].
+    /// At these times, increasing [s]; none of them before the start of the run, so that row k is that of time k.
     At(Vec<f64>),
 }
 
@@ -461,7 +461,19 @@ impl Trajectory {
                     .find(|pair| !pair.is_sorted_by(|a, b| a < b));
                 let not_after = not_after.and_then(|pair| pair.last());
                 let bad = times.iter().find(|time| !time.is_finite()).or(not_after);
-                bad.map_or(Ok(()), |time| Err(invalid(*time)))
+                bad.map_or(Ok(()), |time| Err(invalid(*time)))?;
+                // Left out, it would part the indices of times and rows.
+                match times.get(self.next).filter(|due| is_past(**due, time)) {
+                    None => Ok(()),
+                    Some(due) => Err(StepError::Unsupported {
+                        what: format!(
+                            "a row at {} s of a run that stands at {} s",
+                            plain(*due, 10),
+                            plain(time, 10)
+                        ),
+                        instead: "leave out the times before it in `Sampling::At`, or let the run stand at the first of them (`set_state`)".into(),
+                    }),
+                }
             }
         }
     }
@@ -476,7 +488,7 @@ impl Trajectory {
             let passed = ((time - self.first) / interval).floor() - 1.0;
             self.next = self.next.max(passed as usize);
         }
-        while self.due().is_some_and(|due| due < time - resolution(time)) {
+        while self.due().is_some_and(|due| is_past(due, time)) {
             self.next += 1;
         }
         match self.due() {
@@ -601,6 +613,11 @@ impl Trajectory {
         self.measures.happens(passed, &event);
         self.events.push((time, event));
     }
+}
+
+/// Whether a row is due before the time at which a run stands.
+fn is_past(due: f64, time: f64) -> bool {
+    due < time - resolution(time)
 }
 
 /// Times closer than this are the same time.

@@ -382,6 +382,44 @@ fn a_history_takes_no_rows_of_a_run_that_stands_before_its_end() {
 }
 
 #[test]
+fn a_history_at_times_has_a_row_of_every_one_of_them() {
+    let stone = Stone::new(StoneParams::default()).expect("no params");
+    let run = || {
+        let mut run = Simulation::new(&stone, Options::rk4(0.125)).expect("options");
+        run.set_state(1.0, &[0.0, 0.0, 10.0, 0.0, 0.0, 0.0])
+            .expect("a state");
+        run
+    };
+    let at =
+        |times: &[f64]| Trajectory::new(&stone, Sampling::At(times.to_vec()), Content::RESULTS);
+    // Without its first rows the k-th row would be that of another time.
+    let mut history = at(&[0.25, 0.5, 1.5, 2.0]);
+    let refused = run().record(2.0, &mut history).expect_err("before it");
+    let told = refused.to_string();
+    assert!(told.contains("0.25 s") && told.contains("1 s"), "{told}");
+    assert!(history.is_empty());
+    let times = [1.0, 1.25, 1.5, 2.0];
+    let mut history = at(&times);
+    let mut run = run();
+    for until in [1.1, 1.5, 2.0] {
+        run.record(until, &mut history).expect("it goes on");
+    }
+    assert_eq!(history.times(), times);
+    let heights = history.column("height").expect("an output");
+    for (time, height) in times.iter().zip(heights) {
+        let fallen = 0.5 * 9.81 * (time - 1.0_f64).powi(2);
+        assert!((height - (10.0 - fallen)).abs() < 1e-12, "{time} {height}");
+    }
+    // Nor is a time left out that passed while nothing was recorded.
+    let mut history = at(&[2.25, 2.5, 2.75]);
+    run.record(2.25, &mut history).expect("its first row");
+    run.run(2.625).expect("it falls");
+    let refused = run.record(3.0, &mut history).expect_err("it has passed");
+    assert!(refused.to_string().contains("2.5 s"), "{refused}");
+    assert_eq!(history.times(), [2.25]);
+}
+
+#[test]
 fn a_balance_is_found_for_a_model_whatever_its_type_is_known_as() {
     let (hoist, _) = hoist();
     let known: &dyn Model<f64> = &hoist;
