@@ -330,7 +330,8 @@ impl<T: Scalar> Simulation<T> {
         T::look_at_output(self, name)
     }
 
-    /// Sets time [s] and state x = [q | v | z | s]; `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.
+    /// Sets time [s] and state x = [q | v | z | s]: another run begins, without the [events](Simulation::events) and the
+    /// [actions](Simulation::actions) of the one before. `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.
     ///
     /// # Errors
     /// A number that is not finite, a quaternion off unit length by more than 1e-3, or a wrong length.
@@ -339,7 +340,7 @@ impl<T: Scalar> Simulation<T> {
     }
 
     /// Places bodies by joint coordinates, by their names: `run.set_joints(&[("pin.angle", 0.5), ("pin.angle_rate", 1.0)])` [m or rad, and per second].
-    /// Bodies that no joint ties to the world, or to another body, stay where [`Simulation::set_state`] put them; coordinates that are not given are
+    /// As by [`Simulation::set_state`], another run begins. Bodies that no joint ties to the world, or to another body, stay where [`Simulation::set_state`] put them; coordinates that are not given are
     /// as the declaration starts them, else zero, those of motors what their courses say now, and where joints close loops what closes them: see
     /// [`place_declared`](mbd_scene::place_declared). A generated model `Rig` has a `RigStart` with a field for each coordinate.
     ///

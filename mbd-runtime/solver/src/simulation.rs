@@ -367,7 +367,7 @@ impl<T: Float> Simulation<T> {
         self.below = Some(other.clone());
     }
 
-    /// Located events, in order.
+    /// Located events of this run, in order. [`Simulation::set_state`] and [`Simulation::set_joints`] begin another run, with an empty list.
     #[must_use]
     pub fn events(&self) -> &[Occurrence] {
         &self.events

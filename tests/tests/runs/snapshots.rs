@@ -125,6 +125,23 @@ fn what_happened_after_a_snapshot_has_not_happened_where_it_is_restored() {
 }
 
 #[test]
+fn a_run_that_begins_anew_has_its_own_events_and_actions() {
+    let cart = Cart::new(CartParams::default()).expect("defaults");
+    let mut run = Simulation::new(&cart, Options::tsit5(1e-7)).expect("options that fit");
+    let start = run.state().to_vec();
+    run.run(3.5).expect("it runs");
+    let all = (run.events().to_vec(), run.actions().to_vec());
+    assert!(!all.0.is_empty() && !all.1.is_empty());
+    run.set_state(0.0, &start).expect("a state");
+    assert!(run.events().is_empty() && run.actions().is_empty());
+    run.run(3.5).expect("it runs");
+    assert_eq!((run.events().to_vec(), run.actions().to_vec()), all);
+    run.set_joints(&[("rail.slide", 0.3)])
+        .expect("a coordinate");
+    assert!(run.events().is_empty() && run.actions().is_empty());
+}
+
+#[test]
 fn options_of_the_run_that_goes_on_are_its_own() {
     // Steps of another size follow the time of the snapshot, not its count.
     let mut coarse = cart(Options::rk4(2e-3), 0.05);

@@ -53,7 +53,8 @@ pub(crate) struct Changes<T> {
 }
 
 impl<T: Float> Simulation<T> {
-    /// What actions of events did so far, in order. [`Simulation::set_state`] takes back what they changed, this list stays.
+    /// What actions of events did in this run so far, in order. [`Simulation::set_state`] and [`Simulation::set_joints`] begin another run: they
+    /// take back what these changed and empty this list.
     #[must_use]
     pub fn actions(&self) -> &[Acted] {
         &self.changes.all

@@ -43,7 +43,7 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// Goes on from a state that is measured from an origin, `None` that of the world; what actions changed is taken back.
+    /// Begins another run from a state that is measured from an origin, `None` that of the world; what actions changed is taken back.
     pub(super) fn put(
         &mut self,
         time: f64,
@@ -52,6 +52,8 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), RunError> {
         self.stand_at(time, origin, state)?;
         self.take_back_actions()?;
+        self.events.clear();
+        self.changes.all.clear();
         self.system.remember_starts(&[], (time, &self.state));
         Ok(())
     }
