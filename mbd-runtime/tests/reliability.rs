@@ -279,6 +279,16 @@ fn numbers_that_cannot_be_used_are_refused_before_any_step() {
             "rtol",
         );
     }
+    // Beyond half a turn nothing tells which turn an angle is in: whatever the steps, what is asked for is what is done.
+    for max_angle in [0.0, -1.0, 2.0 + 1e-9, 5.0, f64::INFINITY, f64::NAN] {
+        for options in [Options::rk4(1e-3), Options::tsit5(1e-6)] {
+            let options = Options {
+                max_angle,
+                ..options
+            };
+            invalid(Simulation::new(&model, options).map(|_| ()), "max_angle");
+        }
+    }
     let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).unwrap();
     let short = simulation.set_state(0.0, &[0.0; 5]).unwrap_err();
     assert_eq!(

@@ -357,7 +357,16 @@ impl Options {
                 });
             }
         }
-        positive("max_angle", self.max_angle, false)?;
+        positive("max_angle", self.max_angle, true)?;
+        if self.max_angle > turns::MOST {
+            return Err(StepError::InvalidInput {
+                slot: format!(
+                    "max_angle (at most {}: beyond half a turn nothing tells which turn it is)",
+                    turns::MOST
+                ),
+                value: self.max_angle,
+            });
+        }
         if let Stabilise::Baumgarte { alpha } = self.stabilise {
             positive("stabilise.alpha", alpha, true)?;
         }

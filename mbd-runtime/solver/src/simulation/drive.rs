@@ -16,7 +16,6 @@ use crate::integrate::{Control, StiffnessTest, Verdict};
 use crate::momentum::MomentumBalance;
 use crate::row::RowPlace;
 use crate::trajectory::{Trajectory, resolution};
-use crate::turns;
 use crate::watch::{Instability, Watch};
 
 /// A step beyond this says nothing about a scene [s].
@@ -437,8 +436,7 @@ impl<T: Float> Simulation<T> {
         }
         let judged = tried.and_then(|()| {
             // A step that turns too far is shortened as one whose error is too large.
-            let most = self.options.max_angle.min(turns::MOST);
-            let by_angle = (swept / most).powf(self.method.exponent());
+            let by_angle = (swept / self.options.max_angle).powf(self.method.exponent());
             let error = self.error_of(step).max(by_angle).max(self.beside_loads());
             let part = match error <= 1.0 {
                 true => self.overlooks(step, error)?,
