@@ -460,11 +460,9 @@ impl Resolver<'_> {
                 if self.scene.planar.is_some()
                     && other.is_none_or(|word| self.names.is(word, Named::is_value)) =>
             {
-                let moment = self.element("inertia", value, None, scope)?;
-                cursor = Cursor::new(ValueSyntax {
-                    lexemes: &[],
-                    ..value
-                });
+                let (moment, rest) = split_unchecked(value);
+                let moment = self.element("inertia", moment, None, scope)?;
+                cursor = Cursor::new(rest);
                 diagonal_of([moment.clone(), moment.clone(), moment])
             }
             other => {
@@ -604,6 +602,18 @@ fn diagonal_of([xx, yy, zz]: [Formula; 3]) -> Inertia {
 fn begins_list(cursor: &Cursor<'_>) -> bool {
     let next = cursor.peek().map(|lexeme| &lexeme.kind);
     matches!(next, Some(LexemeKind::Open(Bracket::Square, _)))
+}
+
+/// A moment, and `(unchecked)` behind it, if that stands there.
+fn split_unchecked(value: ValueSyntax<'_>) -> (ValueSyntax<'_>, ValueSyntax<'_>) {
+    let count = value.lexemes.len();
+    let part = |lexemes| ValueSyntax { lexemes, ..value };
+    let said = (0..count).rev().find(|&at| {
+        let mut behind = Cursor::new(part(&value.lexemes[at..]));
+        unchecked(&mut behind) && behind.at_end()
+    });
+    let (moment, rest) = value.lexemes.split_at(said.unwrap_or(count));
+    (part(moment), part(rest))
 }
 
 /// Takes `(unchecked)`.
