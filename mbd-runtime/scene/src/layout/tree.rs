@@ -5,7 +5,8 @@
 //! ```
 //!
 //! (1) is a spanning forest of least weight, freedoms as weights, the world as one node: joints enter by their freedoms, those of
-//! equal freedoms in the order of declaration, and one that closes a loop stays a set of rows (Kruskal, 1956). A joint enters only if all its
+//! equal freedoms in the order of declaration, and one that closes a loop stays a set of rows (Kruskal, 1956). Before all others those of bodies that may
+//! be without mass enter: such a body at an end of the tree, where a loop is cut, would carry nothing that gives its joint an inertia. A joint enters only if all its
 //! coordinates can be measured, both its ends are on bodies or on the world, it is not marked `loop`, and no event detaches it. A body that no such joint ties to the world
 //! floats: it owns position, attitude and velocity as in absolute coordinates.
 
@@ -126,6 +127,15 @@ fn may_carry(scene: &Scene, joint: usize) -> bool {
         && !places.iter().any(|place| matches!(place, Place::Point(_)))
 }
 
+/// Whether a body may be without mass: it is taken as it stands, and its mass is no positive number.
+fn may_lack_mass(scene: &Scene, body: usize) -> bool {
+    let mass = scene.bodies.get(body).map(|body| &body.mass);
+    let is_positive = mass
+        .and_then(|mass| scene.constant(mass))
+        .is_some_and(|mass| mass > 0.0);
+    scene.is_carried(body) && !is_positive
+}
+
 /// Of the joints those that move nothing out of the plane of a planar scene: without attitude, all their coordinates change something there. Those on
 /// frames of the world that turn are rows: angles of the bodies count turns, which such a frame does not tell.
 fn moves_in_plane(scene: &Scene) -> Vec<bool> {
@@ -157,7 +167,15 @@ impl Tree {
         let mut candidates: Vec<usize> = (0..scene.joints.len())
             .filter(|&joint| in_plane[joint] && may_carry(scene, joint))
             .collect();
-        candidates.sort_by_key(|&joint| scene.joints[joint].law.freedoms());
+        candidates.sort_by_key(|&joint| {
+            let declared = &scene.joints[joint];
+            let ends = [declared.parent, declared.child].map(on);
+            let carried = ends
+                .into_iter()
+                .flatten()
+                .any(|body| may_lack_mass(scene, body));
+            (!carried, declared.law.freedoms())
+        });
         // What hangs together: bodies, and behind them the world.
         let world = scene.bodies.len();
         let mut group: Vec<usize> = (0..=world).collect();

@@ -3,7 +3,7 @@
 use super::{Coordinates, Joint, Line, LoadKind, NodeModel, PointKind, Scene};
 use crate::event::{Detachable, Event, Settable};
 use crate::joints::{Fold, JointForces, JointLaw, Side};
-use crate::{Coordinate, Directions, Fixed, Formula, Function, Layout, Part, Place};
+use crate::{Coordinate, Directions, Formula, Function, Layout, Part, Place};
 
 impl Scene {
     /// The same scene in a family of coordinates.
@@ -367,13 +367,15 @@ impl Scene {
     /// Whether a formula is zero by declaration: the number 0, or a `const` of value 0.
     #[must_use]
     pub fn is_zero(&self, formula: &Formula) -> bool {
+        self.constant(formula) == Some(0.0)
+    }
+
+    /// The value of a formula that is a number, or the name of a scalar `const`.
+    pub(crate) fn constant(&self, formula: &Formula) -> Option<f64> {
         match formula {
-            Formula::Number(value) => *value == 0.0,
-            Formula::Const(index) => self
-                .consts
-                .get(*index)
-                .is_some_and(|constant| constant.value == Fixed::Scalar(0.0)),
-            _ => false,
+            Formula::Number(value) => Some(*value),
+            Formula::Const(index) => self.consts.get(*index)?.value.scalar(),
+            _ => None,
         }
     }
 
