@@ -400,7 +400,7 @@ step_errors! {
     format!("at the start {} would hold only turned around", listed(joints)),
     "turn the bodies at these joints so that the axes of both sides agree";
 
-    /// Bodies without mass carry nothing that gives one of their joints an inertia.
+    /// Bodies without mass carry nothing that gives one of their joints an inertia, at a start, or where a run came to.
     NoInertia {
         /// When [s].
         time: f64,
@@ -408,7 +408,7 @@ step_errors! {
         speed: String,
     }
     "no_inertia",
-    format!("at {time:.9} s nothing gives `{speed}` an inertia: the bodies that it moves have no mass, or other joints move them alike"),
+    format!("at {time:.9} s nothing gives `{speed}` an inertia: the bodies that it moves have no mass, or moments that are not positive, or other joints move them alike"),
     "give one of these bodies a mass and moments of inertia, or lock a joint (`rigid`) whose axis another one repeats";
 
     /// Rows of joints repeat each other, for good or in this configuration: the forces in them are not determined.

@@ -64,6 +64,7 @@ pub(crate) fn find<T: Float>(
             accelerations.as_slice().to_vec(),
         );
     }
+    moment.check_inertia()?;
     let free = moment.rates()?;
     let free = &free[nq..nq + nv];
     let now = chart.accelerations(&mut moment, free);

@@ -203,6 +203,11 @@ pub enum LinearisationError {
         /// Why.
         Box<StepError>,
     ),
+    /// Bodies without mass carry nothing there that gives one of their joints an inertia.
+    Inertia(
+        /// Which.
+        Box<StepError>,
+    ),
     /// No coordinate has this name.
     UnknownCoordinate {
         /// The name.
@@ -267,6 +272,7 @@ impl fmt::Display for LinearisationError {
             LinearisationError::Inputs(cause) | LinearisationError::Nodes(cause) => {
                 write!(f, "{cause}")
             }
+            LinearisationError::Inertia(cause) => write!(f, "{cause}; {}", cause.advice()),
             LinearisationError::UnknownCoordinate { name, known } => {
                 let known = near_and_all(name, known.split(", "));
                 write!(f, "`{name}` is no coordinate of this scene{known}")

@@ -196,8 +196,18 @@ impl SceneMoment {
         DMatrix::from_row_slice(lines, columns, &out)
     }
 
+    /// Whether accelerations here are those of masses.
+    ///
+    /// # Errors
+    /// A speed that nothing gives an inertia.
+    pub(crate) fn check_inertia(&mut self) -> Result<(), LinearisationError> {
+        let checked = self.system.check_inertia(self.time, &self.state);
+        checked.map_err(|cause| LinearisationError::Inertia(Box::new(cause)))
+    }
+
     /// Total derivatives here.
     pub(crate) fn linearise(&mut self) -> Result<Linearisation<f64>, LinearisationError> {
+        self.check_inertia()?;
         let mut linear = Linearisation::new(&self.model.layout);
         let at = self.system.nodes.at(self.time, &self.state, &self.inputs);
         linear.run(&*self.model, &at, &mut self.work)?;

@@ -152,6 +152,11 @@ impl<T: Float> Simulation<T> {
         }
         if let Err(cause) = &mut outcome {
             self.go_back(cause, trajectory)?;
+            if let StepError::StepCollapse { time, .. } = *cause
+                && let Some(lost) = self.system.vanishing_inertia(time, &self.state)
+            {
+                *cause = lost;
+            }
             // What broke the run is told; where its last state cannot be measured, metrics of the end have no value.
             let _ = self.measure_instant(trajectory);
         }
