@@ -665,7 +665,7 @@ fn own_inputs<T: Scalar, I: InputNumbers<T> + ?Sized>(
 /// ```
 ///
 /// # Errors
-/// [`LinearisationError`]: lists of another length, joints that lose rank there, nodes without a balance.
+/// [`LinearisationError`]: lists of another length, joints that lose rank there, nodes without a balance, bodies without mass that give a joint no inertia.
 pub fn linearise<T: Scalar>(
     model: &dyn Model<T>,
     time: f64,
