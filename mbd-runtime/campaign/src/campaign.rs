@@ -375,7 +375,8 @@ impl Campaign {
                 let goes = self.go_on(number(case.number()), ended)?;
                 Ok(goes.map(|goes| {
                     let model = goes.run.model().clone();
-                    let history = Trajectory::new(&*model, self.sampling(), self.metrics.content);
+                    let sampling = self.sampling().from_time(goes.run.time());
+                    let history = Trajectory::new(&*model, sampling, self.metrics.content);
                     let own = columns.readers(goes.phase, &readers);
                     Onward {
                         model: goes.phase,

@@ -32,6 +32,17 @@ pub enum Sampling {
     At(Vec<f64>),
 }
 
+impl Sampling {
+    /// The same for a run that begins at a time [s]: of a list without the times before it.
+    #[must_use]
+    pub fn from_time(mut self, begins: f64) -> Self {
+        if let Sampling::At(times) = &mut self {
+            times.retain(|due| !is_past(*due, begins));
+        }
+        self
+    }
+}
+
 /// A column of a history that is infinite or not a number in some rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NotFinite<'a> {
@@ -471,7 +482,7 @@ impl Trajectory {
                             plain(*due, 10),
                             plain(time, 10)
                         ),
-                        instead: "leave out the times before it in `Sampling::At`, or let the run stand at the first of them (`set_state`)".into(),
+                        instead: "leave out the times before it (`Sampling::from_time`), or let the run stand at the first of them (`set_state`)".into(),
                     }),
                 }
             }

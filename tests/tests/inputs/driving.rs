@@ -398,6 +398,9 @@ fn a_history_at_times_has_a_row_of_every_one_of_them() {
     let told = refused.to_string();
     assert!(told.contains("0.25 s") && told.contains("1 s"), "{told}");
     assert!(history.is_empty());
+    // Asked for, they are left out.
+    let sampling = Sampling::At(vec![0.5, 1.0, 1.5]).from_time(1.0);
+    assert_eq!(sampling, Sampling::At(vec![1.0, 1.5]));
     let times = [1.0, 1.25, 1.5, 2.0];
     let mut history = at(&times);
     let mut run = run();
