@@ -186,13 +186,12 @@ impl<T: Float> Rates<T> for System<T> {
             return false;
         }
         let stage = stage(&*self.model, span[0], state, &self.inputs);
-        let (memory, out) = (&self.memory, (&mut *rates, next));
+        let (memory, out) = (&self.memory, (rates, &mut *next));
         let made = self
             .nodes
             .make_inner_stages(stage, span, memory, &mut self.work, out);
-        // What is not finite is told by the stage in which it is found, one by one.
-        let inner = rates.get(state.len()..(INNER + 1) * state.len());
-        let made = made && inner.is_some_and(all_finite);
+        // What is not finite is told by the stage in which it is found, one by one: no rate that is not makes an end that is.
+        let made = made && all_finite(next);
         if made {
             self.counters.rhs = self.counters.rhs.saturating_add(INNER as u64);
             self.nodes.count_solves(INNER);
