@@ -436,11 +436,16 @@ impl Trajectory {
                 instead: "make one with `Trajectory::new` of the model that runs".into(),
             });
         }
-        if self.end - time > resolution(time) {
+        // Of a run that failed or was cancelled it ends with its last row.
+        let end = self
+            .times()
+            .last()
+            .map_or(self.end, |row| self.end.max(*row));
+        if end - time > resolution(time) {
             return Err(StepError::Unsupported {
                 what: format!(
                     "a history of a run until {} s for one that stands at {} s",
-                    plain(self.end, 10),
+                    plain(end, 10),
                     plain(time, 10)
                 ),
                 instead: "`clear` it before another run, or make a new one".into(),

@@ -433,3 +433,28 @@ fn a_balance_is_found_for_a_model_whatever_its_type_is_known_as() {
     .map(|rest| rest.expect("it hangs still").state);
     assert_eq!(one, other);
 }
+
+#[test]
+fn a_history_of_a_run_that_failed_takes_no_rows_of_another() {
+    let stone = Stone::new(StoneParams::default()).expect("no params");
+    let options = Options {
+        max_steps: 3,
+        ..Options::rk4(0.125)
+    };
+    let mut history = Trajectory::new(&stone, Sampling::Every(0.125), Content::RESULTS);
+    let mut run = Simulation::new(&stone, options).expect("options");
+    let mut falls = |history: &mut Trajectory| {
+        run.set_state(0.0, &[0.0, 0.0, 10.0, 0.0, 0.0, 0.0])
+            .and_then(|()| run.record(1.0, history))
+    };
+    let failed = falls(&mut history).expect_err("three steps are not enough");
+    assert!(matches!(failed.cause, StepError::TooManySteps { .. }));
+    let rows = history.times().to_vec();
+    let refused = falls(&mut history).expect_err("the rows of the run before");
+    assert!(matches!(refused.cause, StepError::Unsupported { .. }));
+    assert_eq!(history.times(), rows);
+    history.clear();
+    let failed = falls(&mut history).expect_err("three steps are not enough");
+    assert!(matches!(failed.cause, StepError::TooManySteps { .. }));
+    assert_eq!(history.times(), rows);
+}
