@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use mbd_scene::laws::rate::NODE_CERTIFICATE;
-use mbd_scene::{At, Float, Quantity, Real, StepStages, Work};
+use mbd_scene::{Float, Quantity, Real, StepStages, Work};
 
 use super::error::NodeError;
 use super::memory::NodeMemory;
@@ -64,13 +64,7 @@ impl<T: Float> Nodes<T> {
             // Where nodes were found by other rules they mostly are again.
             return false;
         }
-        let at = At {
-            nodes: &self.nodes,
-            effective: &self.effective,
-            hold: &self.hold,
-            ends: &self.ends,
-            ..At::of_state(stage.time, stage.state, stage.inputs)
-        };
+        let at = stage.at([&self.nodes, &self.effective, &self.hold, &self.ends]);
         let step = StepStages {
             at,
             span,
@@ -137,13 +131,7 @@ impl<T: Float> Nodes<T> {
         }
         self.has_held();
         // A model that does not find them leaves these numbers as they were made, and nothing holds.
-        let at = At {
-            nodes: &self.nodes,
-            effective: &self.effective,
-            hold: &self.hold,
-            ends: &self.ends,
-            ..At::of_state(stage.time, stage.state, stage.inputs)
-        };
+        let at = stage.at([&self.nodes, &self.effective, &self.hold, &self.ends]);
         let rates = &mut self.rates;
         stage.model.evaluate(Quantity::Rates, &at, work, rates);
         let found = self.take_rates(stage, span);

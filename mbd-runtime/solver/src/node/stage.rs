@@ -74,6 +74,20 @@ pub struct Stage<'a, T> {
     pub inputs: &'a [T],
 }
 
+impl<'a, T: Float> Stage<'a, T> {
+    /// What a model may read here, with nodes, effective numbers, holds and anchors of their own.
+    #[inline]
+    pub(super) fn at(&self, [nodes, effective, hold, ends]: [&'a [T]; 4]) -> At<'a, T> {
+        At {
+            nodes,
+            effective,
+            hold,
+            ends,
+            ..At::of_state(self.time, self.state, self.inputs)
+        }
+    }
+}
+
 /// Work of the solves so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeStatistics {
