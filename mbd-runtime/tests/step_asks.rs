@@ -84,6 +84,20 @@ fn without_locating(step: f64) -> Options {
 }
 
 model! {
+    /// A pendulum with a torque, and an input that an output alone reads.
+    model Driven {
+        coordinates: relative;
+        emit: [derivative, outputs];
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input push: torque;
+        input gain = 1;
+        body rod { mass: 1 kg, inertia: diag(0.01, 0.01, 0.001) kg*m^2, frame top at [0, 0, 0.15] m }
+        joint hold: hinge from world to rod.top { axis: y, start: 0.3 rad, force: push }
+        output shown = gain * hold.angle;
+    }
+}
+
+model! {
     /// Two rods on hinges.
     model Rods {
         coordinates: relative;
@@ -227,4 +241,48 @@ fn stages_made_in_one_call_are_those_made_one_by_one() {
             assert_eq!(ends(model, options), expected, "{}", model.scene().name);
         }
     }
+}
+
+#[test]
+fn inputs_as_functions_of_time_and_state_are_the_same_in_one_call() {
+    let ends = |model: &dyn Model<f64>| {
+        let mut run = Simulation::new(model, Options::rk4(1e-3)).unwrap();
+        run.set_inputs(&DrivenInputs {
+            push: 0.1,
+            gain: 1.0,
+        })
+        .unwrap();
+        run.control(|now, inputs: &mut DrivenInputs| {
+            let turned = now.coordinates().hold_angle;
+            inputs.push += (3.0 * now.time).sin() - 2.0 * turned;
+        })
+        .unwrap();
+        run.control(|now, inputs: &mut DrivenInputs| {
+            inputs.push -= 0.1 * now.state().hold().speeds[0];
+        })
+        .unwrap();
+        run.run(0.3).unwrap();
+        let bits: Vec<u64> = run.state().iter().map(|x| x.to_bits()).collect();
+        (bits, run.statistics())
+    };
+    let driven = Driven::new(DrivenParams::default()).unwrap();
+    let one_by_one = Asked {
+        model: driven.share(),
+        counts: Arc::default(),
+    };
+    assert_eq!(ends(&driven), ends(&one_by_one));
+}
+
+#[test]
+fn an_input_that_is_no_number_ends_the_run_though_no_rate_reads_it() {
+    let driven = Driven::new(DrivenParams::default()).unwrap();
+    let mut run = Simulation::new(&driven, Options::rk4(1e-2)).unwrap();
+    // Between the ends of the steps, where nothing but the stages inside them asks.
+    run.control(|now, inputs: &mut DrivenInputs| {
+        let inside = (now.time - 0.105).abs() < 1e-3;
+        inputs.gain = if inside { f64::NAN } else { 1.0 };
+    })
+    .unwrap();
+    let error = run.run(0.3).unwrap_err();
+    assert!(error.to_string().contains("`gain`"), "{error}");
 }

@@ -46,11 +46,18 @@ pub trait Model<T: Float>: Send + Sync {
     }
 }
 
+/// Inputs that are functions of time and state.
+pub trait StageInputs<T> {
+    /// The inputs at a stage, whose time [s] and numbers are given with the inputs that are held.
+    fn at_stage(&mut self, time: f64, at: &At<'_, T>) -> &[T];
+}
+
 /// The stages of a step of the classical Runge–Kutta method of order four: rates k₁ … k₄ at and inside it, and the state that they lead to.
-#[derive(Debug)]
 pub struct StepStages<'a, T> {
     /// Where the step starts, and what is held in it.
     pub at: At<'a, T>,
+    /// What changes inputs inside the step; `None`: they are held.
+    pub inputs: Option<&'a mut dyn StageInputs<T>>,
     /// Time at its start, and its size [s].
     pub span: [f64; 2],
     /// Rates, one after the other: k₁ is given.

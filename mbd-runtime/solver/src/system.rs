@@ -39,6 +39,7 @@ pub(crate) use near_side::GuardSide;
 use near_side::NearSide;
 pub(crate) use remembered::Remembered;
 pub(crate) use spring_ends::SAME_PLACE;
+pub(crate) use supplied::Controls;
 pub use supplied::{External, NoLoads};
 
 /// Integrals carried along behind the state: work of the loads, of the dampers and of prescribed motions [J].
@@ -48,7 +49,7 @@ pub(crate) const WORKS: usize = 3;
 pub(crate) struct System<T: Float> {
     pub model: Arc<dyn Model<T>>,
     /// Functions of time and state that change what is held, in order.
-    pub controls: Vec<Law<T>>,
+    pub controls: Controls<T>,
     /// Numbers of the caller that hold until others are given.
     pub held: Vec<T>,
     /// Whether nobody has given what has no default: external loads and external gravity.
@@ -141,6 +142,9 @@ impl<T: Float> System<T> {
         let (near, nodes) = (NearSide::new(&*model), Nodes::new(layout));
         let projection = Projection::new(layout);
         let may_fold = model.scene().folding_joints().next().is_some();
+        let measured = [Quantity::Coordinates, Quantity::Outputs, Quantity::Bodies];
+        let measured = measured.map(|what| layout.len(what)).into_iter().max();
+        let measured = measured.unwrap_or_default();
         System {
             takes_derivative: !nodes.has_networks()
                 && !projection.any()
@@ -150,7 +154,7 @@ impl<T: Float> System<T> {
             latest: f64::INFINITY,
             near,
             unsupplied: controls.is_empty() && layout.needs_caller(),
-            controls,
+            controls: Controls::new(&*model, controls, measured),
             nodes,
             probe: Nodes::new(layout),
             sees_end: false,
@@ -173,13 +177,7 @@ impl<T: Float> System<T> {
             may_fold,
             turning: Turning::new(),
             wide: Vec::new(),
-            measured: vec![
-                T::zero();
-                layout
-                    .len(Quantity::Coordinates)
-                    .max(layout.len(Quantity::Outputs))
-                    .max(layout.len(Quantity::Bodies))
-            ],
+            measured: vec![T::zero(); measured],
             action_work: 0.0,
             known: KnownAtEnd::new(layout),
             following: Following::new(model.scene(), layout),

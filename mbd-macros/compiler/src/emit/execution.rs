@@ -147,15 +147,15 @@ pub fn implementation(context: &EmitContext) -> TokenStream {
 fn inner_stages(context: &EmitContext) -> Option<TokenStream> {
     let (equations, t) = (context.equations, context.scalar());
     let layout = &equations.layout;
-    let length = whole(layout.nx());
+    let (length, inputs) = (whole(layout.nx()), layout.ni > 0);
     let (what, made) = match layout.nodes.is_empty() {
         true => {
-            let made = quote!(inner_stages::<#t, #length>);
+            let made = quote!(inner_stages::<#t, #length, #inputs>);
             (Quantity::Derivative, made)
         }
         false => {
             let all = whole(layout.len(Quantity::Rates));
-            let made = quote!(inner_rates::<#t, #length, #all>);
+            let made = quote!(inner_rates::<#t, #length, #all, #inputs>);
             (Quantity::Rates, made)
         }
     };

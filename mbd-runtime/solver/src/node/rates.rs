@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use mbd_scene::laws::rate::NODE_CERTIFICATE;
-use mbd_scene::{Float, Quantity, Real, StepStages, Work};
+use mbd_scene::{Float, Quantity, Real, StageInputs, StepStages, Work};
 
 use super::error::NodeError;
 use super::memory::NodeMemory;
@@ -50,7 +50,7 @@ impl<T: Float> Nodes<T> {
     #[inline]
     pub(crate) fn make_inner_stages(
         &mut self,
-        stage: Stage<'_, T>,
+        (stage, inputs): (Stage<'_, T>, Option<&mut dyn StageInputs<T>>),
         span: [f64; 2],
         memory: &NodeMemory<T>,
         work: &mut Work<T>,
@@ -67,6 +67,7 @@ impl<T: Float> Nodes<T> {
         let at = stage.at([&self.nodes, &self.effective, &self.hold, &self.ends]);
         let step = StepStages {
             at,
+            inputs: inputs.map(|inputs| inputs as &mut dyn StageInputs<T>),
             span,
             rates,
             next,

@@ -71,7 +71,7 @@ impl<T: Float> Simulation<T> {
         self.system.unsupplied = false;
         self.stale = true;
         match every {
-            None => self.system.controls.push(law),
+            None => self.system.controls.push(&*self.system.model, law),
             Some(period) => {
                 self.samplers.push(Sampler {
                     period,

@@ -1,6 +1,6 @@
 //! A model as a system of ordinary differential equations: the rates of a stage, their derivatives, and the way back onto the joints.
 
-use mbd_scene::{Float, Node, NodeModel, Quantity};
+use mbd_scene::{Float, Node, NodeModel, Quantity, StageInputs};
 
 use super::{System, stage};
 use crate::columns::state_names;
@@ -105,11 +105,12 @@ impl<T: Float> System<T> {
         }
     }
 
-    /// Whether the rates inside a step are those of the model at a state, inputs and modes that are held, whatever is made of them at its end.
+    /// Whether the rates inside a step are those of the model at a state, its inputs, and modes that are held, whatever is made of them at its end.
     #[inline]
     fn takes_inner_stages(&self) -> bool {
         let solved = !self.projection.any() || self.solves_as_emitted();
-        self.takes_rates && solved && !self.has_functions() && self.latest == f64::INFINITY
+        let shown = !self.has_functions() || self.following.is_none();
+        self.takes_rates && solved && shown && self.latest == f64::INFINITY
     }
 
     /// The rates of a scene of any kind.
@@ -185,13 +186,22 @@ impl<T: Float> Rates<T> for System<T> {
         if !self.takes_inner_stages() {
             return false;
         }
-        let stage = stage(&*self.model, span[0], state, &self.inputs);
+        let functions = self.has_functions();
         let (memory, out) = (&self.memory, (rates, &mut *next));
-        let made = self
-            .nodes
-            .make_inner_stages(stage, span, memory, &mut self.work, out);
+        let held = stage(&*self.model, span[0], state, &self.held);
+        let mut inputs = functions.then(|| {
+            self.controls
+                .functions(&*self.model, &self.held, &mut self.inputs)
+        });
+        let supplied = inputs
+            .as_mut()
+            .map(|inputs| inputs as &mut dyn StageInputs<T>);
+        let made =
+            self.nodes
+                .make_inner_stages((held, supplied), span, memory, &mut self.work, out);
         // What is not finite is told by the stage in which it is found, one by one: no rate that is not makes an end that is.
-        let made = made && all_finite(next);
+        let finite = inputs.is_none_or(|inputs| inputs.finite) && all_finite(next);
+        let made = made && finite;
         if made {
             self.counters.rhs = self.counters.rhs.saturating_add(INNER as u64);
             self.nodes.count_solves(INNER);

@@ -1,10 +1,11 @@
 //! What a caller supplies: inputs, external loads and external gravity, held or as functions of time and state.
 
-use mbd_scene::Float;
+use mbd_scene::{At, Float, Model, StageInputs, Work};
 
 use super::System;
 use crate::error::StepError;
-use crate::supply::{Moment, check_supplied};
+use crate::list::all_finite;
+use crate::supply::{Law, Moment, check_supplied};
 
 /// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
 ///
@@ -109,14 +110,96 @@ impl<T: Float> System<T> {
     fn ask_functions(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         let own = state.get(..self.nx).unwrap_or_default();
         self.show(time, own);
-        self.inputs.copy_from_slice(&self.held);
-        let at = self.nodes.at(T::from_f64(time), own, &self.held);
         let shown = self.following.as_ref().map_or(own, |_| &self.world);
-        let room = (&mut self.work, &mut *self.measured);
-        let moment = Moment::new((time, shown), (&*self.model, at), room, false);
-        for control in &mut self.controls {
-            control(&moment, &mut self.inputs);
-        }
+        let at = self.nodes.at(T::from_f64(time), own, &self.held);
+        let (model, inputs) = (&*self.model, &mut self.inputs);
+        let mut functions = self.controls.functions(model, &self.held, inputs);
+        functions.ask((time, shown), at);
         check_supplied(&*self.model, time, &self.inputs)
+    }
+}
+
+/// Functions of time and state that change what is held, in the order in which they were given. They measure while the model makes stages: their scratch is
+/// their own.
+pub(crate) struct Controls<T: Float> {
+    laws: Vec<Law<T>>,
+    work: Work<T>,
+    room: Vec<T>,
+}
+
+impl<T: Float> Controls<T> {
+    /// Of a model; `room`: how many numbers they may measure.
+    pub(super) fn new(model: &dyn Model<T>, laws: Vec<Law<T>>, room: usize) -> Self {
+        let mut controls = Controls {
+            laws: Vec::new(),
+            work: Work::default(),
+            room: vec![T::zero(); room],
+        };
+        for law in laws {
+            controls.push(model, law);
+        }
+        controls
+    }
+
+    /// One more.
+    pub(crate) fn push(&mut self, model: &dyn Model<T>, law: Law<T>) {
+        if self.laws.is_empty() {
+            self.work = model.work();
+        }
+        self.laws.push(law);
+    }
+
+    /// Whether there is none.
+    #[inline]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.laws.is_empty()
+    }
+
+    /// What changes the numbers that are `held` into `inputs`.
+    #[inline]
+    pub(super) fn functions<'a>(
+        &'a mut self,
+        model: &'a dyn Model<T>,
+        held: &'a [T],
+        inputs: &'a mut [T],
+    ) -> Functions<'a, T> {
+        Functions {
+            controls: self,
+            model,
+            held,
+            inputs,
+            finite: true,
+        }
+    }
+}
+
+/// The functions of a run and what they change.
+pub(super) struct Functions<'a, T: Float> {
+    controls: &'a mut Controls<T>,
+    model: &'a dyn Model<T>,
+    held: &'a [T],
+    inputs: &'a mut [T],
+    /// Whether all numbers so far were finite.
+    pub finite: bool,
+}
+
+impl<T: Float> Functions<'_, T> {
+    /// Writes the inputs at a time [s] and a state as functions are shown it, measured at a stage whose inputs are those that are held.
+    #[inline]
+    fn ask(&mut self, (time, shown): (f64, &[T]), at: At<'_, T>) {
+        self.inputs.copy_from_slice(self.held);
+        let Controls { laws, work, room } = &mut *self.controls;
+        let moment = Moment::new((time, shown), (self.model, at), (work, room), false);
+        for law in laws {
+            law(&moment, self.inputs);
+        }
+    }
+}
+
+impl<T: Float> StageInputs<T> for Functions<'_, T> {
+    fn at_stage(&mut self, time: f64, at: &At<'_, T>) -> &[T] {
+        self.ask((time, at.state), *at);
+        self.finite &= all_finite(self.inputs);
+        self.inputs
     }
 }
