@@ -185,26 +185,25 @@ pub fn solve_beside<const F: usize, const N: usize>(
     for (to, x) in wide.iter_mut().zip(factor) {
         *to = Lanes4::from([*x; WIDTH]);
     }
-    for first in (0..columns).step_by(WIDTH) {
-        let own = WIDTH.min(columns - first);
-        for (row, to) in given.iter_mut().enumerate() {
-            let at = row * columns + first;
-            let right = right.get(at..at + own).unwrap_or_default();
+    let mut first = 0;
+    while first < columns {
+        for (to, row) in given.iter_mut().zip(right.chunks_exact(columns)) {
+            let right = row.get(first..).unwrap_or_default();
             *to = Lanes4::from(match right.first_chunk::<WIDTH>() {
                 Some(beside) => *beside,
                 None => leading(right),
             });
         }
         beside(&wide, &given, &mut found);
-        for (row, x) in found.iter().enumerate() {
-            let at = row * columns + first;
-            let out = out.get_mut(at..at + own).unwrap_or_default();
+        for (x, row) in found.iter().zip(out.chunks_exact_mut(columns)) {
+            let out = row.get_mut(first..).unwrap_or_default();
             let x = <[f64; WIDTH]>::from(*x);
             match out.first_chunk_mut::<WIDTH>() {
                 Some(out) => *out = x,
-                None => out.iter_mut().zip(x).for_each(|(to, x)| *to = x),
+                None => copy_few(&x, out),
             }
         }
+        first += WIDTH;
     }
 }
 
@@ -308,8 +307,9 @@ pub fn columns_beside<const C: usize, const V: usize, const R: usize>(
 /// The first numbers of a list; zero where it ends early.
 #[must_use]
 pub fn leading<T: Real, const N: usize>(numbers: &[T]) -> [T; N] {
-    let mut numbers = numbers.iter().copied();
-    std::array::from_fn(|_| numbers.next().unwrap_or_else(T::zero))
+    let mut leading = [T::zero(); N];
+    copy_few(numbers, &mut leading);
+    leading
 }
 
 /// The state as coordinates, speeds and node positions, if it has the right length.
@@ -465,6 +465,30 @@ pub fn take<T: Copy, const N: usize>(work: &[T], out: &mut [T; N], places: &[usi
     true
 }
 
+/// Copies as many numbers as fit. Mostly they are few, and a call of what copies many costs more than they do.
+#[inline]
+fn copy_few<T: Copy>(from: &[T], out: &mut [T]) {
+    #[inline(always)]
+    fn all<T: Copy, const N: usize>(from: &[T], out: &mut [T]) {
+        if let (Some(from), Some(out)) = (from.first_chunk::<N>(), out.first_chunk_mut()) {
+            *out = *from;
+        }
+    }
+    match out.len().min(from.len()) {
+        0 => {}
+        1 => all::<T, 1>(from, out),
+        2 => all::<T, 2>(from, out),
+        3 => all::<T, 3>(from, out),
+        4 => all::<T, 4>(from, out),
+        count => {
+            let (from, out) = (from.get(..count), out.get_mut(..count));
+            if let (Some(from), Some(out)) = (from, out) {
+                out.copy_from_slice(from);
+            }
+        }
+    }
+}
+
 /// Rounds of stretches to copy: how often; how many numbers, first place and step in the result, first place and step in the working list.
 pub type Copies = (usize, &'static [(usize, (usize, isize), (usize, isize))]);
 
@@ -482,9 +506,7 @@ pub fn copy<T: Copy>(work: &[T], out: &mut [T], copies: &[Copies]) -> bool {
                 ) else {
                     return false;
                 };
-                for (out, &value) in out.iter_mut().zip(work) {
-                    *out = value;
-                }
+                copy_few(work, out);
             }
         }
     }

@@ -294,15 +294,21 @@ impl<T: Float> ThroughRows<T> {
     fn take_right(&mut self, layout: &Layout, columns: usize, partial: &[T]) {
         let changes = |column: &usize| {
             let mut rows = solved(layout).into_iter().flatten();
-            layout.nc == 0 || rows.any(|row| partial[row * columns + column] != T::zero())
+            rows.any(|row| partial[row * columns + column] != T::zero())
         };
         self.changed.clear();
-        self.changed.extend((0..columns).filter(changes));
+        match layout.nc == 0 {
+            true => self.changed.extend(0..columns),
+            false => self.changed.extend((0..columns).filter(changes)),
+        }
         self.factor.truncate(self.count);
         for rows in solved(layout) {
             let rows = &partial[rows.start * columns..rows.end * columns];
             if self.changed.len() == columns {
-                self.factor.extend(rows.iter().map(|x| -*x));
+                let behind = self.factor.len();
+                self.factor.resize(behind + rows.len(), T::zero());
+                let right = self.factor[behind..].iter_mut().zip(rows);
+                right.for_each(|(to, x)| *to = -*x);
                 continue;
             }
             for row in rows.chunks_exact(columns) {
