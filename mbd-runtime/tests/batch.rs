@@ -1,6 +1,7 @@
 //! Batches: every case is a run of its own, whatever runs beside it.
 
 use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use mbd_runtime::{
@@ -317,6 +318,46 @@ fn whoever_is_given_the_results_may_have_enough() {
             },
         );
     assert_eq!(seen, 7);
+}
+
+/// The words of a panic of this code.
+fn words(code: impl FnOnce()) -> String {
+    let words = catch_unwind(AssertUnwindSafe(code)).expect_err("it panics");
+    let words = words.downcast::<&str>().expect("words as they stand here");
+    (*words).to_owned()
+}
+
+#[test]
+fn a_panic_of_who_is_given_the_results_or_gives_the_cases_ends_the_batch_with_its_words() {
+    // More cases than may be under way: those who fly them wait for room when it happens.
+    let cases = |bad: usize| {
+        (0..5000).map(move |number| {
+            assert!(number != bad, "no such case");
+            thrown(1.0)
+        })
+    };
+    let batch = || Batch::new(&stone(), Options::rk4(0.1), 0.1).threads(2);
+    let mut seen = 0;
+    let given = |finished: Finished<()>| {
+        assert!(finished.case != 9, "enough of it");
+        seen += 1;
+        ControlFlow::Continue(())
+    };
+    let said = words(|| {
+        batch().cases(cases(usize::MAX)).each(|_, _| (), given);
+    });
+    assert_eq!((said.as_str(), seen), ("enough of it", 9));
+
+    let said = words(|| {
+        let watched = batch().progress(|tally| assert!(tally.done < 9, "enough of it"));
+        watched.cases(cases(usize::MAX)).run(|_, _| ());
+    });
+    assert_eq!(said, "enough of it");
+
+    let said = words(|| {
+        batch().cases(cases(40)).run(|_, _| ());
+    });
+    assert_eq!(said, "no such case");
 }
 
 #[test]

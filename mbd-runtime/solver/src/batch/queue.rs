@@ -5,6 +5,7 @@
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -57,6 +58,15 @@ impl<I, D> Drop for Worker<'_, I, D> {
         drop(inner);
         self.0.room.notify_all();
         self.0.done.notify_all();
+    }
+}
+
+/// Who collects the results; at the end, also at a panic of who is given them, nothing more is begun: workers that wait for room would wait for ever.
+struct Collector<'q, I, D>(&'q Queue<I, D>);
+
+impl<I, D> Drop for Collector<'_, I, D> {
+    fn drop(&mut self) {
+        self.0.stop();
     }
 }
 
@@ -155,27 +165,36 @@ pub(super) fn share_out<C: Send, D: Send>(
         let _worker = Worker(&queue);
         work(&queue);
     };
-    let spawned = thread::scope(|scope| {
-        let mut spawned = 0;
+    let is_done = thread::scope(|scope| {
+        let mut workers = Vec::with_capacity(threads);
         for _ in 0..threads {
             // Counted before it begins, so that nobody takes the first for the last.
             queue.lock().workers += 1;
             match thread::Builder::new().spawn_scoped(scope, labour) {
-                Ok(_) => spawned += 1,
+                Ok(worker) => workers.push(worker),
                 Err(_) => queue.lock().workers -= 1,
             }
         }
-        if spawned > 0 {
-            while let Some(result) = queue.collect() {
+        if workers.is_empty() {
+            return false;
+        }
+        {
+            let collector = Collector(&queue);
+            while let Some(result) = collector.0.collect() {
                 if deliver(result).is_break() {
                     break;
                 }
             }
-            queue.stop();
         }
-        spawned
+        for worker in workers {
+            if let Err(words) = worker.join() {
+                // The source is the caller's: what it said at its end goes on to the caller.
+                resume_unwind(words);
+            }
+        }
+        true
     });
-    if spawned == 0 {
+    if !is_done {
         // Where the system gives no thread, the calling one does the work.
         work(&Alone {
             queue: &queue,
