@@ -29,6 +29,18 @@ model! {
 }
 
 model! {
+    /// A stone that is pushed from some instants on.
+    pub model Pushed<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
+        point stone { mass: mass }
+        load push on stone =
+            if(time > 0.6 s, 1 N, 0 N) * [1.0, 0.3, 0.0] + if(time > 1.1 s, 2 N, 0 N) * [0.0, 0.0, 1.0];
+        load air on stone = -0.02 kg/m * norm(stone.velocity) * stone.velocity;
+    }
+}
+
+model! {
     /// A chain of four links on hinges about crossed axes.
     pub model Chain<T> {
         units: si;
@@ -212,6 +224,17 @@ fn stones_that_pass_events_and_end_at_other_times_are_what_they_are_alone() {
         })
     };
     assert_same_bits(&stone, &methods(), 0.9, cases);
+}
+
+#[test]
+fn stones_under_a_push_that_jumps_in_time_are_what_they_are_alone() {
+    let pushed = Pushed::new(PushedParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || (0..11_u32).map(|k| Case::new().params([0.4 + 0.3 * f64::from(k)]));
+    // The step that ends on the jump sees nothing of what is behind it, and counts once.
+    let options = [Options::tsit5(1e-7), Options::vern7(1e-8)];
+    assert_same_bits(&pushed, &options, 0.5, cases);
 }
 
 #[test]

@@ -73,8 +73,11 @@ impl<T: Float> Simulation<T> {
             let is_plain = self.method.explicit().is_some() && self.system.is_plain();
             is_plain && self.system.hold_plain()
         };
-        let (step, _) = self.propose(course.until.min(landing));
-        (step >= now && holds).then_some([self.time, step])
+        let until = course.until.min(landing);
+        let (step, lands) = self.propose(until);
+        // The stages of a step that ends where something jumps see what is before it alone: its run makes it.
+        let on_jump = lands && self.jumps_at(until);
+        (step >= now && holds && !on_jump).then_some([self.time, step])
     }
 
     /// Whether inputs and the modes of elements are those of the last step, which was received.

@@ -277,10 +277,7 @@ impl<T: Float> Simulation<T> {
         }
         let until = until.min(self.next_landing());
         let (step, lands) = self.propose(until);
-        let on_jump = lands
-            && self
-                .next_break()
-                .is_some_and(|it| it.jumps && it.time == until);
+        let on_jump = lands && self.jumps_at(until);
         // Nothing but a row inside the step can make it be taken back.
         let inside = trajectory
             .as_ref()
@@ -365,6 +362,12 @@ impl<T: Float> Simulation<T> {
         self.is_adaptive()
             .then(|| self.system.next_break(now))
             .flatten()
+    }
+
+    /// Whether something jumps at a time that the next step ends on.
+    pub(super) fn jumps_at(&self, end: f64) -> bool {
+        self.next_break()
+            .is_some_and(|it| it.jumps && it.time == end)
     }
 
     /// Evaluates the first stage on the far side of a jump that the last step ended on.
