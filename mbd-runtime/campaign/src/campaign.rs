@@ -36,6 +36,9 @@ pub(crate) use replay::CasePart;
 /// Cases that share a file of results, where the campaign file says nothing.
 const BLOCK: u64 = 100;
 
+/// How many cases may share a file of results: they are in memory until it is written.
+const MOST_A_BLOCK: u64 = 1 << 20;
+
 /// A model, how it is run, what is dispersed, and what is read from every run.
 pub struct Campaign {
     model: Arc<dyn Model<f64>>,
@@ -184,7 +187,11 @@ impl Campaign {
         }
         tell_apart(&metrics, &dispersions)?;
         let asked = asked(written, &metrics, dispersions.cases)?;
-        let block = written.block.unwrap_or(BLOCK).clamp(1, 1 << 20);
+        let block = written.block.unwrap_or(BLOCK);
+        if !(1..=MOST_A_BLOCK).contains(&block) {
+            let text = format!("a file of results holds from 1 to {MOST_A_BLOCK} cases");
+            return Err(wrong("block", text));
+        }
         Ok(Campaign {
             settings,
             nominal,
@@ -410,8 +417,8 @@ impl Campaign {
 
     fn begin(&self, number: u64, run: &mut Simulation<f64>) -> Result<(), RunError> {
         let plan = self.plan(number).map_err(|error| RunError {
-            cause: StepError::Unplaced {
-                name: error.setting,
+            cause: StepError::Refused {
+                setting: error.setting,
                 why: error.text,
             },
             progress: Box::default(),

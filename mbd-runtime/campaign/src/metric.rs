@@ -8,7 +8,9 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::similar::did_you_mean;
 use mbd_runtime::scene::twelve_digits;
-use mbd_runtime::{Content, MetricReader, MetricValue, MissingMetric, Name, Trajectory};
+use mbd_runtime::{
+    Content, MetricReader, MetricValue, MissingMetric, Name, Trajectory, switch_names,
+};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -132,7 +134,7 @@ impl Metrics {
         }
         for (name, written) in own {
             let reader = MetricTextReader::new(name, written, (&names, sampling));
-            let mut own = reader.metric(&scenes)?;
+            let mut own = reader.metric(models)?;
             // Events are those of all scenes: they are told beside the time, which all have.
             let column = match own.reader.take {
                 Take::TimeOf => 0,
@@ -356,7 +358,7 @@ impl<'r> MetricTextReader<'r> {
         require.map(|it| self.requirement(it, unit)).transpose()
     }
 
-    fn metric(&self, scenes: &[&Scene]) -> Result<CampaignMetric, PlanError> {
+    fn metric(&self, models: &columns::Models<'_>) -> Result<CampaignMetric, PlanError> {
         let written = self.written;
         let mut given = written.takes();
         let (Some((take, of)), None) = (given.next(), given.next()) else {
@@ -381,8 +383,8 @@ impl<'r> MetricTextReader<'r> {
         let own = own.map_or("", |name| &name.unit);
         let level = self.in_unit("level", written.level.as_ref(), own)?;
         let event = match take {
-            Take::Value => self.event(scenes, written.at.as_deref().unwrap_or_default())?,
-            Take::TimeOf => self.event(scenes, of)?,
+            Take::Value => self.event(models, written.at.as_deref().unwrap_or_default())?,
+            Take::TimeOf => self.event(models, of)?,
             _ => String::new(),
         };
         let unit = take.unit(own);
@@ -456,37 +458,50 @@ impl<'r> MetricTextReader<'r> {
         if written.below.is_none() && written.above.is_none() {
             return Err(self.wrong("`require` needs `below` or `above`"));
         }
+        let [below, above] = [
+            self.in_unit("require.below", written.below.as_ref(), unit)?,
+            self.in_unit("require.above", written.above.as_ref(), unit)?,
+        ];
+        if let (Some(below), Some(above)) = (below, above)
+            && below < above
+        {
+            let [below, above] =
+                [below, above].map(|bound| format!("{} {unit}", twelve_digits(bound)));
+            let text = format!(
+                "`require`: no value is below {below} and above {above}: the larger of them is `below`"
+            );
+            return Err(self.wrong(text));
+        }
         Ok(Requirement {
-            below: self.in_unit("require.below", written.below.as_ref(), unit)?,
-            above: self.in_unit("require.above", written.above.as_ref(), unit)?,
+            below,
+            above,
             share: written.share,
             confidence: written.confidence.filter(|_| !self.is_grid),
         })
     }
 
     /// An event as histories name it: a declared one, or `riser: taut`.
-    fn event(&self, scenes: &[&Scene], name: &str) -> Result<String, PlanError> {
-        let events = scenes.iter().flat_map(|scene| &scene.events);
-        let declared = events.map(|event| event.name.as_str());
-        let element = name.split_once(": ").map(|(element, _)| element);
-        let line = element.is_some_and(|element| {
-            let lines = scenes.iter().flat_map(|scene| &scene.lines);
-            let joints = scenes.iter().flat_map(|scene| &scene.joints);
-            lines
-                .map(|line| line.name.as_str())
-                .chain(joints.map(|joint| joint.name.as_str()))
-                .any(|known| element == known || element.starts_with(&format!("{known}.")))
-        });
-        if line || declared.clone().any(|known| known == name) {
+    fn event(&self, models: &columns::Models<'_>, name: &str) -> Result<String, PlanError> {
+        let events = models.iter().flat_map(|model| &model.scene().events);
+        let declared = events.map(|event| event.name.clone());
+        let switches = models.iter().flat_map(|model| switch_names(*model));
+        let [declared, switches]: [Vec<String>; 2] = [declared.collect(), switches.collect()];
+        let all = || declared.iter().chain(&switches).map(String::as_str);
+        if all().any(|known| known == name) {
             return Ok(name.to_owned());
         }
-        let near = did_you_mean(name, declared.clone());
-        let all: Vec<&str> = declared.collect();
-        let all = match all.is_empty() {
+        let near = did_you_mean(name, all());
+        let own = match declared.is_empty() {
             true => "it declares none".to_owned(),
-            false => format!("it has {}", all.join(", ")),
+            false => format!("it has {}", declared.join(", ")),
         };
-        Err(self.wrong(format!("this scene has no event `{name}`{near} ({all}; a line that switches is `riser: taut` or `riser: slack`)")))
+        let told = switches.first().map_or_else(
+            || "; it has no line and no stop whose switches are told".to_owned(),
+            |switch| format!("; what lines and stops become is told as `{switch}`"),
+        );
+        Err(self.wrong(format!(
+            "this scene has no event `{name}`{near} ({own}{told})"
+        )))
     }
 }
 

@@ -289,6 +289,8 @@ fn draws_obey_their_constraints_and_a_constraint_that_nothing_obeys_is_a_failed_
         row.starts_with("1,start,") && row.contains("10000 draws of case 1"),
         "{row}"
     );
+    // It is no joint whose coordinates do not fit.
+    assert!(!row.contains("loops"), "{row}");
 }
 
 #[test]
@@ -586,7 +588,22 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
             "say one thing to read",
         ),
         ("at = \"low\"", "at = \"lwo\"", "did you mean `low`"),
+        (
+            "at = \"low\"",
+            "at = \"cord: taut\"",
+            "no event `cord: taut` (it has low; it has no line and no stop whose switches are told)",
+        ),
         ("below = \"1 kN\"", "below = \"1 m\"", "wrong unit"),
+        (
+            "below = \"1 kN\"",
+            "below = \"1 kN\", above = \"1500 N\"",
+            "no value is below 1 kN and above 1.5 kN",
+        ),
+        (
+            "block = 6",
+            "block = 0",
+            "`block`: a file of results holds from 1 to",
+        ),
         ("share = 0.9,", "share = 1.9,", "between 0 and 1"),
         ("cases = 40", "", "cases = 1000"),
         ("cases = 40", "casse = 40", "unknown field `casse`"),
@@ -594,6 +611,11 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
             "seed = 7",
             "seed = 7\nsampling = \"sobl\"",
             "did you mean `sobol`",
+        ),
+        (
+            "seed = 7",
+            "seed = 7\nsampling = \"halton\"",
+            "no sampling `halton`; there are: random, latin, sobol, grid",
         ),
         ("until = \"0.5 s\"", "", "say when the run ends"),
         (

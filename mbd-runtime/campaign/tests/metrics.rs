@@ -174,6 +174,36 @@ fn a_campaign_file_adds_metrics_and_says_what_declared_ones_have_to_be() {
 }
 
 #[test]
+fn a_metric_waits_for_what_a_line_can_become_and_for_nothing_else() {
+    let text = "model Hung {
+        gravity: [0.0, 0.0, -10.0] m/s^2;
+        point bob { mass: 1 kg, start at [0.0, 0.0, -1.0] m }
+        line cord from world to bob { free_length: 2.25 m, stiffness: 2 kN/m }
+        spring coil from world to bob { free_length: 1 m, stiffness: 0.001 N/m }
+    }";
+    let model = || {
+        let scene = read_text(text).scene.expect("a scene");
+        Interpreted::<f64>::new(scene, &[]).expect("no params")
+    };
+    let folder = Folder::new("metrics_switch");
+    let waits = |event: &str| {
+        let metric = format!("[metrics]\nspeed = {{ value = \"bob.vz\", at = \"{event}\" }}\n");
+        campaign_of(&folder, model().share(), &format!("{RUN}{metric}"))
+    };
+    // It falls 1.25 m in half a second.
+    let (row, _) = waits("cord: taut")
+        .expect("a campaign")
+        .replay(0)
+        .expect("flown");
+    assert!((row.metrics[0] + 5.0).abs() < 1e-3, "{}", row.metrics[0]);
+    for event in ["cord: taught", "cord: tight", "coil: taut", "bob: taut"] {
+        let error = waits(event).err().expect("it never happens").to_string();
+        assert!(error.contains(&format!("no event `{event}`")), "{error}");
+        assert!(error.contains("told as `cord: taut`"), "{error}");
+    }
+}
+
+#[test]
 fn the_rows_of_a_grid_change_no_metric_and_the_end_of_a_case_is_where_it_lands() {
     let stone = Stone::new(StoneParams::default())
         .expect("defaults")

@@ -107,6 +107,15 @@ step_errors! {
     }
     "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
 
+    /// A start that whoever says how the run begins cannot give it, refused before any step.
+    Refused {
+        /// What of it cannot be: a constraint, `start.pin.angle`.
+        setting: String,
+        /// Why, and what to write.
+        why: String,
+    }
+    "start", format!("`{setting}`: {why}"), "change this setting, or leave the case out";
+
     /// A name from the caller that there is not.
     UnknownName {
         /// The name.

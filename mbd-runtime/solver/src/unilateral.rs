@@ -110,6 +110,42 @@ pub(crate) fn name(scene: &Scene, layout: &Layout, element: usize) -> String {
     }
 }
 
+/// What a run of a model tells of its lines and stops beside the events that it declares: `riser: taut`, `elbow.angle high stop: touched`. Springs and lines of
+/// `static` and `stepwise` nodes are not told.
+///
+/// ```
+/// use mbd_runtime::{model, switch_names};
+///
+/// model! {
+///     /// A bob on a cord and a spring.
+///     model Hung {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         point bob { mass: 1 kg }
+///         line cord from world to bob { free_length: 1 m, stiffness: 2 kN/m }
+///         spring coil from world to bob { free_length: 1 m, stiffness: 5 N/m }
+///     }
+/// }
+///
+/// let hung = Hung::new(HungParams::default()).expect("a model without params");
+/// assert_eq!(switch_names(&hung), ["cord: taut", "cord: slack", "cord: idle"]);
+/// ```
+#[must_use]
+pub fn switch_names(model: &dyn Model<f64>) -> Vec<String> {
+    let (scene, layout) = (model.scene(), model.layout());
+    let told = (0..layout.one_way()).filter(|element| switches(model, *element));
+    let mut names = Vec::new();
+    for element in told {
+        for mode in [Mode::Active, Mode::Slack, Mode::Idle] {
+            let name = report(scene, layout, element, mode);
+            // A stop that carries nothing is left, whether it is touched or not.
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    names
+}
+
 /// What an element became, in words: `riser: taut`, `elbow.angle high stop: touched`.
 pub(crate) fn report(scene: &Scene, layout: &Layout, element: usize, mode: Mode) -> String {
     let is_stop = element >= layout.lines.len();

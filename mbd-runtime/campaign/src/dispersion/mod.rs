@@ -9,6 +9,7 @@ use std::path::Path;
 
 use mbd_runtime::Layout;
 use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::similar::near_and_all;
 use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
@@ -450,14 +451,8 @@ fn sampling(written: &CampaignFile) -> Result<CaseSampling, PlanError> {
     let found = CaseSampling::WORDS.iter().find(|(known, _)| known == word);
     found.map(|(_, sampling)| *sampling).ok_or_else(|| {
         let words = CaseSampling::WORDS.map(|(word, _)| word);
-        let near = mbd_runtime::scene::similar::did_you_mean(word, words);
-        wrong(
-            "sampling",
-            format!(
-                "there is no sampling `{word}`{near} There are: {}",
-                words.join(", ")
-            ),
-        )
+        let all = near_and_all(word, words);
+        wrong("sampling", format!("there is no sampling `{word}`{all}"))
     })
 }
 

@@ -1,7 +1,7 @@
 //! What a tolerance is relative to, where a scene file says so: `[run.scales]`.
 
-use mbd_compiler::nearest;
 use mbd_runtime::Scales;
+use mbd_runtime::scene::similar::near_and_all;
 use toml::Table;
 
 use super::names::{PlanError, wrong};
@@ -25,15 +25,8 @@ pub fn scales(given: &Table) -> Result<Option<Scales>, PlanError> {
         let setting = format!("scales.{name}");
         let known = SCALES.iter().find(|(known, _)| known == name);
         let Some((_, unit)) = known else {
-            let names = || SCALES.iter().map(|(known, _)| *known);
-            let near = nearest(name, names());
-            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            let list: Vec<&str> = names().collect();
-            let text = format!(
-                "there is no scale `{name}`{near} There are {}",
-                list.join(", ")
-            );
-            return Err(wrong(setting, text));
+            let all = near_and_all(name, SCALES.iter().map(|(known, _)| *known));
+            return Err(wrong(setting, format!("there is no scale `{name}`{all}")));
         };
         let value = positive(&setting, value, unit)?;
         *match name.as_str() {
