@@ -88,6 +88,14 @@ fn block_file(folder: &Path, block: u64) -> PathBuf {
     folder.join("blocks").join(format!("{block:08}.csv"))
 }
 
+/// What to do where a file of a block is not what its campaign writes: the block is there as long as its rows are, and flown where they are not.
+pub(crate) fn fly_again(folder: &Path, block: u64) -> String {
+    format!(
+        "take {} away, and go on with --resume",
+        block_file(folder, block).display()
+    )
+}
+
 fn wall_file(folder: &Path, block: u64) -> PathBuf {
     folder.join("seconds").join(format!("{block:08}.csv"))
 }

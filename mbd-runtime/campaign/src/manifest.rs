@@ -137,6 +137,11 @@ impl Manifest {
         block * self.block..((block + 1) * self.block).min(self.cases)
     }
 
+    /// The block of a case, beyond the last case the last one.
+    pub(crate) fn block_of(&self, case: u64) -> u64 {
+        case.min(self.cases.saturating_sub(1)) / self.block.max(1)
+    }
+
     /// Puts it into a folder, or finds the same there, where what is [`ResultOptions`] takes the place of what was.
     ///
     /// # Errors

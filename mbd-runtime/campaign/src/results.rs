@@ -6,6 +6,7 @@ use std::path::Path;
 
 use mbd_runtime::scene::twelve_digits;
 
+use crate::blocks::fly_again;
 use crate::failure::Failure;
 use crate::manifest::{Manifest, ResultColumn};
 use crate::parquet::{self, ParquetCells};
@@ -188,14 +189,16 @@ impl Results {
         for (at, line) in lines.enumerate() {
             let line = line.map_err(|error| wrong(error.to_string()))?;
             let row = CaseRow::read(&line, counts).filter(|row| row.case == at as u64);
-            rows.push(row.ok_or_else(|| wrong(format!("line {} is no row of case {at}", at + 2)))?);
+            rows.push(row.ok_or_else(|| {
+                let again = fly_again(folder, manifest.block_of(at as u64));
+                wrong(format!("line {} is no row of case {at}: {again}", at + 2))
+            })?);
         }
-        if rows.len() as u64 != manifest.cases {
-            return Err(wrong(format!(
-                "{} of {}: gather it anew",
-                rows.len(),
-                counted(manifest.cases, "case")
-            )));
+        let found = rows.len() as u64;
+        if found != manifest.cases {
+            let again = fly_again(folder, manifest.block_of(found));
+            let all = counted(manifest.cases, "case");
+            return Err(wrong(format!("{found} of {all}: {again}")));
         }
         Ok(Results { manifest, rows })
     }

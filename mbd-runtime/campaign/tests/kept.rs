@@ -433,6 +433,35 @@ fn a_page_is_written_without_histories_that_cannot_be_flown_again_and_that_is_to
     );
 }
 
+/// As after a disk that failed: whoever puts the folder together says which file is to be flown again, and that is enough.
+#[test]
+fn a_damaged_file_is_named_and_what_is_said_of_it_mends_the_folder() {
+    let folder = Folder::new("damaged");
+    let campaign = read(&folder, FILE).expect("a campaign");
+    let out = folder.0.join("out");
+    run(&folder, &campaign, &out, 1, ALONE);
+    reported(&out).expect("a page");
+    let all = || ["cases.csv", "envelopes.csv"].map(|name| fs::read(out.join(name)).expect(name));
+    let whole = all();
+    let last = campaign.manifest().blocks() - 1;
+    for block in [3, last] {
+        let rows = out.join(format!("blocks/{block:08}.csv"));
+        for damaged in [rows.clone(), out.join(format!("envelopes/{block:08}.npy"))] {
+            let found = fs::read(&damaged).expect("a file");
+            for kept in [0, found.len() / 2] {
+                fs::write(&damaged, &found[..kept]).expect("room");
+                let error = reported(&out).expect_err("damaged").to_string();
+                let again = format!("take {} away, and go on with --resume", rows.display());
+                assert!(error.contains(&again), "{error}");
+                fs::remove_file(&rows).expect("ours");
+                run(&folder, &campaign, &out, 1, ALONE);
+                reported(&out).expect("a page");
+                assert!(all() == whole, "{}", damaged.display());
+            }
+        }
+    }
+}
+
 /// Percentiles of nothing are nothing, not zero.
 #[test]
 fn the_nominal_alone_has_empty_envelopes_and_no_ellipse() {

@@ -83,7 +83,7 @@ pub fn read(
         let mut found = vec![0; expected.len()];
         file.read_exact(&mut found)?;
         if found != expected {
-            let text = "is not what this campaign writes: take it and the block of the same number away, and go on with --resume";
+            let text = "it is not what this campaign writes";
             return Err(io::Error::new(io::ErrorKind::InvalidData, text));
         }
         let before = expected.len() + SIZE * cases * first;

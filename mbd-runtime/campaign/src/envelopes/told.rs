@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::block;
+use crate::blocks::fly_again;
 use crate::manifest::Manifest;
 use crate::statistics::quantile;
 use crate::table::{cell, heading, number};
@@ -71,7 +72,11 @@ pub fn told(folder: &Path, manifest: &Manifest) -> io::Result<Vec<Envelope>> {
         for block in 0..manifest.blocks() {
             let cases = manifest.cases_of(block).count();
             let path = block::path(folder, block);
-            let numbers = block::read(&path, (envelopes, cases), (first, count))?;
+            let numbers = block::read(&path, (envelopes, cases), (first, count));
+            let numbers = numbers.map_err(|error| {
+                let again = fly_again(folder, block);
+                io::Error::new(error.kind(), format!("{error}: {again}"))
+            })?;
             for (all, own) in all.iter_mut().zip(numbers.chunks_exact(cases)) {
                 all.extend(own);
             }
