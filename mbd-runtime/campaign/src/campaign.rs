@@ -9,8 +9,8 @@ use std::sync::Arc;
 use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
 use mbd_runtime::scene::{Packed, fingerprint};
 use mbd_runtime::{
-    Batch, Case, Content, Ended, FailedCase, Finished, Joined, Model, Onward, RunError, Sampling,
-    Simulation, StepError, Trajectory,
+    Batch, Case, Content, Ended, FailedCase, Finished, Joined, Model, Moved, Onward, RunError,
+    Sampling, Simulation, StepError, Trajectory,
 };
 use toml::{Table, Value};
 
@@ -44,6 +44,8 @@ pub struct Campaign {
     model: Arc<dyn Model<f64>>,
     settings: Settings,
     nominal: RunPlan,
+    /// What its start moves.
+    nominal_moved: Vec<Moved>,
     /// Everything that a run may come to, the model with its settings first.
     phases: Vec<Phase>,
     /// How those behind the first are run.
@@ -192,9 +194,11 @@ impl Campaign {
             let text = format!("a file of results holds from 1 to {MOST_A_BLOCK} cases");
             return Err(wrong("block", text));
         }
+        let nominal_moved = start_moved(&*model, &nominal);
         Ok(Campaign {
             settings,
             nominal,
+            nominal_moved,
             later: plans,
             dispersions,
             metrics,
@@ -302,13 +306,24 @@ impl Campaign {
     /// The plan of a case.
     ///
     /// # Errors
-    /// There is no such case; its start cannot be; no draw of it obeys the constraints.
+    /// There is no such case; its start cannot be, or is not what is drawn; no draw of it obeys the constraints.
     pub fn plan(&self, case: u64) -> Result<RunPlan, PlanError> {
         self.check(case)?;
+        // Its coordinates are found by what it is begun with, and may not be what it can be begun with.
+        if case == 0 {
+            return Ok(self.nominal.clone());
+        }
         let values = self.dispersions.values(case)?;
         let scene = (self.model.scene(), self.model.layout());
-        self.dispersions
-            .plan((&self.nominal, &self.settings), scene, &values)
+        let plan = self
+            .dispersions
+            .plan((&self.nominal, &self.settings), scene, &values)?;
+        if self.model.layout().nc > 0 && self.dispersions.has_starts() {
+            let moved = start_moved(&*self.model, &plan);
+            self.dispersions
+                .check_start(&values, [&moved, &self.nominal_moved])?;
+        }
+        Ok(plan)
     }
 
     /// The plans of a case in all scenes that its run may come to.
@@ -503,6 +518,16 @@ impl Campaign {
             },
         }
     }
+}
+
+/// What the start of a run as planned moves so that joints hold; nothing where it cannot begin, which the run itself tells.
+fn start_moved(model: &dyn Model<f64>, plan: &RunPlan) -> Vec<Moved> {
+    let begun = model.with_params(&plan.params).ok().and_then(|model| {
+        let mut run = Simulation::new(&*model, plan.options).ok()?;
+        plan.begin(&mut run).and_then(|()| run.start()).ok()?;
+        Some(run)
+    });
+    begun.map_or_else(Vec::new, |run| run.start_moved().to_vec())
 }
 
 /// What the file asks to be told beside the metrics.

@@ -75,6 +75,78 @@ fn a_dispersed_speed_of_a_body_leaves_its_place_as_declared() {
     }
 }
 
+/// A rod at a pin and a cart on a rail, put there by places that are a little off, and a stone that nothing holds.
+const ROUGH: &str = "model Rough {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    body rod { mass: 2 kg, inertia: diag(0.2, 0.2, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+    joint pin: hinge from world to rod.top { axis: y }
+    body cart { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+    joint rail: prismatic from world to cart.com { axis: x }
+    point stone { mass: 1 kg, start at [0, 0, 2] m }
+    output swing = pin.angle;
+    output height = stone.position.z;
+    output way = cart.position.x;
+}";
+
+fn rough(dispersed: &str) -> Campaign {
+    let what: String = dispersed.chars().take_while(|it| *it != ' ').collect();
+    let folder = Folder::new(&format!("starts_rough_{what}"));
+    let scene = read_text(ROUGH).scene.expect("a scene");
+    let model = Generic::<f64>::with_defaults(scene).expect("valid");
+    let text = format!(
+        "seed = 3\ncases = 4\n[start]\n{dispersed}\n[metrics]\nfirst = {{ final = \"swing\" }}\nheight = {{ final = \"height\" }}\nway = {{ final = \"way\" }}"
+    );
+    let file = folder.file("dispersions.toml", &text);
+    let own = "until = \"0 s\"\n[start]\nrod.x = \"-0.2 m\"\nrod.z = \"-0.45 m\"\nrod.qw = 0.98\nrod.qy = 0.199\ncart.z = \"1 mm\"";
+    let own: Settings = toml::from_str(own).expect("settings");
+    Campaign::read(&file, Arc::new(model), own).expect("valid")
+}
+
+#[test]
+fn the_nominal_begins_as_the_scene_does_whatever_is_dispersed() {
+    let [by_place, by_joint] = [
+        "stone.z = { dist = \"normal\", sigma = \"1 m\" }",
+        "pin.angle = { dist = \"normal\", sigma = \"0.1 rad\" }",
+    ]
+    .map(|dispersed| rough(dispersed).replay(0).expect("the nominal").0);
+    assert_eq!(by_joint.status, "ok", "{}", by_joint.why);
+    assert_eq!(by_joint.metrics, by_place.metrics);
+}
+
+#[test]
+fn a_case_begins_where_its_row_says_or_fails() {
+    // Nothing holds the stone, and the rail lets the cart go along, whatever it corrects across.
+    for (place, metric) in [("stone.z", 1), ("cart.x", 2)] {
+        let free = rough(&format!(
+            "{place} = {{ dist = \"uniform\", low = \"0.1 m\", high = \"0.3 m\" }}"
+        ));
+        for case in 1..=4 {
+            let row = free.replay(case).expect("flown").0;
+            assert_eq!(row.status, "ok", "{}", row.why);
+            let off = row.metrics[metric] - row.values[0];
+            assert!(off.abs() < 1e-9, "{place}: {row:?}");
+        }
+    }
+    for (dispersed, what) in [
+        (
+            "rod.y = { dist = \"uniform\", low = \"0.1 m\", high = \"0.3 m\" }",
+            "its place would be",
+        ),
+        (
+            "rod.qx = { dist = \"uniform\", low = \"0.1\", high = \"0.3\" }",
+            "its attitude would be",
+        ),
+    ] {
+        let campaign = rough(dispersed);
+        let name = campaign.manifest().dispersed[0].name.clone();
+        assert_eq!(campaign.replay(0).expect("the nominal").0.status, "ok");
+        let row = campaign.replay(1).expect("a row").0;
+        assert_eq!(row.status, "start", "{row:?}");
+        let said = format!("`{name}`: the joints of `rod` do not allow what is drawn, and {what}");
+        assert!(row.why.contains(&said), "{}", row.why);
+    }
+}
+
 #[test]
 fn a_start_of_a_run_beyond_half_a_turn_keeps_its_turn() {
     for coordinates in BOTH {

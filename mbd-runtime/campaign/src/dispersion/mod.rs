@@ -7,9 +7,9 @@ mod written;
 
 use std::path::Path;
 
-use mbd_runtime::Layout;
-use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::similar::near_and_all;
+use mbd_runtime::scene::{Scene, plain};
+use mbd_runtime::{Layout, Moved};
 use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
@@ -27,6 +27,10 @@ pub use written::{
 const MOST_CASES: u64 = 100_000_000;
 /// Draws of one case before it is given up.
 const ATTEMPTS: u32 = 10_000;
+/// What the start moves by more than this part of how far it is drawn from the nominal does not begin where it is drawn.
+const MOVED: f64 = 1e-3;
+/// What it moves by less, in SI units, is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// A number that is dispersed.
 #[derive(Clone, Debug)]
@@ -337,6 +341,52 @@ impl Dispersions {
         values
             .map(|(varied, value)| value / varied.known.factor)
             .collect()
+    }
+
+    /// Whether it disperses numbers of the start.
+    pub fn has_starts(&self) -> bool {
+        let mut targets = self.varied.iter().map(|varied| &varied.known.target);
+        targets.any(|target| matches!(target, DispersionTarget::Start(_)))
+    }
+
+    /// Refuses places that the start moved so that joints hold, of what these numbers put elsewhere than the nominal is, beyond what it moves there: the row would tell a start that the run
+    /// does not have.
+    ///
+    /// # Errors
+    /// The first such number, with how far off the run would begin.
+    pub fn check_start(
+        &self,
+        values: &[f64],
+        [moved, of_nominal]: [&[Moved]; 2],
+    ) -> Result<(), PlanError> {
+        for (varied, value) in self.varied.iter().zip(values) {
+            let DispersionTarget::Start(at) = &varied.known.target else {
+                continue;
+            };
+            let Some((owner, component)) = at.rsplit_once('.') else {
+                continue;
+            };
+            let (how_far, unit, what): (fn(&Moved) -> f64, _, _) = match component {
+                "x" | "y" | "z" => (|moved| moved.distance, "m", "its place"),
+                "angle" | "qw" | "qx" | "qy" | "qz" => (|moved| moved.angle, "rad", "its attitude"),
+                // Of the speeds that are said the start takes the nearest that joints allow.
+                _ => continue,
+            };
+            let own = |list: &[Moved]| {
+                let found = list.iter().find(|moved| moved.name == owner);
+                found.map_or(0.0, how_far)
+            };
+            let off = own(moved);
+            // What is declared to some digits is moved by as much in every case.
+            if off > own(of_nominal) + MOVED * (value - varied.known.nominal).abs() + ROUNDING {
+                let text = format!(
+                    "the joints of `{owner}` do not allow what is drawn, and {what} would be {} {unit} off: disperse what they leave free, such as a coordinate of a joint",
+                    plain(off, 4)
+                );
+                return Err(wrong(&*varied.known.name, text));
+            }
+        }
+        Ok(())
     }
 
     /// Sets the params among the dispersed numbers.
