@@ -8,7 +8,31 @@ const LANES: usize = 4;
 const WIDE: usize = 8;
 
 /// The largest size; infinite where a number is not finite.
+#[inline]
 pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
+    match list.len() {
+        0..WIDE => largest_of_few(list),
+        _ => largest_of_many(list),
+    }
+}
+
+/// The same one by one.
+#[inline]
+fn largest_of_few<T: Float>(list: &[T]) -> f64 {
+    let mut most = T::zero();
+    for x in list {
+        let size = x.abs();
+        match size <= most {
+            true => {}
+            false if size.is_finite() => most = size,
+            false => return f64::INFINITY,
+        }
+    }
+    most.to_f64()
+}
+
+/// The same in lanes.
+fn largest_of_many<T: Float>(list: &[T]) -> f64 {
     let zero = T::zero();
     // 0 x is zero for a finite number and NaN for others.
     let (mut most, mut faults) = ([zero; LANES], [zero; LANES]);
