@@ -26,6 +26,7 @@ use crate::unilateral::{Mode, report};
 use crate::watch::Watch;
 
 mod act;
+mod attempt;
 pub(crate) mod beside;
 mod beyond_stops;
 mod control;
@@ -38,6 +39,7 @@ mod measure;
 mod moved;
 mod offered;
 mod overlooked;
+mod recording;
 mod sizes;
 mod snapshot;
 mod space;
