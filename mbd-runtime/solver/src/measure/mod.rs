@@ -11,13 +11,19 @@
 //!
 //! Rejected: reading metrics from the rows of a history, straight between them: their error is that of the grid and not that of the run.
 
+mod parts;
 mod polynomial;
+mod step;
 mod sum;
 
 use crate::error::StepError;
 use crate::metric::{MetricReader, MissingMetric};
 use polynomial::{DEGREE, POINTS, Polynomial};
+use step::{FASTEST, Half};
 use sum::{MeasuredPart, QuantityAt, Sum};
+
+pub(crate) use parts::MeasuredRun;
+pub(crate) use step::MeasuredStep;
 
 /// Writes the columns at a part of a step, 0 … 1.
 type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a;
@@ -26,8 +32,6 @@ type ColumnValues<'a> = dyn FnMut(f64, &mut [f64]) -> Result<(), StepError> + 'a
 const DEEPEST: usize = 30;
 /// Halvings after which what does not get smaller is noise, where nothing of time alone is measured.
 const PATIENCE: usize = 3;
-/// The same where something of time alone is, which may swing thousands of times in a step.
-const FASTEST: usize = 10;
 /// The point of a step that is looked at first, one of those that are looked at next; not its middle, where what repeats itself in time with the steps may
 /// be what it is at the ends.
 const FIRST_LOOK: usize = 2;
@@ -70,61 +74,6 @@ impl PartialEq for Measures {
     }
 }
 
-/// What was measured in a part of a run that came to several models.
-#[derive(Clone, Debug)]
-pub(crate) struct MeasuredRun {
-    /// Which model, by index.
-    model: usize,
-    /// When the part ended [s].
-    end: f64,
-    sums: Vec<(MetricReader, Sum)>,
-}
-
-/// The same metrics with the same values, to the bit.
-impl PartialEq for MeasuredRun {
-    fn eq(&self, other: &Self) -> bool {
-        let values = |part: &Self| -> Vec<(MetricReader, Option<u64>)> {
-            let told = part.sums.iter().map(|(reader, sum)| {
-                let value = sum.value(reader.take).ok();
-                (reader.clone(), value.map(f64::to_bits))
-            });
-            told.collect()
-        };
-        self.model == other.model
-            && self.end.to_bits() == other.end.to_bits()
-            && values(self) == values(other)
-    }
-}
-
-impl MeasuredRun {
-    /// The value of a metric over those parts whose models `counts`, what it may be off by, and when the last of them ended.
-    pub(crate) fn of_all(
-        parts: &[MeasuredRun],
-        reader: &MetricReader,
-        counts: &dyn Fn(usize) -> bool,
-    ) -> (Result<[f64; 2], MissingMetric>, Option<f64>) {
-        let mut own = parts.iter().filter(|part| counts(part.model)).peekable();
-        if own.peek().is_none() {
-            return (Err(MissingMetric::NotReached), None);
-        }
-        let measured = own.filter_map(|part| {
-            let found = part.sums.iter().find(|(known, _)| known == reader);
-            found.map(|(_, sum)| (*sum, part.end))
-        });
-        let whole = measured.reduce(|(mut whole, _), (sum, end)| {
-            whole.add_part(reader, &sum);
-            (whole, end)
-        });
-        match whole {
-            None => (Err(MissingMetric::NotRecorded), None),
-            Some((sum, end)) => {
-                let value = sum.value(reader.take);
-                (value.map(|value| [value, sum.open(reader.take)]), Some(end))
-            }
-        }
-    }
-}
-
 /// What is known of a quantity that is measured.
 #[derive(Clone, Copy, Debug, Default)]
 struct Column {
@@ -146,91 +95,6 @@ enum Resolving {
     Here(usize),
     /// It is cut further.
     Further,
-}
-
-/// A half of a part of a step: how often the step was halved, which half, and where it lies in the step, 0 … 1.
-#[derive(Clone, Copy)]
-struct Half {
-    depth: usize,
-    side: usize,
-    part: [f64; 2],
-}
-
-impl Half {
-    /// A whole step.
-    const WHOLE: Half = Half {
-        depth: 0,
-        side: 0,
-        part: [0.0, 1.0],
-    };
-
-    /// Both of its halves.
-    fn halves(self) -> [Half; 2] {
-        let [low, high] = self.part;
-        let middle = 0.5 * (low + high);
-        [([low, middle], 0), ([middle, high], 1)].map(|(part, side)| Half {
-            depth: self.depth + 1,
-            side,
-            part,
-        })
-    }
-
-    /// Its place among all that are under way at once.
-    fn index(self) -> usize {
-        2 * self.depth + self.side
-    }
-}
-
-/// Whether something of time alone that is measured is hidden between looks at times of a span [s].
-pub(crate) type HiddenInTime<'a> = dyn Fn([f64; 2], &[f64]) -> bool + 'a;
-
-/// The step that is measured.
-#[derive(Clone, Copy)]
-pub(crate) struct MeasuredStep<'a> {
-    /// Its start [s].
-    pub time: f64,
-    /// Its size [s].
-    pub size: f64,
-    /// Its end [s], as the next one begins: the sum of both but for rounding.
-    pub end: f64,
-    /// Up to which part of its size a quantity is resolved.
-    pub tolerance: f64,
-    /// Whether quantities have no value of their own between its ends, as the forces of a `stepwise` node, whose rule is one of whole steps: they are
-    /// straight there.
-    pub straight: bool,
-    /// Whether quantities are at its start what they were at the end of the step before.
-    pub continues: bool,
-    /// What tells whether looks hide something; `None` where nothing that is measured is of time alone.
-    pub hidden: Option<&'a HiddenInTime<'a>>,
-}
-
-impl MeasuredStep<'_> {
-    /// When a part of it begins and ends [s].
-    fn times(&self, part: [f64; 2]) -> [f64; 2] {
-        part.map(|part| match part {
-            1.0 => self.end,
-            part => self.time + part * self.size,
-        })
-    }
-
-    /// Whether so many looks at a half hide something of time alone.
-    fn hides(&self, half: Half, count: usize) -> bool {
-        let Some(hidden) = self.hidden.filter(|_| half.depth < FASTEST) else {
-            return false;
-        };
-        let [low, high] = half.part;
-        let stride = Polynomial::stride(count);
-        let places = Polynomial::places();
-        let mut looks = [0.0; POINTS];
-        let own = places.iter().step_by(stride);
-        for (look, place) in looks.iter_mut().zip(own) {
-            *look = self.time + (low + place * (high - low)) * self.size;
-        }
-        hidden(
-            self.times(half.part),
-            looks.get(..count).unwrap_or_default(),
-        )
-    }
 }
 
 impl Measures {
