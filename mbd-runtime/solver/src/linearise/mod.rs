@@ -230,6 +230,15 @@ pub enum LinearisationError {
         /// The spring.
         spring: String,
     },
+    /// Something rises, or falls, without bound at this state: the root of what is zero there.
+    NoDerivative {
+        /// What: a number of the state or an output column.
+        of: String,
+        /// Whether it is the rate of that.
+        is_rate: bool,
+        /// By what there is no derivative: a state or an input of [`StateSpace`].
+        by: String,
+    },
     /// The model has another layout than this room was made for.
     OtherModel,
     /// The equations, or their derivatives, are no finite numbers at this state.
@@ -289,6 +298,13 @@ impl fmt::Display for LinearisationError {
                 f,
                 "both ends of `{spring}` are at the same place, where its damping, or its force, has no direction and there is no linear system: linearise where they are apart, or let a load act in its place, `-c * bob.velocity`"
             ),
+            LinearisationError::NoDerivative { of, is_rate, by } => {
+                let rate = if *is_rate { "the rate of " } else { "" };
+                write!(
+                    f,
+                    "{rate}`{of}` has no derivative by `{by}` at this state: beside it that grows without bound, as that of a root does towards zero; choose a state that is not there, or give a law that is smooth there"
+                )
+            }
             LinearisationError::OtherModel => write!(
                 f,
                 "the model has another layout than the linearisation: make one with `Linearisation::new(model.layout())`"

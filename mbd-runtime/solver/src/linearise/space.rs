@@ -114,45 +114,38 @@ impl StateSpace {
             return Err(LinearisationError::NoDirection { spring });
         }
         let chart = Chart::choose(&mut moment, coordinates, ChartOrder::Places)?;
-        Ok(Self::in_chart(&mut moment, &chart)?.with_kinks(&moment))
+        Self::in_chart(&mut moment, &chart)?.with_kinks(&mut moment, &chart)
     }
 
     /// It, with the kinks of the place that it stands at.
-    pub(crate) fn with_kinks(mut self, moment: &SceneMoment) -> Self {
-        self.kinks = kinks(moment, &self);
-        self
+    ///
+    /// # Errors
+    /// A derivative that there is not.
+    pub(crate) fn with_kinks(
+        mut self,
+        moment: &mut SceneMoment,
+        chart: &Chart,
+    ) -> Result<Self, LinearisationError> {
+        self.kinks = kinks(moment, chart, &self)?;
+        Ok(self)
     }
 
     pub(crate) fn in_chart(
         moment: &mut SceneMoment,
         chart: &Chart,
     ) -> Result<Self, LinearisationError> {
-        let linear = moment.linearise()?;
+        let Along {
+            tangent,
+            rates,
+            by_input,
+            outputs: [c, d],
+            followed,
+        } = Along::new(moment, chart)?;
         let (nq, nv, nx) = {
             let layout = moment.layout();
             (layout.nq, layout.nv, layout.nx())
         };
-        let whole = dense(linear.state());
-        let mut by_input = dense(linear.input());
-        let turns = whole.view((0, nq), (nq, nv)).into_owned();
-        let mut tangent = chart.tangent(moment, &turns);
         let (n, rest) = (chart.len(), nx - nq - nv);
-        let mut followed = None;
-        if motors_follow(moment.scene()) {
-            let rows = [Quantity::Constraint, Quantity::ConstraintRate];
-            let by_state = rows.map(|what| moment.by_state(what, &[]));
-            let behind = by_state
-                .each_ref()
-                .map(|by| by.columns(nq + nv, rest).into_owned());
-            let [state, moves] = chart.followed(moment, &turns, behind.each_ref());
-            let mut own = tangent.columns_mut(2 * n, rest);
-            own += state;
-            let held = rows.map(|what| moment.by_input(what));
-            let [state, held] = chart.followed(moment, &turns, held.each_ref());
-            by_input += &whole * &state;
-            followed = Some((moves, state, held));
-        }
-        let rates = &whole * &tangent;
         let speeds = moment.rates()?;
         let speeds = &speeds[nq..];
         let measured = moment.by_state(Quantity::JointCoordinates, &speeds[..nv]);
@@ -161,16 +154,18 @@ impl StateSpace {
         // Small moves of a unit of each s: none of the rates.
         let mut moves = DMatrix::zeros(nv, ns);
         moves.view_mut((0, 0), (nv, n)).copy_from(&chart.moves());
-        if let Some((behind, ..)) = &followed {
-            moves.view_mut((0, 2 * n), (nv, rest)).copy_from(behind);
+        if let Some(followed) = &followed {
+            moves
+                .view_mut((0, 2 * n), (nv, rest))
+                .copy_from(&followed.moves);
         }
         for (line, one) in chart.minimal.iter().enumerate() {
             a[(line, n + line)] = 1.0;
             let swept = chart.swept(moment, one, &moves);
             let mut own = a.row_mut(line);
             own += swept;
-            if let Some((_, _, held)) = &followed {
-                let swept = chart.swept(moment, one, held);
+            if let Some(followed) = &followed {
+                let swept = chart.swept(moment, one, &followed.held);
                 b.row_mut(line).copy_from(&swept);
             }
             match one.source {
@@ -181,9 +176,9 @@ impl StateSpace {
                     a.row_mut(n + line).copy_from(&(here + through));
                     let through = along * by_input.view((nq, 0), (nv, nu));
                     b.row_mut(n + line).copy_from(&through);
-                    if let Some((_, state, _)) = &followed {
+                    if let Some(followed) = &followed {
                         let mut own = b.row_mut(n + line);
-                        own += measured.row(3 * number + 2) * state;
+                        own += measured.row(3 * number + 2) * &followed.state;
                     }
                 }
                 MinimalCoordinate::Place { speed, .. } | MinimalCoordinate::Turn { speed, .. } => {
@@ -205,13 +200,8 @@ impl StateSpace {
         let their_rates = chart.minimal.iter().map(|one| one.rate.clone());
         let behind = state_names(scene, layout).into_iter().skip(nq + nv);
         Ok(StateSpace {
-            c: dense(linear.outputs_by_state()) * &tangent,
-            d: match &followed {
-                Some((_, state, _)) => {
-                    dense(linear.outputs_by_input()) + dense(linear.outputs_by_state()) * state
-                }
-                None => dense(linear.outputs_by_input()),
-            },
+            c,
+            d,
             states: coordinates.chain(their_rates).chain(behind).collect(),
             inputs: input_names(scene, layout),
             outputs: output_names(scene, layout),
@@ -240,6 +230,84 @@ impl StateSpace {
     #[must_use]
     pub fn output(&self, name: &str) -> Option<usize> {
         self.outputs.iter().position(|known| known.name == name)
+    }
+}
+
+/// What motors that follow inputs or states move.
+struct Followed {
+    /// Small moves of a unit of each number behind the speeds.
+    moves: DMatrix<f64>,
+    /// What a unit of each input is in the state.
+    state: DMatrix<f64>,
+    /// Small moves of a unit of each input.
+    held: DMatrix<f64>,
+}
+
+/// Derivatives of ẋ and of the outputs along the minimal coordinates, their rates and the rest of s, and by the inputs.
+pub(super) struct Along {
+    /// T, n_x × n_s.
+    pub tangent: DMatrix<f64>,
+    /// J T, n_x × n_s.
+    pub rates: DMatrix<f64>,
+    /// ∂ẋ/∂u, n_x × n_u.
+    pub by_input: DMatrix<f64>,
+    /// C and D.
+    pub outputs: [DMatrix<f64>; 2],
+    followed: Option<Followed>,
+}
+
+impl Along {
+    pub(super) fn new(moment: &mut SceneMoment, chart: &Chart) -> Result<Self, LinearisationError> {
+        let linear = moment.linearise()?;
+        let (nq, nv, nx) = {
+            let layout = moment.layout();
+            (layout.nq, layout.nv, layout.nx())
+        };
+        let whole = dense(linear.state());
+        let mut by_input = dense(linear.input());
+        let turns = whole.view((0, nq), (nq, nv)).into_owned();
+        let mut tangent = chart.tangent(moment, &turns);
+        let outputs = dense(linear.outputs_by_state());
+        let mut outputs_by_input = dense(linear.outputs_by_input());
+        let (n, rest) = (chart.len(), nx - nq - nv);
+        let mut followed = None;
+        if motors_follow(moment.scene()) {
+            let rows = [Quantity::Constraint, Quantity::ConstraintRate];
+            let by_state = rows.map(|what| moment.by_state(what, &[]));
+            let behind = by_state
+                .each_ref()
+                .map(|by| by.columns(nq + nv, rest).into_owned());
+            let [state, moves] = chart.followed(moment, &turns, behind.each_ref());
+            let mut own = tangent.columns_mut(2 * n, rest);
+            own += state;
+            let held = rows.map(|what| moment.by_input(what));
+            let [state, held] = chart.followed(moment, &turns, held.each_ref());
+            by_input += &whole * &state;
+            outputs_by_input += &outputs * &state;
+            followed = Some(Followed { moves, state, held });
+        }
+        Ok(Along {
+            rates: &whole * &tangent,
+            outputs: [outputs * &tangent, outputs_by_input],
+            by_input,
+            tangent,
+            followed,
+        })
+    }
+
+    /// All of them: rows of ẋ, then of the outputs; columns of s, then of the inputs.
+    pub(super) fn all(&self) -> DMatrix<f64> {
+        let (rates, [c, d]) = (&self.rates, &self.outputs);
+        let [states, outputs] = [rates.shape(), c.shape()];
+        let mut all = DMatrix::zeros(states.0 + outputs.0, states.1 + d.ncols());
+        for (first, by_state, by_input) in [(0, rates, &self.by_input), (states.0, c, d)] {
+            let count = by_state.nrows();
+            all.view_mut((first, 0), (count, states.1))
+                .copy_from(by_state);
+            all.view_mut((first, states.1), (count, d.ncols()))
+                .copy_from(by_input);
+        }
+        all
     }
 }
 

@@ -382,8 +382,8 @@ impl Search {
         self.chart.refresh(&mut self.moment)?;
         let residual = self.residual(None)?;
         let undamped = self.moment.without_direction()?;
-        let mut space =
-            StateSpace::in_chart(&mut self.moment, &self.chart)?.with_kinks(&self.moment);
+        let mut space = StateSpace::in_chart(&mut self.moment, &self.chart)?
+            .with_kinks(&mut self.moment, &self.chart)?;
         space.undamped.extend(undamped);
         let sizes = residual.iter().map(|x| x.abs()).enumerate();
         let worst = sizes.max_by(|a, b| a.1.total_cmp(&b.1));

@@ -1,7 +1,7 @@
 //! Places with another linear system on the other side, against what the law is on either.
 
 use mbd_compiler::read_text;
-use mbd_runtime::{Generic, Kink, Options, Simulation, StateSpace};
+use mbd_runtime::{Generic, Kink, LinearisationError, Options, Simulation, StateSpace};
 
 use super::generic;
 
@@ -118,4 +118,78 @@ fn a_rest_on_a_stop_that_is_just_touched_is_told() {
         (touched + 100.0).abs() < 1e-4 && free.abs() < 1e-12,
         "{kinks:?}"
     );
+}
+
+#[test]
+fn an_angle_at_the_end_of_its_cosine_has_its_slopes_in_both_families() {
+    for family in ["absolute", "relative"] {
+        let kinks = space(&format!(
+            "model lean {{
+                coordinates: {family};
+                gravity: none;
+                body rod {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+                joint pin: hinge from world to rod.com {{ axis: y }}
+                output tilt = acos(dot(rod.z, world.z));
+                output lean = asin(dot(rod.z, world.z));
+            }}"
+        ))
+        .kinks;
+        let all: Vec<_> = kinks.iter().map(told).collect();
+        let names: Vec<_> = all.iter().map(|told| (told.0, told.1)).collect();
+        let by = "pin.angle";
+        assert_eq!(names, [("tilt", by), ("lean", by)], "{family}");
+        for (of, _, sides) in all {
+            // A cosine is 1 − θ²/2 of sixteen digits: an ulp of it is 1.4e-3 of θ² at 4e-7.
+            let errors = [sides[0] + 1.0, sides[1] - 1.0];
+            assert!(
+                errors.iter().all(|error| error.abs() < 5e-3),
+                "{family}: {of} {sides:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_root_of_what_is_zero_has_no_derivative_there() {
+    let linear = |what: &str, start: &str| {
+        let model = model(&format!(
+            "model roots {{
+                gravity: none;
+                point bob {{ mass: 1 kg, start at [{start}, 0.0, 0.0] m }}
+                {what}
+            }}"
+        ));
+        let mut run = Simulation::new(&model, Options::tsit5(1e-8)).expect("options");
+        run.start().expect("a start");
+        run.linearise(&[])
+    };
+    let off = |law: &str| format!("let x = bob.position.x / 1 m; output off = {law};");
+    let tank = "state tank = 0 m { rate: -1 (m/s) * sqrt(max(0 m, tank) / 1 m) }".to_owned();
+    for (what, of, is_rate, by) in [
+        (off("sqrt(abs(x))"), "off", false, "bob.x"),
+        (off("1e-9 * sqrt(abs(x))"), "off", false, "bob.x"),
+        // Of one side alone, by rule or because there is no other.
+        (off("sqrt(max(0, x))"), "off", false, "bob.x"),
+        (off("sqrt(x)"), "off", false, "bob.x"),
+        (off("acos(1 - abs(x))"), "off", false, "bob.x"),
+        (tank, "tank", true, "tank"),
+    ] {
+        let no = linear(&what, "0.0").expect_err(&what);
+        let (of, by) = (of.to_owned(), by.to_owned());
+        assert_eq!(no, LinearisationError::NoDerivative { of, is_rate, by });
+        linear(&what, "0.5").map_or_else(|_| assert!(is_rate), |_| ());
+    }
+    // Lengths, and what is steep within a hair without being a root.
+    for law in [
+        "sqrt(x * x)",
+        "norm(bob.position) / 1 m",
+        "x / sqrt(x * x + 1e-24)",
+        "x / sqrt(x * x + 1e-14)",
+        "tanh(1e12 * x)",
+        "atan(1e10 * x)",
+        "(x + 1e-6) ^ 2",
+        "sqrt(abs(x)) * 0",
+    ] {
+        linear(&off(law), "0.0").unwrap_or_else(|no| panic!("{law}: {no}"));
+    }
 }
