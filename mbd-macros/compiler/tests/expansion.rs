@@ -383,6 +383,7 @@ fn a_motor_that_has_nothing_to_drive_is_told_with_the_joints_that_hold_its_coord
 
 /// Documentation that tries to end its comment, and turns the direction of writing, so that a reader sees another program than there is.
 #[test]
+#[cfg(feature = "pretty")]
 fn no_word_of_a_scene_leaves_its_comment_in_the_code_or_turns_the_direction_of_writing() {
     let text = |doc: &str| {
         format!(
