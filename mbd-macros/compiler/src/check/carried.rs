@@ -30,8 +30,11 @@ pub fn check_carried(resolver: &mut Resolver<'_>) {
         let name = resolver.scene.bodies.get(body);
         let name = name.map_or("", |body| body.name.as_str());
         if absolute {
-            let report = say::no_inertia_in_absolute(at, name);
-            resolver.messages.push(report);
+            // Nobody knows how a robot was meant to be taken in whose options could not be read.
+            if resolver.whole {
+                let report = say::no_inertia_in_absolute(at, name);
+                resolver.messages.push(report);
+            }
         } else if idle.contains(&body) && !resolver.any_bad("joint") {
             let report = say::carries_nothing(at, name);
             resolver.messages.push(report);

@@ -30,7 +30,7 @@ pub use take::{nothing_to_extend, take};
 pub fn read_urdf(text: &str) -> Reading {
     let mut lexer = Lexer::of_text();
     let mut messages = Messages::default();
-    let mut taken = translate(text, &mut lexer, (false, false), &mut messages);
+    let mut taken = translate(text, &mut lexer, Taken::default(), &mut messages);
     let read = messages.is_empty();
     taken
         .notes
@@ -50,6 +50,17 @@ pub fn read_urdf(text: &str) -> Reading {
     reading
 }
 
+/// How a robot is taken in.
+#[derive(Clone, Copy, Debug, Default)]
+struct Taken {
+    /// Whether its root flies.
+    free: bool,
+    /// Whether inertias are let through that no rigid body has.
+    unchecked: bool,
+    /// Whether what is said of that could not be read: what would be wrong with the robot by it is not told.
+    unread: bool,
+}
+
 /// What a URDF became.
 #[derive(Debug, Default)]
 struct Translated {
@@ -59,14 +70,10 @@ struct Translated {
     notes: Vec<String>,
 }
 
-/// Reads a URDF and adds the lexemes of its items, each at its element. With a `free` base the root flies; `unchecked` lets inertias
-/// through that no rigid body has.
-fn translate(
-    text: &str,
-    lexer: &mut Lexer,
-    (free, unchecked): (bool, bool),
-    messages: &mut Messages,
-) -> Translated {
+/// Reads a URDF and adds the lexemes of its items, each at its element.
+fn translate(text: &str, lexer: &mut Lexer, how: Taken, messages: &mut Messages) -> Translated {
+    let free = how.free;
+    let unchecked = how.unchecked || how.unread;
     let Some(robot) = read::read(text, lexer, messages) else {
         return Translated::default();
     };
@@ -86,7 +93,11 @@ fn translate(
     };
     let first = robot.links[robot.root].at;
     match writer.items() {
-        Ok(_) if groups.len() == 1 && !free => messages.push(say::nothing_moves(first)),
+        Ok(_) if groups.len() == 1 && !free => {
+            if !how.unread {
+                messages.push(say::nothing_moves(first));
+            }
+        }
         Ok(items) => items
             .into_iter()
             .for_each(|(at, text)| add(lexer, at, &text, messages)),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::options::RobotOptions;
-use super::{gravity, translate};
+use super::{Taken, gravity, translate};
 use crate::lexeme::{Lexeme, LexemeKind, Lexer, Places, Region};
 use crate::messages::{Messages, urdf as say};
 use crate::syntax::item::items as read_items;
@@ -23,7 +23,7 @@ pub struct File {
     pub path: String,
     /// Whether it could be read.
     pub found: bool,
-    /// Whether it holds a robot without mistakes: what the declaration says of the robot is to be blamed only then.
+    /// Whether it holds a robot without mistakes, taken in as it was meant: what the declaration says of the robot is to be blamed only then.
     pub whole: bool,
     /// The lexemes of its items.
     pub lexemes: Vec<Lexeme>,
@@ -62,7 +62,13 @@ pub fn take(
         notes: Vec::new(),
     };
     // Mistakes in them are told where the fields are used, in `joined`.
-    let options = RobotOptions::of(item, &mut Messages::default());
+    let mut unread = Messages::default();
+    let options = RobotOptions::of(item, &mut unread);
+    let how = Taken {
+        free: options.free,
+        unchecked: options.unchecked,
+        unread: !unread.is_empty(),
+    };
     let text = match text(&folder.join(path)) {
         Ok(text) => text,
         Err(why) => {
@@ -72,10 +78,9 @@ pub fn take(
     };
     file.found = true;
     let mut lexer = Lexer::of_file(places.clone(), path.clone(), at.into());
-    let how = (options.free, options.unchecked);
     let mut mistakes = Messages::default();
     let translated = translate(&text, &mut lexer, how, &mut mistakes);
-    file.whole = mistakes.is_empty();
+    file.whole = mistakes.is_empty() && !how.unread;
     messages.extend(mistakes);
     if !model.items.iter().any(|item| item.word.text == "gravity") {
         file.notes.push(gravity(&mut lexer, at, messages));

@@ -168,6 +168,30 @@ fn a_declaration_is_told_where_in_the_file_a_mistake_is_and_where_it_names_the_f
         let errors = declared(text).errors;
         errors.iter().map(|message| message.to_string()).collect()
     };
+    // Links without mass, and inertias of no body, as the option would have let them through.
+    for coordinates in ["absolute", "relative"] {
+        for (file, options, expected) in [
+            (
+                "hip",
+                "inertias: uncheked",
+                "this is `checked` or `unchecked`",
+            ),
+            ("hip", "inertia: unchecked", "unknown field `inertia`"),
+            (
+                "impossible",
+                "inertias: uncheked",
+                "this is `checked` or `unchecked`",
+            ),
+        ] {
+            let told = told(&format!(
+                "model A {{ coordinates: {coordinates}; urdf: \"{file}.urdf\" {{ {options} }}; }}"
+            ));
+            let [only] = told.as_slice() else {
+                panic!("{told:?}");
+            };
+            assert!(only.contains(expected), "{only}");
+        }
+    }
     assert_eq!(
         told("model A { urdf: \"broken.urdf\"; extend a { force: 1 N } output b = c.position; }"),
         ["1:17: broken.urdf:4:12: `value` of `<mass>` is one finite number, not \"nan\""]
