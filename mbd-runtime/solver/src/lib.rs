@@ -120,6 +120,7 @@ pub use compiled::{JointSetter, Scalar};
 pub use integrate::Scales;
 pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
+pub use rounding::CoarsePositions;
 pub use simulation::{Acted, Handover, Moved, PassedStop, Simulation, Snapshot, Stop};
 pub use step_sizes::StepSizes;
 pub use supply::{InputNumbers, Inputs, Params, Sample};

@@ -10,6 +10,12 @@
 //! |f(t + ε t) − f(t)|   against   |f(t)|                 what formulas of time make of accelerations and rates of states             (3)
 //! ```
 //!
+//! ```text
+//! h |f(x + ε p) − f(x)|   against   the tolerance of a step           what rounding of positions makes of the error that a step tells   (4)
+//! ```
+//!
+//! Where (4) counts steps shrink with the tolerance, not with its root, and nothing is gained: the error that they resolve is that of rounding.
+//!
 //! Time is kept in double precision, and rounded to the scalar where a formula reads it. Both sides of (3) are the largest so far.
 //!
 //! p is measured from where the state is measured from: where the origin follows something only what ends in the world, and what joints carry from
@@ -18,9 +24,10 @@
 //! light point passes on the forces between heavy bodies, and it is these that must have digits. So a light body that hangs on a heavy one is
 //! measured against the heavy one, too. Source: derived, from a stretch d − L0 whose d comes from positions rounded to ε |p|.
 
-use mbd_scene::{Directions, Float, Joint, Layout, Part, Place};
+use mbd_scene::{Directions, Float, Joint, Layout, Part, Place, Scene};
 use serde::{Deserialize, Serialize};
 
+use crate::columns::part_name;
 use crate::integrate::Scales;
 use crate::moving::{Moving, Owners, moving};
 use crate::stiffness::Stiffness;
@@ -32,6 +39,96 @@ const LOOKS: u32 = 10;
 
 /// From this part of a on a run is refused, or ends: one digit is left.
 pub(crate) const REFUSED: f64 = 0.1;
+
+/// From this on (4) decides how long steps are: the controller leaves of the error of a step about a third, and rounding moves numbers by a third of their
+/// distance.
+const DECIDES: f64 = 0.5;
+/// Below this part of the tolerance positions have digits enough: nothing is looked at.
+pub(crate) const ENOUGH: f64 = 0.1;
+/// What a tolerance must be above the distance of two positions, by the norm of errors, so that (4) decides nothing.
+const ABOVE: f64 = 10.0;
+/// So many lengths of the scene from the origin on an origin that goes along gains digits.
+const FAR: f64 = 10.0;
+
+/// Positions with fewer digits than the tolerance of a run asks for: steps shrink with the tolerance there, and the error that they resolve is that of
+/// rounding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoarsePositions {
+    /// The body or the point, or the joint of a tree, by name.
+    pub part: String,
+    /// The body or the point that the origin could follow, where it follows none and that is far from it.
+    pub to_follow: Option<String>,
+    /// Its largest coordinate [m].
+    pub distance: f64,
+    /// How far apart positions there are that numbers tell apart [m].
+    pub apart: f64,
+    /// The least relative tolerance that they have the digits for.
+    pub tolerance: f64,
+}
+
+/// (4) so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct StepRounding {
+    looks: u32,
+    /// How many of them rounding decided.
+    decided: u32,
+    /// The look at which it decided most.
+    most: CoarseLook,
+}
+
+/// A look at (4).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct CoarseLook {
+    /// (4).
+    pub share: f64,
+    /// Whose position it is, by its number among what moves.
+    pub part: usize,
+    /// Its largest coordinate [m].
+    pub distance: f64,
+    /// ε p by the norm of errors, without its tolerance.
+    pub apart: f64,
+}
+
+impl StepRounding {
+    /// Takes in a look; `None` where positions have digits enough.
+    pub(crate) fn see(&mut self, look: Option<CoarseLook>) {
+        self.looks = self.looks.saturating_add(1);
+        let Some(look) = look.filter(|look| look.share > DECIDES) else {
+            return;
+        };
+        self.decided = self.decided.saturating_add(1);
+        if look.share > self.most.share {
+            self.most = look;
+        }
+    }
+
+    /// The worst look of a run whose steps rounding decided for the most part, and the tolerance that there are digits for.
+    fn decides(&self) -> Option<(CoarseLook, f64)> {
+        let decides = self.decided > self.looks / 2;
+        decides.then_some((self.most, ABOVE * self.most.apart))
+    }
+
+    /// What to tell of it, of positions in `T`.
+    pub(crate) fn told<T: Float>(
+        &self,
+        (scene, layout): (&Scene, &Layout),
+        length: f64,
+    ) -> Option<CoarsePositions> {
+        let (look, tolerance) = self.decides()?;
+        let part = moving(layout).nth(look.part)?;
+        let body = part.body().and_then(|body| scene.bodies.get(body));
+        let own = part_name(scene, part.part);
+        let name = body.map_or(own, |body| &body.name);
+        let is_far = scene.runs.origin.is_none() && look.distance > FAR * length;
+        Some(CoarsePositions {
+            part: own.to_owned(),
+            to_follow: is_far.then(|| name.to_owned()),
+            distance: look.distance,
+            apart: T::EPSILON.to_f64() * look.distance,
+            tolerance,
+        })
+    }
+}
 
 /// What is known of (1) and (2) before a run.
 #[derive(Debug)]

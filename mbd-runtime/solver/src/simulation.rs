@@ -18,7 +18,7 @@ use crate::linearise::output_names;
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
-use crate::rounding::TimeRounding;
+use crate::rounding::{StepRounding, TimeRounding};
 use crate::step_sizes::StepSizes;
 use crate::supply::Sampler;
 use crate::system::System;
@@ -204,6 +204,8 @@ pub struct Simulation<T: Float> {
     rounded: f64,
     /// What rounding of time makes of what follows it, and whether anything does.
     time_rounding: TimeRounding,
+    /// What rounding of positions makes of the errors of adaptive steps.
+    step_rounding: StepRounding,
     reads_time: OnceCell<bool>,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,

@@ -1,6 +1,6 @@
 //! Far from the origin: differences of positions lose their digits, and a run says so before it is wrong.
 
-use mbd_runtime::{Generic, Options, Scalar, Simulation, StepError};
+use mbd_runtime::{CoarsePositions, Generic, Options, Scalar, Simulation, StepError};
 use tests::declared::read;
 
 /// A bob of 1 kg on a rope at rest, both ends as far from the origin as `offset` [m].
@@ -95,4 +95,60 @@ fn joints_without_digits_are_refused() {
         matches!(far, Err(StepError::FarFromOrigin { ref part, .. }) if part == "arm"),
         "{far:?}"
     );
+}
+
+/// Two points of 1 kg on a spring along x, so far from the origin [m], for a second.
+fn swinging<T: Scalar>(
+    distance: f64,
+    origin: &str,
+    options: Options,
+) -> (u64, Option<CoarsePositions>) {
+    let other = distance + 1.2;
+    let scene = read(&format!(
+        "model Swinging {{ gravity: none; {origin}
+         point a {{ mass: 1 kg, start at [{distance:?}, 0, 0] m }}
+         point b {{ mass: 1 kg, start at [{other:?}, 0, 0] m }}
+         spring s from a to b {{ free_length: 1 m, stiffness: 100 N/m }} }}"
+    ));
+    let model = Generic::<T>::with_defaults(scene).expect("defaults");
+    let mut run = Simulation::new(&model, options).expect("options");
+    run.run(1.0).expect("a run");
+    (run.statistics().steps, run.coarse_positions())
+}
+
+#[test]
+fn a_tolerance_below_the_digits_of_positions_is_told_where_rounding_takes_more_steps() {
+    let at = |distance: f64, origin: &str, tolerance: f64| {
+        let told = |options| swinging::<f64>(distance, origin, options);
+        [Options::tsit5, Options::vern7, Options::rodas5p].map(|method| told(method(tolerance)))
+    };
+    let (far, near) = (at(6.4e6, "", 1e-11), at(0.0, "", 1e-11));
+    for ((steps, told), (fewer, nothing)) in far.into_iter().zip(near) {
+        assert!(steps > 3 * fewer, "{steps} {fewer}");
+        assert_eq!(nothing, None);
+        let told = told.expect("few digits");
+        assert_eq!(told.to_follow.as_deref(), Some(told.part.as_str()));
+        assert!(["a", "b"].contains(&told.part.as_str()));
+        // 6.4e6 m have 2^-52 of that between two numbers, or half of it.
+        assert!((told.apart / 1.42e-9 - 1.0).abs() < 0.01, "{told:?}");
+        assert!(told.distance > 6.39e6 && told.distance < 6.41e6);
+        // At the tolerance that is told nothing is left to tell.
+        for (steps, told) in at(6.4e6, "", told.tolerance) {
+            assert_eq!(told, None, "{steps}");
+        }
+    }
+    for (_, told) in at(6.4e6, "origin: follows a;", 1e-11) {
+        assert_eq!(told, None);
+    }
+    for (_, told) in at(6.4e6, "", 1e-7) {
+        assert_eq!(told, None);
+    }
+    // Single precision: 3e3 m away positions are a third of a millimetre apart; near by no tolerance that it takes is too small.
+    let single =
+        |distance: f64, tolerance| swinging::<f32>(distance, "", Options::tsit5(tolerance)).1;
+    assert!(single(3e3, 1e-5).is_some());
+    assert_eq!(single(3e3, 1e-2), None);
+    for tolerance in [1e-6, 1e-5, 1e-4] {
+        assert_eq!(single(1.0, tolerance), None, "{tolerance}");
+    }
 }

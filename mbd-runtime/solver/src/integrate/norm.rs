@@ -176,18 +176,21 @@ impl ErrorNorm {
 
     /// The same of a list that is no error of a step: what failed last stays.
     pub(crate) fn size<T: Float>(&self, list: &[T], old: &[T], new: &[T]) -> f64 {
-        let sizes = self
-            .blocks
-            .iter()
-            .map(|block| block.measure(list, old, new));
-        let largest = sizes.fold(0.0, |most: f64, size| {
-            if size > most || size.is_nan() {
+        self.largest(list, old, new).0
+    }
+
+    /// The same, and the block with the largest.
+    pub(crate) fn largest<T: Float>(&self, list: &[T], old: &[T], new: &[T]) -> (f64, usize) {
+        let sizes = self.blocks.iter().enumerate();
+        let sizes = sizes.map(|(index, block)| (block.measure(list, old, new), index));
+        let (largest, block) = sizes.fold((0.0, 0), |most: (f64, usize), size| {
+            if size.0 > most.0 || size.0.is_nan() {
                 size
             } else {
                 most
             }
         });
-        largest / self.tolerance
+        (largest / self.tolerance, block)
     }
 
     /// How far bodies and points get in a step by their speeds in a state, and how much speeds and declared states change by their rates, over the scales

@@ -13,7 +13,7 @@ use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::origin::MovingOrigin;
 use crate::rearm::Rearmed;
-use crate::rounding::TimeRounding;
+use crate::rounding::{StepRounding, TimeRounding};
 use crate::supply::{Sampler, check_numbers};
 use crate::trajectory::resolution;
 use crate::watch::Watch;
@@ -62,6 +62,8 @@ pub struct Snapshot<T> {
     rounded: f64,
     #[serde(default)]
     time_rounding: TimeRounding,
+    #[serde(default)]
+    step_rounding: StepRounding,
     drift: f64,
     rows: SavedStrategy,
     /// The inputs that are held, and whether that is nobody's gift.
@@ -141,6 +143,7 @@ impl<T: Float> Simulation<T> {
         to.stalled = self.stalled == self.time;
         to.rounded = self.rounded;
         to.time_rounding.copy_from(&self.time_rounding);
+        to.step_rounding = self.step_rounding;
         to.drift = self.system.drift;
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
@@ -316,6 +319,7 @@ impl<T: Float> Simulation<T> {
         self.chatter.forget();
         self.rounded = snapshot.rounded;
         self.time_rounding.copy_from(&snapshot.time_rounding);
+        self.step_rounding = snapshot.step_rounding;
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             control.resume(saved);
         }

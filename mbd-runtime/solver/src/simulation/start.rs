@@ -27,7 +27,7 @@ use crate::laws::params_of;
 use crate::moving::moving;
 use crate::options::{Method, Options};
 use crate::rearm::Rearmed;
-use crate::rounding::TimeRounding;
+use crate::rounding::{StepRounding, TimeRounding};
 use crate::step_sizes::StepSizes;
 use crate::supply::Law;
 use crate::system::System;
@@ -173,6 +173,7 @@ impl<T: Float> Simulation<T> {
             rounded: 0.0,
             steps_elsewhere: 0,
             time_rounding: TimeRounding::default(),
+            step_rounding: StepRounding::default(),
             reads_time: OnceCell::new(),
             bodies: vec![T::zero(); bodies],
             origin: 0.0,
@@ -357,6 +358,7 @@ impl<T: Float> Simulation<T> {
         self.find_held_guards()?;
         self.rounded = 0.0;
         self.time_rounding = TimeRounding::default();
+        self.step_rounding = StepRounding::default();
         self.watch_rounding()?;
         self.watch_time()?;
         self.begin_balance();

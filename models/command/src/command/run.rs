@@ -19,7 +19,7 @@ use crate::describe::warnings_of_reactions;
 use crate::run::{
     Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
     cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
-    publish_gltf, publish_phases, summary_json, warning,
+    publish_gltf, publish_phases, short_of_digits, summary_json, warning,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -212,6 +212,11 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         ));
         warnings.extend(warnings_of_reactions(phase.model.scene()));
         warnings.extend(undefined(&segment.outcome));
+        warnings.extend(short_of_digits(
+            phase.model.scene(),
+            &segment.plan,
+            &segment.outcome,
+        ));
         warnings.extend(doubt);
     }
     warnings.extend(cut_windows_of_all(&all, &segments));
@@ -308,6 +313,7 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     let doubt = doubt(&scene, &plan, &outcome);
     let many = warnings_of_reactions(&scene);
     let warning = warning.into_iter().chain(many).chain(undefined(&outcome));
+    let warning = warning.chain(short_of_digits(&scene, &plan, &outcome));
     let warning = warning.chain(doubt.clone()).chain(unmoved);
     let short = match outcome.error {
         None => [

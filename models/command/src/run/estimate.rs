@@ -312,3 +312,23 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
     let doubts: Vec<String> = doubts.into_iter().flatten().collect();
     (!doubts.is_empty()).then(|| format!("warning: {}: {}", scene.name, doubts.join("; ")))
 }
+
+/// What to say of positions with fewer digits than the tolerance asks for: the run is as exact as they are, and takes more steps than that needs.
+#[must_use]
+pub fn short_of_digits(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
+    let coarse = outcome.coarse.as_ref()?;
+    let [rtol, _] = plan.options.method.tolerance()?;
+    let follows = match &coarse.to_follow {
+        Some(name) => format!("declare `origin: follows {name};`, or take "),
+        None => "take ".to_owned(),
+    };
+    Some(format!(
+        "warning: {}: a tolerance of {} asks for more digits than the positions of `{}` have, which are {} m apart at {} m from the origin: rounding decides how short steps are, and nothing is gained by them; {follows}`--tol {}` or a larger one",
+        scene.name,
+        plain(rtol, 3),
+        coarse.part,
+        plain(coarse.apart, 2),
+        plain(coarse.distance, 3),
+        plain(coarse.tolerance, 1),
+    ))
+}

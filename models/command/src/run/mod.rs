@@ -10,7 +10,7 @@ mod quality;
 mod start;
 mod summary;
 
-pub use estimate::{Estimate, doubt};
+pub use estimate::{Estimate, doubt, short_of_digits};
 pub use mbd_campaign::run::{
     Phase, PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table, split,
 };

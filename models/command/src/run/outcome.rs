@@ -8,8 +8,8 @@ use mbd_campaign::run::RunPlan;
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::{Scene, plain};
 use mbd_runtime::{
-    Content, Imbalance, MetricValue, Model, MomentumImbalance, Moved, Options, ParamError,
-    PassedStop, RunError, Sampling, Simulation, Stop, Trajectory,
+    CoarsePositions, Content, Imbalance, MetricValue, Model, MomentumImbalance, Moved, Options,
+    ParamError, PassedStop, RunError, Sampling, Simulation, Stop, Trajectory,
 };
 
 use super::estimate::{Estimate, estimate};
@@ -42,6 +42,8 @@ pub struct RunOutcome {
     pub hidden: Option<f64>,
     /// The most that rounding of positions made of forces.
     pub rounding: f64,
+    /// Positions with fewer digits than the tolerance asks for.
+    pub coarse: Option<CoarsePositions>,
     /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
     pub estimate: Option<Estimate>,
     /// Metrics of a campaign file that the scene does not declare itself.
@@ -159,7 +161,7 @@ pub(super) fn fly_on(
     let (mut time, mut moved, mut singular_start) = (0.0, Vec::new(), false);
     let mut passed_stops = Vec::new();
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
-    let mut hidden = None;
+    let (mut hidden, mut coarse) = (None, None);
     let mut fly = |mut simulation: Simulation<f64>| {
         let mut steps = 0;
         let mut watch = |now: f64| {
@@ -180,6 +182,7 @@ pub(super) fn fly_on(
         singular_start = simulation.starts_singular();
         (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
         hidden = simulation.hidden_from_steps();
+        coarse = simulation.coarse_positions();
         momentum = simulation.momentum_imbalance();
         stop.map(|stop| (simulation, stop))
     };
@@ -197,6 +200,7 @@ pub(super) fn fly_on(
         imbalance: imbalance.filter(|it| it.moved > 0.0),
         momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,
+        coarse,
         hidden,
         estimate: None,
         besides: Vec::new(),
