@@ -77,6 +77,11 @@ impl Watch {
         }
     }
 
+    /// What the stages of more than one step show: what jumps inside a step shows in that one alone, and is no growth.
+    pub(crate) fn sees_stages(&self) -> Option<Instability> {
+        (self.above.count_ones() > 1).then_some(Instability::Stages(self.last))
+    }
+
     /// Whether nothing grows: no step of the window was above the limit, and the balance of energy, if there is one, holds to a tenth of
     /// what is allowed.
     pub(crate) fn is_calm(&self, excess: f64) -> bool {

@@ -2,7 +2,10 @@
 
 use mbd_compiler::{Interpreted, read_text};
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Content, Generic, Model, Options, Sampling, Simulation, Trajectory};
+use mbd_runtime::{
+    Content, Generic, Model, Options, Sampling, Simulation, Source, StepError, Trajectory,
+};
+use tests::declared::read;
 
 /// A point on which acts what stands in `force`, with one output.
 fn scene(force: &str, output: &str) -> Scene {
@@ -112,4 +115,44 @@ fn a_force_chosen_by_no_number_ends_the_run() {
             assert!((run.time() - 0.5).abs() < 0.02, "{force}: {}", run.time());
         }
     }
+}
+
+#[test]
+fn a_force_that_jumps_on_its_way_to_where_it_has_no_value_is_named_and_no_step_is_too_long() {
+    // The root of a place that a constant speed, and a push that begins inside a step, lead beyond zero.
+    for (push, steps) in [
+        ("-100 N", [0.2, 0.1, 0.05]),
+        ("-1e3 N", [0.1, 0.05, 0.02]),
+        ("-1e5 N", [0.1, 0.05, 0.01]),
+    ] {
+        for step in steps {
+            let model = Generic::<f64>::with_defaults(read(&format!(
+                "model Pushed {{
+                    gravity: none;
+                    point p {{ mass: 1 kg, start at [0.55, 0, 0] m velocity [-1, 0, 0] m/s }}
+                    load push on p = [if(p.position.x < 0.3 m, {push}, 0 N) + 1 N * sqrt(p.position.x / 1 m), 0 N, 0 N];
+                }}"
+            )))
+            .expect("defaults");
+            let mut run = Simulation::new(&model, Options::rk4(step)).expect("options");
+            let cause = run.run(3.0).expect_err("beyond zero").cause;
+            let is_named = matches!(
+                &cause,
+                StepError::NonFinite { source: Source::Declared(name), .. } if name == "the load `push`"
+            );
+            assert!(is_named, "{push} {step}: {cause:?}");
+        }
+    }
+    // A stiff spring whose swing grows with every step until the root has no value: that step is too long.
+    let model = Generic::<f64>::with_defaults(read(
+        "model Swung {
+            gravity: none;
+            point p { mass: 1 kg, start at [0.1, 0, 0] m }
+            load pull on p = [-1e4 N/m * p.position.x, 1 N * sqrt(2 - abs(p.position.x) / 1 m), 0 N];
+        }",
+    ))
+    .expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(0.031)).expect("options");
+    let cause = run.run(3.0).expect_err("too long").cause;
+    assert!(matches!(cause, StepError::UnstableStep { .. }), "{cause:?}");
 }

@@ -491,7 +491,15 @@ impl<T: Float> Simulation<T> {
         if !self.watched || !may_be_growth {
             return cause;
         }
-        let growth = self.watch.sees_growth(self.excess_now()).or_else(|| {
+        // The energy that a step makes of a force that jumps inside it leads nowhere: where a law has no number stages grow, or the number is missing.
+        let grows = match cause {
+            StepError::NonFinite {
+                source: Source::Declared(_),
+                ..
+            } => self.watch.sees_stages(),
+            _ => self.watch.sees_growth(self.excess_now()),
+        };
+        let growth = grows.or_else(|| {
             let rate = self.system.fastest_rate(self.time, &self.state)?;
             Instability::beyond(rate * step)
         });
