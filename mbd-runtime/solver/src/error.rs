@@ -415,10 +415,12 @@ step_errors! {
         time: f64,
         /// The speed whose acceleration is not determined.
         speed: String,
+        /// The joints that close loops on bodies without mass, by rows of their own, with these bodies.
+        loops: Vec<[String; 2]>,
     }
     "no_inertia",
-    format!("at {time:.9} s nothing gives `{speed}` an inertia: the bodies that it moves have no mass, or moments that are not positive, or other joints move them alike"),
-    "give one of these bodies a mass and moments of inertia, or lock a joint (`rigid`) whose axis another one repeats";
+    format!("at {time:.9} s nothing gives `{speed}` an inertia: the bodies that it moves have no mass, or moments that are not positive, or other joints move them alike{}", closing(loops)),
+    "give one of these bodies a mass and moments of inertia, however small, or lock a joint (`rigid`) whose axis another one repeats";
 
     /// Rows of joints repeat each other, for good or in this configuration: the forces in them are not determined.
     SingularConstraints {
@@ -509,6 +511,16 @@ impl From<ParamError> for StepError {
 fn listed(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     quoted.join(", ")
+}
+
+/// What loops have to do with a speed without inertia.
+fn closing(loops: &[[String; 2]]) -> String {
+    let told = loops.iter().map(|[joint, body]| {
+        format!(
+            "; `{joint}` closes a loop on `{body}` by rows, which give no inertia: a joint with coordinates that is neither `loop` nor detached by an event gives `{body}` that of what is joined to it, and a body between two ball joints, or in a plane two hinges, is one `distance`"
+        )
+    });
+    told.collect()
 }
 
 /// By how much joints stay open.

@@ -299,3 +299,41 @@ fn where_nothing_gives_an_inertia_the_speed_is_named() {
     );
     assert!(checked.scene.is_none());
 }
+
+#[test]
+fn a_loop_that_is_closed_by_rows_on_a_body_without_mass_is_told_with_the_joint_and_the_body() {
+    let cause = |joints: &str| {
+        let scene = scene(&format!(
+            "model Bars {{ coordinates: relative; planar: xz; gravity: [0, 0, -9.81] m/s^2;
+                world {{ frame right at [2, 0, 0] m }}
+                body crank {{ mass: 1 kg, inertia: 0.1 kg*m^2, frame root at [-0.5, 0, 0] m, frame tip at [0.5, 0, 0] m }}
+                body rocker {{ mass: 2 kg, inertia: 0.3 kg*m^2, frame root at [-0.75, 0, 0] m, frame tip at [0.75, 0, 0] m }}
+                body coupler {{ mass: 0 kg, inertia: 0 kg*m^2 (unchecked), frame left at [-1, 0, 0] m, frame right at [1, 0, 0] m }}
+                joint first: hinge from world to crank.root {{ axis: y, start: -1.2 rad }}
+                joint second: hinge from crank.tip to coupler.left {{ axis: y, start: about 0.8 rad }}
+                joint third: hinge from world.right to rocker.root {{ axis: y, start: about -1.5 rad }}
+                {joints} }}"
+        ));
+        let model = Generic::<f64>::with_defaults(scene).expect("a scene");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-6)).expect("a model");
+        run.run(1.0).expect_err("no inertia").cause
+    };
+    for joints in [
+        "loop joint fourth: hinge from coupler.right to rocker.tip { axis: y }",
+        "joint fourth: distance from coupler.right to rocker.tip { length: 0.2 m }",
+        "joint fourth: hinge from coupler.right to rocker.tip { axis: y }
+         event off = time rises 3 s { detach: fourth }",
+    ] {
+        let cause = cause(joints);
+        let StepError::NoInertia { speed, loops, .. } = &cause else {
+            panic!("{cause:?}");
+        };
+        assert_eq!(speed, "second.angle_rate");
+        assert_eq!(loops, &[["fourth".to_owned(), "coupler".to_owned()]]);
+        let told = cause.to_string();
+        assert!(
+            told.contains("`fourth` closes a loop on `coupler` by rows"),
+            "{told}"
+        );
+    }
+}

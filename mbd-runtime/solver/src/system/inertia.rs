@@ -1,6 +1,6 @@
 //! Bodies without mass: whether what they carry gives every joint an inertia.
 
-use mbd_scene::{Float, Quantity};
+use mbd_scene::{Float, Layout, Place, Quantity, Scene};
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
 use super::System;
@@ -43,8 +43,27 @@ impl<T: Float> System<T> {
             .into_iter()
             .nth(layout.nq + speed);
         let speed = name.map_or_else(String::new, |speed| speed.name);
-        Some(StepError::NoInertia { time, speed })
+        let loops = closing(scene, layout);
+        Some(StepError::NoInertia { time, speed, loops })
     }
+}
+
+/// The joints that close loops by rows on bodies that may be without mass, with these bodies.
+fn closing(scene: &Scene, layout: &Layout) -> Vec<[String; 2]> {
+    let of_tree: Vec<usize> = layout.joint_links().map(|(joint, _)| joint).collect();
+    let joints = scene.joints.iter().enumerate();
+    let closing = joints.filter(|(joint, own)| {
+        let has_rows = layout.joints.get(*joint).is_some_and(|rows| rows.len > 0);
+        has_rows && own.law.couples().is_empty() && !of_tree.contains(joint)
+    });
+    let ends = closing.flat_map(|(_, own)| [own.parent, own.child].map(|end| (own, end)));
+    let on_carried = ends.filter_map(|(joint, end)| match end {
+        Place::Body(body, _) if scene.is_carried(body) => {
+            Some([joint.name.clone(), scene.bodies.get(body)?.name.clone()])
+        }
+        _ => None,
+    });
+    on_carried.collect()
 }
 
 /// The first of n speeds of whose inertia no more than a part is left where all before it are free to move.
