@@ -6,7 +6,7 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::{Ended, Handover, Model, Progress, RunError, Simulation, StepError};
 
 use super::names::PlanError;
-use super::plan::RunPlan;
+use super::plan::{RunPlan, repeated};
 use super::settings::Settings;
 
 /// Scenes that let each other go on more often than this never come to an end.
@@ -100,7 +100,7 @@ fn has_param(scene: &Scene, name: &str) -> bool {
 }
 
 fn has_input(scene: &Scene, name: &str) -> bool {
-    scene.inputs.iter().any(|input| input.name == name)
+    scene.inputs.iter().any(|input| input.name == name) || !repeated(scene, name).is_empty()
 }
 
 /// The settings of a scene that goes on from one with the settings `first`: of its params and inputs those that were given count here, too.

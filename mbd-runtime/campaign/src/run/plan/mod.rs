@@ -17,7 +17,8 @@ pub(crate) use start::{about, coordinate_unit, whole_name};
 
 use method::options;
 use start::{in_motion, in_numbers, placed, start, with_declared};
-use supplied::{inputs, params};
+pub(crate) use supplied::repeated;
+use supplied::{inputs, params, together};
 
 /// Everything a run needs, in SI numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,7 +162,8 @@ pub fn check_units(scene: &Scene, settings: &Settings) -> Result<(), PlanError> 
             "params" => &settings.params,
             _ => &settings.inputs,
         };
-        if let Some(value) = given.get(name) {
+        let shared = || given.get(together(name)?);
+        if let Some(value) = given.get(name).or_else(shared) {
             not_bare(&format!("{table}.{name}"), value, &unit.text)?;
         }
     }
@@ -328,6 +330,52 @@ mod tests {
             ("[run.inputs]\nlean = \"90\"\n", "more than a full turn"),
         ] {
             let error = numbers(table).unwrap_err();
+            assert!(error.contains(why), "{table}: {error}");
+        }
+    }
+
+    #[test]
+    fn repeated_inputs_are_held_together_or_each_at_its_own() {
+        let read = mbd_compiler::read_text(
+            "model Pushed {
+                gravity: none;
+                input c[i in 0..3]: force = 7 N;
+                input w[i in 0..2]: [force; 3];
+                point p[i in 0..3] { mass: 1 kg }
+                load push[i in 0..3] on p[i] = [c[i], 0 N, 0 N];
+                load wind[i in 0..2] on p[i] = w[i];
+            }",
+        );
+        let scene = read.scene.expect("three points");
+        let inputs = |table: &str| {
+            let settings =
+                Settings::read(&format!("[run]\nuntil = 1\n[run.inputs]\n{table}")).unwrap();
+            check_units(&scene, &settings).map_err(|error| error.to_string())?;
+            let plan = RunPlan::new(&scene, &settings).map_err(|error| error.to_string())?;
+            Ok::<_, String>((plan.inputs[..3].to_vec(), plan.inputs[3..].to_vec()))
+        };
+        let forces = |table: &str| inputs(table).map(|(forces, _)| forces);
+        let winds = |table: &str| inputs(table).map(|(_, winds)| winds);
+        assert_eq!(forces(""), Ok(vec![7.0; 3]));
+        assert_eq!(forces("c = \"1 kN\""), Ok(vec![1e3; 3]));
+        assert_eq!(forces("c = [\"1 N\", \"2 N\", 3]"), Ok(vec![1.0, 2.0, 3.0]));
+        // One by its own name before what is given for all.
+        assert_eq!(forces("c = 5\n\"c[1]\" = \"6 N\""), Ok(vec![5.0, 6.0, 5.0]));
+        let same = vec![1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+        assert_eq!(winds("w = \"[1, 2, 3] N\""), Ok(same.clone()));
+        assert_eq!(winds("w = [1, 2, 3]"), Ok(same));
+        let each = vec![1.0, 0.0, 0.0, 0.0, 2.0, 0.0];
+        assert_eq!(winds("w = [\"[1, 0, 0] N\", [0, 2, 0]]"), Ok(each));
+        for (table, why) in [
+            (
+                "c = [1, 2]",
+                "or 3 in brackets, one for each input from `c[0]` on; found 2",
+            ),
+            ("w = [[1, 0, 0]]", "or 2 in brackets"),
+            ("c = \"3\"", "needs a unit, such as N"),
+            ("d = 1", "this scene has no `d`"),
+        ] {
+            let error = inputs(table).unwrap_err();
             assert!(error.contains(why), "{table}: {error}");
         }
     }

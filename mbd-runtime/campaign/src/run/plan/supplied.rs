@@ -85,7 +85,11 @@ pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Ve
         let name = name.unwrap_or_default();
         known.push(name);
         let setting = format!("inputs.{name}");
-        let Some(value) = given.get(name) else {
+        let shared = match given.contains_key(name) {
+            true => None,
+            false => of_repeated(scene, name, given)?,
+        };
+        let Some(value) = given.get(name).or(shared) else {
             if matches!(slots.source, InputSource::Input(_)) {
                 continue;
             }
@@ -106,7 +110,8 @@ pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Ve
         let own = numbers.iter_mut().skip(slots.at);
         own.zip(given).for_each(|(to, value)| *to = value);
     }
-    match given.keys().find(|name| !known.contains(&name.as_str())) {
+    let is_known = |name: &str| known.contains(&name) || !repeated(scene, name).is_empty();
+    match given.keys().find(|name| !is_known(name)) {
         Some(name) => {
             let setting = format!("inputs.{name}");
             let mut params = scene.params.iter();
@@ -116,5 +121,55 @@ pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Ve
             })
         }
         None => Ok(numbers),
+    }
+}
+
+/// The inputs that are declared together: those that `c[i in 0..3]` stands for, by `c`.
+pub(crate) fn repeated<'s>(scene: &'s Scene, name: &str) -> Vec<&'s Input> {
+    let inputs = scene.inputs.iter();
+    inputs
+        .filter(|input| together(&input.name) == Some(name))
+        .collect()
+}
+
+/// The name that an input was repeated from.
+pub(super) fn together(name: &str) -> Option<&str> {
+    name.split_once('[').map(|(all, _)| all)
+}
+
+/// What an input has of the value for all that were declared together: its own of a list that has one for each, else the same.
+fn of_repeated<'a>(
+    scene: &Scene,
+    name: &str,
+    given: &'a Table,
+) -> Result<Option<&'a Value>, PlanError> {
+    let Some((all, value)) = together(name).and_then(|all| given.get_key_value(all)) else {
+        return Ok(None);
+    };
+    let inputs = repeated(scene, all);
+    let Some(place) = inputs.iter().position(|input| input.name == name) else {
+        return Ok(None);
+    };
+    let is_vector = |value: &Value| match value {
+        Value::Array(_) => true,
+        Value::String(text) => text.trim_start().starts_with('['),
+        _ => false,
+    };
+    match value {
+        Value::Array(list) if inputs[place].components == 1 || list.iter().all(is_vector) => {
+            match list.get(place) {
+                Some(own) if list.len() == inputs.len() => Ok(Some(own)),
+                _ => Err(wrong(
+                    format!("inputs.{all}"),
+                    format!(
+                        "expected one value for all, or {} in brackets, one for each input from `{}` on; found {}",
+                        inputs.len(),
+                        inputs[0].name,
+                        list.len()
+                    ),
+                )),
+            }
+        }
+        shared => Ok(Some(shared)),
     }
 }
