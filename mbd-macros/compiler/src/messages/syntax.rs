@@ -288,6 +288,17 @@ pub fn reserved_name(at: Region, word: &str) -> LexemeMessage {
     )
 }
 
+pub fn long_name(at: Region, word: &str, most: usize) -> LexemeMessage {
+    let begins: String = word.chars().take(20).collect();
+    LexemeMessage::new(
+        at,
+        format!(
+            "the name `{begins}…` has {} bytes: files and columns are called by it, and a name has at most {most}",
+            word.len()
+        ),
+    )
+}
+
 pub fn form(at: Region, item: &ItemWord, found: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

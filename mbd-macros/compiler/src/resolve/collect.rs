@@ -16,6 +16,8 @@ use crate::syntax::{Item, ModelSyntax, NameSyntax};
 
 /// At most this many things in one scene: no declaration may make the compiler slow by its repetitions.
 pub(super) const MOST: usize = 10_000;
+/// The most bytes of a name: columns and files are called by it, and no file system takes more than 255, with an index, an axis and what kind of file it is.
+const LONGEST_NAME: usize = 200;
 
 impl<'a> Resolver<'a> {
     /// Names consts, params and tables.
@@ -221,6 +223,9 @@ impl<'a> Resolver<'a> {
     fn reserved(&mut self, name: &NameSyntax<'_>) -> bool {
         let at = name.word.at.into();
         let report = match words::reserved(&name.word.text) {
+            None if name.word.text.len() > LONGEST_NAME => {
+                say_syntax::long_name(at, &name.word.text, LONGEST_NAME)
+            }
             None => return false,
             Some(Reserved::Language) => say_syntax::reserved_name(at, &name.word.text),
             Some(Reserved::Rust) => say::rust_as_name(at, &name.word.text),
