@@ -68,9 +68,9 @@ pub fn race(
     let question = Question::new(column, window.unwrap_or([0.0, until]));
     let mut variants: Vec<Variant<'_>> = Vec::new();
     for one in &contenders {
-        variants.push(Variant::new(one.name, &one.model, |run| {
-            one.plan.begin(run)
-        }));
+        // What is advised is what `mbd run` does with it.
+        let variant = Variant::new(one.name, &one.model, |run| one.plan.begin(run));
+        variants.push(variant.with(one.plan.options));
     }
     // The numbers of params that f32 cannot hold are refused there; the scene is raced without it then.
     let single = contenders.first().and_then(|first| {
@@ -79,9 +79,8 @@ pub fn race(
         Some((model, &first.plan))
     });
     if let Some((model, plan)) = &single {
-        variants.push(Variant::new("single precision", &**model, |run| {
-            plan.begin(run)
-        }));
+        let variant = Variant::new("single precision", &**model, |run| plan.begin(run));
+        variants.push(variant.with(plan.options));
     }
     trade(&variants, &question).map_err(RaceFailure::Trade)
 }

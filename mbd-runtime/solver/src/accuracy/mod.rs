@@ -131,6 +131,25 @@ impl<'a> Variant<'a> {
         }
     }
 
+    /// The same with everything of these options but the method and the most steps: scales of errors, located switches, work that is integrated along
+    /// change steps and what they cost.
+    #[must_use]
+    pub fn with(self, others: Options) -> Self {
+        let fly = self.fly;
+        let with = move |options: Options, times: Vec<f64>, below: Option<&StepSizes>| {
+            let options = Options {
+                method: options.method,
+                max_steps: options.max_steps,
+                ..others
+            };
+            fly(options, times, below)
+        };
+        Variant {
+            name: self.name,
+            fly: Box::new(with),
+        }
+    }
+
     /// The name for tables.
     #[must_use]
     pub fn name(&self) -> &str {

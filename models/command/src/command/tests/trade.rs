@@ -131,3 +131,37 @@ fn a_column_that_is_not_there_is_told_before_the_unit_of_an_error_in_it() {
         "{told}"
     );
 }
+
+#[test]
+fn what_a_trade_measures_is_what_a_run_does_with_the_setting() {
+    let folder = Folder::new("trade_as_run");
+    // A load whose work is integrated along, scales of its own, and switches that are not located.
+    let text = "model Orbit { gravity: none;
+          point p { mass: 1 kg, start at [0.4, 0, 0] m velocity [0, 2, 0] m/s }
+          load pull on p = -1 N*m^2 * p.position / norm(p.position)^3;
+          output x = p.position.x; }
+        [run]\nuntil = \"5 s\"\n";
+    let scaled = "[run.scales]\nlength = \"1 mm\"\nspeed = \"1 mm/s\"\n";
+    for (name, settings) in [("plain", ""), ("scaled", scaled)] {
+        let file = folder.file(&format!("{name}.mbd"), &format!("{text}{settings}"));
+        let out = folder.0.join(name);
+        let to = out.display().to_string();
+        run(&["trade", &file, "--output", "x", "--out", &to]).unwrap();
+        let table = std::fs::read_to_string(out.join("trade.csv")).unwrap();
+        let row = table
+            .lines()
+            .find(|row| row.starts_with("as declared,Tsit5 1e-6,"));
+        let steps = row.and_then(|row| row.split(',').nth(2)?.parse::<u64>().ok());
+        let flags = [
+            "--method",
+            "tsit5",
+            "--tol",
+            "1e-6",
+            "--no-estimate",
+            "--json",
+        ];
+        let told = run(&[&["run", &file, "--out", &to], &flags[..]].concat()).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&told).unwrap();
+        assert_eq!(summary["steps"].as_u64(), steps, "{name}: {row:?}");
+    }
+}
