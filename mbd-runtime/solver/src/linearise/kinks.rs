@@ -177,8 +177,14 @@ fn told(
         of: names.of[at.0].clone(),
         is_rate: at.0 < names.rates,
         by: names.by[at.1].clone(),
-        // The further ones have more digits of what is small beside the place.
-        sides: far.map(|side| side[at]),
+        sides: [0, 1].map(|side| {
+            let [near, far] = [near[side][at], far[side][at]];
+            // The further one has more digits of what is small beside the place, the nearer one less of what bends.
+            match (far - near).abs() > CHANGES * change(at) {
+                true => far,
+                false => near,
+            }
+        }),
     });
     told.collect()
 }
