@@ -6,6 +6,43 @@ use std::hash::{BuildHasher, Hasher};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+/// The most bytes of a file's name without its ending: no file system takes more than 255, with what tells files of the same name apart, and those that are being
+/// written.
+const LONGEST: usize = 120;
+
+/// The name of a file, or of a folder, for what has a title: letters and digits stay, every other sign becomes `_`, and what is too long is cut.
+#[must_use]
+pub fn file_name(title: &str) -> String {
+    let mut name = String::new();
+    for sign in title.chars() {
+        let sign = if sign.is_alphanumeric() { sign } else { '_' };
+        if name.len() + sign.len_utf8() > LONGEST {
+            break;
+        }
+        name.push(sign);
+    }
+    name
+}
+
+/// Names of files in one folder: each is given once, whatever a file system makes of large and small letters.
+#[derive(Debug, Default)]
+pub struct FileNames {
+    given: Vec<String>,
+}
+
+impl FileNames {
+    /// The next one, for what has a title, with an ending such as `svg`.
+    pub fn next(&mut self, title: &str, ending: &str) -> String {
+        let name = file_name(title);
+        let numbered = (1..).map(|number| format!("{name}_{number}.{ending}"));
+        let all = std::iter::once(format!("{name}.{ending}")).chain(numbered);
+        let is_new = |file: &String| !self.given.contains(&file.to_lowercase());
+        let file = all.into_iter().find(is_new).unwrap_or_default();
+        self.given.push(file.to_lowercase());
+        file
+    }
+}
+
 /// Makes a folder with those above it, if they are not there.
 ///
 /// # Errors
@@ -94,6 +131,20 @@ fn named(path: &Path, error: &io::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_has_a_title_has_a_file_of_its_own_with_a_name_that_every_system_takes() {
+        let mut names = FileNames::default();
+        let mut svg = |title: &str| names.next(title, "svg");
+        assert_eq!(svg("Joint angles (1 of 2)"), "Joint_angles__1_of_2_.svg");
+        assert_eq!(svg("a.b"), "a_b.svg");
+        assert_eq!(svg("a b"), "a_b_1.svg");
+        assert_eq!(svg("A-B"), "A_B_2.svg");
+        assert_eq!(svg("größe"), "größe.svg");
+        let long = "ß".repeat(3000);
+        let (one, other) = (svg(&long), svg(&long));
+        assert!(one != other && one.len() < 130 && other.len() < 130);
+    }
 
     #[test]
     fn a_file_is_written_whole_or_stays_as_it_was() {

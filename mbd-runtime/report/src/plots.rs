@@ -15,7 +15,7 @@ const JOINTS: usize = 8;
 /// Curves that share a plot.
 #[derive(Clone, Debug)]
 pub struct PlotGroup<'a> {
-    name: String,
+    pub(super) name: String,
     axis: String,
     unit: String,
     caption: String,
@@ -64,13 +64,6 @@ impl<'a> PlotGroup<'a> {
             logarithmic: self.logarithmic,
         };
         (0..count).map(part).collect()
-    }
-
-    /// The name of its file.
-    #[must_use]
-    pub fn file(&self) -> String {
-        let plain = |c: char| !c.is_ascii_alphanumeric();
-        format!("{}.svg", self.name.replace(plain, "_"))
     }
 
     /// The picture over these times.

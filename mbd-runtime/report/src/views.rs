@@ -6,7 +6,7 @@ use std::path::Path;
 use mbd_runtime::Trajectory;
 use mbd_runtime::scene::Scene;
 
-use super::files;
+use super::files::{self, FileNames};
 use super::html::Report;
 use super::motion::RecordedMotion;
 use super::plots::{PlotGroup, groups};
@@ -81,14 +81,16 @@ impl<'a> Views<'a> {
     /// # Errors
     /// A file cannot be written whole; the error names it.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
+        let mut names = FileNames::default();
+        let mut file = |title: &str| folder.join(names.next(title, "svg"));
         for (index, drawing) in self.motion.drawings.iter().enumerate() {
             let view = if index == 0 { "" } else { "_side" };
-            let file = folder.join(format!("mechanism{view}.svg"));
+            let file = file(&format!("mechanism{view}"));
             files::write_text(&file, &drawing.svg())?;
         }
         for group in &self.groups {
             let figure = group.figure(self.times);
-            files::write_text(&folder.join(group.file()), &figure.svg())?;
+            files::write_text(&file(&group.name), &figure.svg())?;
         }
         Ok(())
     }

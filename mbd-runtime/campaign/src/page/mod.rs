@@ -10,7 +10,8 @@ mod spread;
 use std::io;
 use std::path::Path;
 
-use mbd_report::{Cell, Figure, Report, ReportTable, files};
+use mbd_report::files::{FileNames, write_text};
+use mbd_report::{Cell, Figure, Report, ReportTable};
 
 use crate::campaign::CasePart;
 use crate::envelopes::Envelope;
@@ -43,18 +44,10 @@ impl Page<'_> {
     /// A file cannot be written whole; the error names it.
     pub fn write(&self, results: &Results, summary: &CampaignSummary) -> io::Result<Vec<String>> {
         let mut names: Vec<String> = Vec::new();
+        let mut files = FileNames::default();
         let mut picture = |kind: &str, name: &str, figure: &Figure<'_>| {
-            let plain = |sign: char| if sign.is_alphanumeric() { sign } else { '_' };
-            let stem: String = format!("{kind}_{name}").chars().map(plain).collect();
-            let taken = names
-                .iter()
-                .filter(|known| known.starts_with(&stem))
-                .count();
-            let file = match taken {
-                0 => format!("{stem}.svg"),
-                n => format!("{stem}_{n}.svg"),
-            };
-            files::write_text(&self.folder.join(&file), &figure.svg())?;
+            let file = files.next(&format!("{kind}_{name}"), "svg");
+            write_text(&self.folder.join(&file), &figure.svg())?;
             names.push(file);
             Ok::<(), io::Error>(())
         };

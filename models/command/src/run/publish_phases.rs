@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use mbd_campaign::phases::{FlownPart, shared_metrics, table, with_histories, with_motion};
-use mbd_report::files;
+use mbd_report::files::{self, file_name};
 use mbd_report::{Report, ReportTable, metrics_table};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Joined, MetricReader, MetricValue, MissingMetric, Sampling, Trajectory};
@@ -35,7 +35,8 @@ struct PhaseSummary<'a> {
 
 /// The folder of a part in that of the run.
 fn folder_of(index: usize, phase: &Phase) -> PathBuf {
-    PathBuf::from(format!("{}_{}", index + 1, phase.model.scene().name))
+    let title = format!("{}_{}", index + 1, phase.model.scene().name);
+    PathBuf::from(file_name(&title))
 }
 
 /// Every part with its phase, in the order of the run.

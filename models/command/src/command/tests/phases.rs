@@ -573,3 +573,48 @@ fn turns_go_on_in_a_scene_in_which_things_have_other_names() {
         }
     }
 }
+
+#[test]
+fn what_a_run_draws_has_files_of_its_own_whatever_it_is_called() {
+    let folder = Folder::new("phases_names");
+    // Models with names that no file system takes; titles that differ by a sign alone, one without end, and an output called as the drawing is.
+    let (first, second, title) = ("C".repeat(300), "F".repeat(300), "t".repeat(3000));
+    let drawn = format!(
+        "[run.figures]\n\"a b\" = [\"capsule.x\"]\n\"a-b\" = [\"capsule.z\"]\n{title} = [\"capsule.y\"]\n"
+    );
+    let chute = CHUTE.replace(
+        "model Chute {",
+        &format!("model {first} {{ output mechanism = capsule.position.z;"),
+    );
+    let file = folder.file("chute.mbd", &format!("{chute}{drawn}"));
+    folder.file(
+        "fall.mbd",
+        &FALL.replace("model Fall", &format!("model {second}")),
+    );
+    let told = flown(&folder, &file, &[]);
+    assert_eq!(told["phases"].as_array().map(Vec::len), Some(2));
+    let out = folder.0.join("out");
+    let list = |folder: &std::path::Path| -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let names = entries.map(|entry| entry.expect("an entry").file_name());
+        let mut names: Vec<String> = names
+            .map(|name| name.to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    };
+    let phases: Vec<String> = list(&out)
+        .into_iter()
+        .filter(|name| name.contains("CC") || name.contains("FF"))
+        .collect();
+    let [one, two] = phases.as_slice() else {
+        panic!("{phases:?}");
+    };
+    assert!(one.starts_with("1_C") && two.starts_with("2_F"));
+    let pictures = list(&out.join(one));
+    let has = |name: &str| pictures.iter().any(|file| file == name);
+    for name in ["a_b.svg", "a_b_1.svg", "mechanism.svg", "mechanism_1.svg"] {
+        assert!(has(name), "{name}: {pictures:?}");
+    }
+    assert!(pictures.iter().any(|file| file.starts_with("tttt")));
+}
