@@ -11,7 +11,7 @@
 //! ```
 //!
 //! ```text
-//! h |f(x + ε p) − f(x)|   against   the tolerance of a step           what rounding of positions makes of the error that a step tells   (4)
+//! h (|f(x + ε p) − f(x)| + ε |f|)   against   the tolerance of a step        what rounding makes of the error that a step tells   (4)
 //! ```
 //!
 //! Where (4) counts steps shrink with the tolerance, not with its root, and nothing is gained: the error that they resolve is that of rounding.
@@ -42,7 +42,7 @@ pub(crate) const REFUSED: f64 = 0.1;
 
 /// From this on (4) decides how long steps are: the controller leaves of the error of a step about a third, and rounding moves numbers by a third of their
 /// distance.
-const DECIDES: f64 = 0.5;
+const DECIDES: f64 = 0.4;
 /// Below this part of the tolerance positions have digits enough: nothing is looked at.
 pub(crate) const ENOUGH: f64 = 0.1;
 /// What a tolerance must be above the distance of two positions, by the norm of errors, so that (4) decides nothing.
@@ -62,7 +62,7 @@ pub struct CoarsePositions {
     pub distance: f64,
     /// How far apart positions there are that numbers tell apart [m].
     pub apart: f64,
-    /// The least relative tolerance that they have the digits for.
+    /// A relative tolerance that they have the digits for.
     pub tolerance: f64,
 }
 

@@ -143,6 +143,25 @@ fn a_tolerance_below_the_digits_of_positions_is_told_where_rounding_takes_more_s
     for (_, told) in at(6.4e6, "", 1e-7) {
         assert_eq!(told, None);
     }
+    // What a tree carries, tied to a point beside it.
+    let carried = |origin: &str| {
+        let scene = read(&format!(
+            "model Carried {{ gravity: none; coordinates: relative; {origin}
+             body a {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, start at [6.4e6, 0, 0] m, frame t at [0.5, 0, 0] m }}
+             body b {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame t at [-0.5, 0, 0] m }}
+             joint fa: free from world to a.com;
+             joint s: prismatic from a.t to b.t {{ axis: x, stiffness: 100 N/m, start: 0.3 m }}
+             point c {{ mass: 1 kg, start at [6400001.8, 0, 0] m }}
+             spring q from b.t to c {{ free_length: 1 m, stiffness: 100 N/m }} }}"
+        ));
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let mut run = Simulation::new(&model, Options::vern7(1e-11)).expect("options");
+        run.run(0.3).expect("a run");
+        (run.statistics().steps, run.coarse_positions())
+    };
+    let ((far, told), (near, nothing)) = (carried(""), carried("origin: follows a;"));
+    assert!(far > 5 * near && told.is_some(), "{far} {near}");
+    assert_eq!(nothing, None);
     // Single precision: 3e3 m away positions are a third of a millimetre apart; near by no tolerance that it takes is too small.
     let single =
         |distance: f64, tolerance| swinging::<f32>(distance, "", Options::tsit5(tolerance)).1;
@@ -150,5 +169,29 @@ fn a_tolerance_below_the_digits_of_positions_is_told_where_rounding_takes_more_s
     assert_eq!(single(3e3, 1e-2), None);
     for tolerance in [1e-6, 1e-5, 1e-4] {
         assert_eq!(single(1.0, tolerance), None, "{tolerance}");
+    }
+}
+
+#[test]
+fn an_orbit_whose_speed_has_too_few_digits_for_the_tolerance_is_told() {
+    let flown = |origin: &str, tolerance: f64| {
+        let scene = read(&format!(
+            "model Orbit {{ {origin} gravity: point_mass {{ mu: 3.986e14 m^3/s^2, center: [0, 0, 0] m }};
+             point a {{ mass: 1 kg, start at [6.8e6, 0, 0] m velocity [0, 7656, 0] m/s }} }}"
+        ));
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let mut run = Simulation::new(&model, Options::vern7(tolerance)).expect("options");
+        run.run(1000.0).expect("a run");
+        (run.statistics().steps, run.coarse_positions())
+    };
+    let (far, told) = flown("", 1e-12);
+    let (near, nothing) = flown("origin: follows a;", 1e-12);
+    assert!(far > 3 * near, "{far} {near}");
+    assert_eq!(
+        (told.map(|told| told.part), nothing),
+        (Some("a".to_owned()), None)
+    );
+    for tolerance in [1e-10, 1e-8] {
+        assert_eq!(flown("", tolerance).1, None, "{tolerance}");
     }
 }

@@ -193,6 +193,14 @@ impl ErrorNorm {
         (largest / self.tolerance, block)
     }
 
+    /// How far apart positions are that numbers tell apart at a state, over the tolerance: the largest.
+    pub(crate) fn coarseness<T: Float>(&self, state: &[T]) -> f64 {
+        let positions = self.blocks.iter();
+        let positions = positions.filter(|block| block.kind == NormKind::Position);
+        let apart = positions.map(|block| T::EPSILON.to_f64() * block.mean(state) / block.scale);
+        apart.fold(0.0, f64::max) / self.tolerance
+    }
+
     /// How far bodies and points get in a step by their speeds in a state, and how much speeds and declared states change by their rates, over the scales
     /// of each: the furthest of them.
     pub(crate) fn motion<T: Float>(&self, step: f64, state: &[T], rates: &[T]) -> f64 {

@@ -1,5 +1,6 @@
 //! Whether a run can be trusted: stages and energy of each step, the last good state, and the way back to it.
 
+use mbd_scene::random::SplitMix64;
 use mbd_scene::{Float, Gravity, Part, Quantity};
 
 use super::beside::Attempt;
@@ -17,6 +18,8 @@ use crate::watch::{Instability, LIMIT, NEGLIGIBLE, Watch};
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
 pub(super) const OFTEN: u64 = 10;
 const SELDOM: u64 = 50;
+/// By so many numbers at most positions are moved where digits are looked at: two that are rounded to one each differ by about as much in the rates of all stages.
+const NUMBERS: f64 = 2.5;
 /// Step times largest rate that is suggested: what decays so fast is followed, and not only kept from growing.
 const STABLE: f64 = 0.5;
 
@@ -612,28 +615,28 @@ fn coarse_look<T: Float>(
 ) -> Option<CoarseLook> {
     let model = system.model.clone();
     let layout = model.layout();
-    // To the next numbers, up and down in turn: what goes along moves apart.
-    let mut moves = vec![T::zero(); state.len()];
-    let mut by = T::EPSILON;
-    for at in moving(layout).flat_map(|part| part.position) {
-        if let (Some(own), Some(x)) = (moves.get_mut(at), state.get(at)) {
-            *own = by * *x;
-        }
-        by = -by;
-    }
-    let (apart, _) = norm.largest(&moves, state, state);
+    let apart = norm.coarseness(state);
     if apart < ENOUGH {
         return None;
     }
-    let moved: Vec<T> = state.iter().zip(&moves).map(|(x, by)| *x + *by).collect();
+    // By a few numbers, each by others, and by others at every look: what goes along moves apart.
+    let mut random = SplitMix64(time.to_bits());
+    let mut moved = state.to_vec();
+    for at in moving(layout).flat_map(|part| part.position) {
+        if let Some(x) = moved.get_mut(at) {
+            *x += T::from_f64(NUMBERS * random.number()) * T::EPSILON * *x;
+        }
+    }
     let [here, there] = [state, &moved].map(|state| {
         let mut rates = vec![T::zero(); layout.len(Quantity::Derivative)];
         system.at_another_time(Quantity::Derivative, time, state, &mut rates);
         rates
     });
+    // The rates are rounded themselves, too.
     let step = T::from_f64(step);
     let rates = here.iter().zip(&there);
-    let mut change: Vec<T> = rates.map(|(a, b)| step * (*b - *a)).collect();
+    let change = rates.map(|(a, b)| step * ((*b - *a).abs() + T::EPSILON * a.abs()));
+    let mut change: Vec<T> = change.collect();
     change.resize(state.len(), T::zero());
     let (share, block) = norm.largest(&change, state, state);
     let parts = moving(layout).enumerate().map(|(part, own)| {
