@@ -30,7 +30,7 @@ pub use take::{nothing_to_extend, take};
 pub fn read_urdf(text: &str) -> Reading {
     let mut lexer = Lexer::of_text();
     let mut messages = Messages::default();
-    let mut taken = translate(text, &mut lexer, Taken::default(), &mut messages);
+    let mut taken = translate(text, &mut lexer, TakingIn::default(), &mut messages);
     let read = messages.is_empty();
     taken
         .notes
@@ -52,7 +52,7 @@ pub fn read_urdf(text: &str) -> Reading {
 
 /// How a robot is taken in.
 #[derive(Clone, Copy, Debug, Default)]
-struct Taken {
+struct TakingIn {
     /// Whether its root flies.
     free: bool,
     /// Whether inertias are let through that no rigid body has.
@@ -71,7 +71,7 @@ struct Translated {
 }
 
 /// Reads a URDF and adds the lexemes of its items, each at its element.
-fn translate(text: &str, lexer: &mut Lexer, how: Taken, messages: &mut Messages) -> Translated {
+fn translate(text: &str, lexer: &mut Lexer, how: TakingIn, messages: &mut Messages) -> Translated {
     let free = how.free;
     let unchecked = how.unchecked || how.unread;
     let Some(robot) = read::read(text, lexer, messages) else {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::options::RobotOptions;
-use super::{Taken, gravity, translate};
+use super::{TakingIn, gravity, translate};
 use crate::lexeme::{Lexeme, LexemeKind, Lexer, Places, Region};
 use crate::messages::{Messages, urdf as say};
 use crate::syntax::item::items as read_items;
@@ -64,7 +64,7 @@ pub fn take(
     // Mistakes in them are told where the fields are used, in `joined`.
     let mut unread = Messages::default();
     let options = RobotOptions::of(item, &mut unread);
-    let how = Taken {
+    let how = TakingIn {
         free: options.free,
         unchecked: options.unchecked,
         unread: !unread.is_empty(),
