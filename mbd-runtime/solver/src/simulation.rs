@@ -30,6 +30,7 @@ mod attempt;
 pub(crate) mod beside;
 mod beyond_stops;
 mod control;
+mod digits;
 mod drive;
 mod energy_jumps;
 mod given;
@@ -206,6 +207,8 @@ pub struct Simulation<T: Float> {
     time_rounding: TimeRounding,
     /// What rounding of positions makes of the errors of adaptive steps.
     step_rounding: StepRounding,
+    /// Room for its looks.
+    digit_room: [Vec<T>; 3],
     reads_time: OnceCell<bool>,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,

@@ -1,25 +1,22 @@
 //! Whether a run can be trusted: stages and energy of each step, the last good state, and the way back to it.
 
-use mbd_scene::random::SplitMix64;
-use mbd_scene::{Float, Gravity, Part, Quantity};
+use mbd_scene::{Float, Gravity, Quantity};
 
 use super::beside::Attempt;
 use super::{Pace, Simulation, Snapshot};
 use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
 use crate::columns::part_name;
 use crate::error::{RunError, Source, StepError};
-use crate::integrate::{ErrorNorm, stiffness};
+use crate::integrate::stiffness;
 use crate::moving::moving;
-use crate::rounding::{CoarseLook, CoarsePositions, ENOUGH, REFUSED, TimeRounding};
-use crate::system::{System, WORKS};
+use crate::rounding::{REFUSED, TimeRounding};
+use crate::system::WORKS;
 use crate::trajectory::Trajectory;
 use crate::watch::{Instability, LIMIT, NEGLIGIBLE, Watch};
 
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
 pub(super) const OFTEN: u64 = 10;
 const SELDOM: u64 = 50;
-/// By so many numbers at most positions are moved where digits are looked at: two that are rounded to one each differ by about as much in the rates of all stages.
-const NUMBERS: f64 = 2.5;
 /// Step times largest rate that is suggested: what decays so fast is followed, and not only kept from growing.
 const STABLE: f64 = 0.5;
 
@@ -396,28 +393,6 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// Looks at what rounding of positions makes of the error of the next step.
-    fn watch_digits(&mut self) {
-        if let Pace::Adaptive(control, norm) = &self.pace {
-            let look = coarse_look(
-                &mut self.system,
-                (self.time, &self.state),
-                norm,
-                control.step,
-            );
-            self.step_rounding.see(look);
-        }
-    }
-
-    /// Positions with fewer digits than the tolerance of this run asks for, so that rounding decided its adaptive steps for the most part: far from the origin
-    /// of the world, or in single precision.
-    #[must_use]
-    pub fn coarse_positions(&self) -> Option<CoarsePositions> {
-        let model = &self.system.model;
-        let known = (model.scene(), model.layout());
-        self.step_rounding.told::<T>(known, self.sizes.length())
-    }
-
     pub(super) fn watch_rounding(&mut self) -> Result<(), StepError> {
         if !self.bodies.is_empty() {
             let (time, state) = (self.time, &self.state);
@@ -604,57 +579,4 @@ impl Meter {
             .is_finite()
             .then_some(reading)
     }
-}
-
-/// What rounding of positions at a state makes of the error of a step; `None` where they have more digits than its norm asks for.
-fn coarse_look<T: Float>(
-    system: &mut System<T>,
-    (time, state): (f64, &[T]),
-    norm: &ErrorNorm,
-    step: f64,
-) -> Option<CoarseLook> {
-    let model = system.model.clone();
-    let layout = model.layout();
-    let apart = norm.coarseness(state);
-    if apart < ENOUGH {
-        return None;
-    }
-    // By a few numbers, each by others, and by others at every look: what goes along moves apart.
-    let mut random = SplitMix64(time.to_bits());
-    let mut moved = state.to_vec();
-    for at in moving(layout).flat_map(|part| part.position) {
-        if let Some(x) = moved.get_mut(at) {
-            *x += T::from_f64(NUMBERS * random.number()) * T::EPSILON * *x;
-        }
-    }
-    let [here, there] = [state, &moved].map(|state| {
-        let mut rates = vec![T::zero(); layout.len(Quantity::Derivative)];
-        system.at_another_time(Quantity::Derivative, time, state, &mut rates);
-        rates
-    });
-    // The rates are rounded themselves, too.
-    let step = T::from_f64(step);
-    let rates = here.iter().zip(&there);
-    let change = rates.map(|(a, b)| step * ((*b - *a).abs() + T::EPSILON * a.abs()));
-    let mut change: Vec<T> = change.collect();
-    change.resize(state.len(), T::zero());
-    let (share, block) = norm.largest(&change, state, state);
-    let parts = moving(layout).enumerate().map(|(part, own)| {
-        let own_state = state.get(own.position).unwrap_or_default();
-        let far = own_state.iter().map(|x| x.to_f64().abs());
-        (part, own.part, far.fold(0.0, f64::max))
-    });
-    // That of the error, where it has a position of its own; else the furthest.
-    let owner = norm.owner(block);
-    let (part, _, distance) = parts.max_by(|a, b| {
-        let key = |(_, part, far): &(usize, Part, f64)| (owner == Some(*part) && *far > 0.0, *far);
-        let (a, b) = (key(a), key(b));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-    })?;
-    Some(CoarseLook {
-        share,
-        part,
-        distance,
-        apart: apart * norm.tolerance,
-    })
 }

@@ -174,6 +174,7 @@ impl<T: Float> Simulation<T> {
             steps_elsewhere: 0,
             time_rounding: TimeRounding::default(),
             step_rounding: StepRounding::default(),
+            digit_room: std::array::from_fn(|_| Vec::with_capacity(length)),
             reads_time: OnceCell::new(),
             bodies: vec![T::zero(); bodies],
             origin: 0.0,
