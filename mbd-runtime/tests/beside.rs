@@ -34,8 +34,8 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
         point stone { mass: mass }
-        load push on stone =
-            if(time > 0.6 s, 1 N, 0 N) * [1.0, 0.3, 0.0] + if(time > 1.1 s, 2 N, 0 N) * [0.0, 0.0, 1.0];
+        load push on stone = if(time > 0.6 s, 1 N, 0 N) * [1.0, 0.3, 0.0]
+            + if(time > 1.1 s, 2 N, 0 N) * [0.0, 0.0, 1.0];
         load air on stone = -0.02 kg/m * norm(stone.velocity) * stone.velocity;
     }
 }

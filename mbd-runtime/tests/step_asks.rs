@@ -91,7 +91,11 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         input push: torque;
         input gain = 1;
-        body rod { mass: 1 kg, inertia: diag(0.01, 0.01, 0.001) kg*m^2, frame top at [0, 0, 0.15] m }
+        body rod {
+            mass: 1 kg,
+            inertia: diag(0.01, 0.01, 0.001) kg*m^2,
+            frame top at [0, 0, 0.15] m,
+        }
         joint hold: hinge from world to rod.top { axis: y, start: 0.3 rad, force: push }
         output shown = gain * hold.angle;
     }

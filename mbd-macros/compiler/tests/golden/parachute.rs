@@ -1045,6 +1045,7 @@ const _: () = {
                 T,
                 29,
                 64,
+                true,
             >(
                 step,
                 |at, rates| {
