@@ -20,7 +20,7 @@ pub fn inner_stages<T: Float, const N: usize, const INPUTS: bool>(
     let Some([first, second, third, fourth]) = rates.first_chunk_mut() else {
         return false;
     };
-    let rates: Rates<'_, T, N> = (first, [second, third, fourth], step.next);
+    let rates: StageRates<'_, T, N> = (first, [second, third, fourth], step.next);
     make::<T, N, INPUTS>((step.at, step.span), step.inputs, rates, derivative)
 }
 
@@ -41,7 +41,7 @@ pub fn inner_rates<T: Float, const N: usize, const R: usize, const INPUTS: bool>
         return false;
     };
     // Sums read them where they were found: a copy would be waited for.
-    let inner: Rates<'_, T, N> = (first, [second, third, fourth], step.next);
+    let inner: StageRates<'_, T, N> = (first, [second, third, fourth], step.next);
     let made = make::<T, N, INPUTS>((step.at, step.span), step.inputs, inner, find);
     for (rates, found) in rates.iter_mut().zip(found) {
         if let Some(own) = found.first_chunk() {
@@ -52,14 +52,14 @@ pub fn inner_rates<T: Float, const N: usize, const R: usize, const INPUTS: bool>
 }
 
 /// The rates of the first stage, those of the stages inside the step as the first N numbers of their lists, and the state at its end.
-type Rates<'a, T, const N: usize> = (&'a [T; N], [&'a mut [T]; INNER], &'a mut [T]);
+type StageRates<'a, T, const N: usize> = (&'a [T; N], [&'a mut [T]; INNER], &'a mut [T]);
 
 /// Makes the stages inside a step, and the state at its end. Where inputs are held no stage is handed to anything but the model, and none needs a place in memory.
 #[inline(always)]
 fn make<T: Float, const N: usize, const INPUTS: bool>(
     start: (At<'_, T>, [f64; 2]),
     inputs: Option<&mut dyn StageInputs<T>>,
-    rates: Rates<'_, T, N>,
+    rates: StageRates<'_, T, N>,
     mut find: impl FnMut(&At<'_, T>, &mut [T]),
 ) -> bool {
     match inputs {
@@ -76,7 +76,7 @@ fn make<T: Float, const N: usize, const INPUTS: bool>(
 #[inline(always)]
 fn make_by<T: Float, const N: usize>(
     (at, [from, over]): (At<'_, T>, [f64; 2]),
-    (first, [second, third, fourth], next): Rates<'_, T, N>,
+    (first, [second, third, fourth], next): StageRates<'_, T, N>,
     mut find: impl FnMut(f64, At<'_, T>, &mut [T]),
 ) -> bool {
     let (Ok(state), Ok(next)) = (<&[T; N]>::try_from(at.state), <&mut [T; N]>::try_from(next))
