@@ -1,6 +1,8 @@
 //! Cases beside each other in lanes: what each gives alone, to the bit.
 
-use mbd_runtime::{Lanes, Lanes4, Lanes8, LockStep, Model, Options, Real, Simulation, model};
+use mbd_runtime::{
+    Lanes, Lanes4, Lanes8, LockStep, Model, Options, Real, Simulation, StepError, model,
+};
 
 model! {
     /// A stone in wind and thin air, drawn to a place.
@@ -111,7 +113,7 @@ fn stones_fly_alike<L: Lanes>() {
     };
     let mut run =
         LockStep::new(one.layout(), 0.01, beside(&starts), rates).expect("nothing happens");
-    run.run(3.0);
+    run.run(3.0).expect("an end");
     assert_eq!(run.time(), 3.0);
     for (lane, start) in starts.iter().enumerate() {
         let stone = Stone::new(StoneParams {
@@ -141,7 +143,7 @@ fn a_chain_in_a_lane_swings_as_it_does_alone() {
     let one = Chain::<f64>::new(ChainParams::default()).expect("params");
     let mut run =
         LockStep::of_model(chains, one.layout(), 1e-3, beside(&starts)).expect("an open tree");
-    run.run(0.5);
+    run.run(0.5).expect("an end");
     for (lane, start) in starts.iter().enumerate() {
         let chain = Chain::new(ChainParams {
             length: length(lane),
@@ -167,7 +169,7 @@ fn attitudes_stay_unit_quaternions_in_every_lane() {
         out.copy_from_slice(&tumblers.derivative(&state).to_vec());
     };
     let mut run = LockStep::new(one.layout(), 0.01, beside(&starts), rates).expect("a free body");
-    run.run(2.0);
+    run.run(2.0).expect("an end");
     for (lane, start) in starts.iter().enumerate() {
         assert_same("tumbler", run.state(), lane, &alone(&one, start, 0.01, 2.0));
         let size: f64 = run.state()[3..7].iter().map(|x| x.lane(lane).powi(2)).sum();
@@ -190,7 +192,7 @@ fn a_lane_that_explodes_disturbs_no_other() {
             out.copy_from_slice(&stones.derivative(&state).to_vec());
         };
         let mut run = LockStep::new(one.layout(), 0.01, start, rates).expect("nothing happens");
-        run.run(1.0);
+        run.run(1.0).expect("an end");
         let finite: Vec<bool> = (0..4).map(|lane| run.is_finite(lane)).collect();
         (finite, run.state().to_vec())
     };
@@ -233,4 +235,22 @@ fn what_cannot_be_run_in_lock_step_is_refused_with_its_reason() {
         .err()
         .expect("an input");
     assert!(refused.to_string().contains("inputs"), "{refused}");
+}
+
+#[test]
+fn a_run_in_lock_step_to_no_time_or_to_one_behind_is_refused_and_stays() {
+    let stone = Stone::<f64>::new(StoneParams::default()).expect("params");
+    let start = vec![Lanes4::from_f64(1.0); 6];
+    let falls = |_: f64, state: &[Lanes4], rates: &mut [Lanes4]| rates.copy_from_slice(state);
+    let mut run = LockStep::new(stone.layout(), 0.01, start, falls).expect("nothing happens");
+    run.run(0.5).expect("an end");
+    let before = run.state()[0];
+    for until in [f64::INFINITY, f64::NAN] {
+        let refused = run.run(until).expect_err("no end");
+        assert!(refused.to_string().contains("end time"), "{refused}");
+    }
+    let refused = run.run(0.25).expect_err("behind");
+    assert!(matches!(refused, StepError::Backwards { .. }), "{refused}");
+    assert_eq!((run.time(), run.state()[0].lane(0)), (0.5, before.lane(0)));
+    run.run(0.5).expect("it is there");
 }

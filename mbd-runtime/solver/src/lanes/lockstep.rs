@@ -34,7 +34,7 @@ use crate::trajectory::resolution;
 /// let layout = Stone::<f64>::new(StoneParams::default())?.layout().clone();
 /// let start = StoneState::<Lanes8>::at_origin().to_vec();
 /// let mut run = LockStep::of_model(stones, &layout, 0.01, start)?;
-/// run.run(2.0);
+/// run.run(2.0)?;
 /// // The heavier falls faster.
 /// let speed = run.state()[5];
 /// assert!((1..8).all(|lane| speed.lane(lane) < speed.lane(lane - 1)));
@@ -141,7 +141,18 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
     }
 
     /// Steps until a time [s]; the last step is shorter where it would go beyond.
-    pub fn run(&mut self, until: f64) {
+    ///
+    /// # Errors
+    /// A time that is not finite, or lies behind; the state stays.
+    pub fn run(&mut self, until: f64) -> Result<(), StepError> {
+        if !until.is_finite() {
+            let slot = "end time".into();
+            return Err(StepError::InvalidInput { slot, value: until });
+        }
+        if until < self.time - resolution(self.time) {
+            let now = self.time;
+            return Err(StepError::Backwards { now, until });
+        }
         while until - self.time > resolution(self.time) {
             let left = until - self.time;
             if self.step >= left * (1.0 - 1e-9) {
@@ -151,6 +162,7 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
                 self.step();
             }
         }
+        Ok(())
     }
 
     /// One step of all lanes.
