@@ -139,10 +139,16 @@ impl<T: Float> Nodes<T> {
         }
         self.statistics.solves += 1;
         if plan.rate.unbalanced() {
-            return Err(NodeError::Unsupported {
-                node,
-                why: "its load acts in a direction that no taut line spans: take shorter steps, or declare `equilibrium: stepwise`",
-            });
+            // One line or two are followed to where they carry a load that turns; three in a plane carry none across it, however short the step.
+            let why = match plan.rate.is_carried_with_load() {
+                true => {
+                    "its load acts in a direction that no taut line spans: take shorter steps, or declare `equilibrium: stepwise`"
+                }
+                false => {
+                    "its load acts in a direction that no taut line spans: give the point a mass, or declare `equilibrium: stepwise`"
+                }
+            };
+            return Err(NodeError::Unsupported { node, why });
         }
         NodeError::check_finite("velocity of a rate node", velocity.as_slice())?;
         match decided {

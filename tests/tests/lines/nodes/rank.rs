@@ -320,6 +320,8 @@ fn a_load_in_the_plane_of_the_lines_is_balanced_and_one_across_it_is_refused() {
     }
     let across = rest("", "rate", "[0, 1, 0] N").expect_err("nothing pulls across the plane");
     assert!(across.contains("no taut line spans"), "{across}");
+    // No step is short enough for it.
+    assert!(across.contains("give the point a mass"), "{across}");
 }
 
 /// A node under a load on three bodies that hang from springs. One of its three lines goes slack twice; the other two carry the load as a pendulum, at any
