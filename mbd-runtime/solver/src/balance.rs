@@ -101,6 +101,9 @@ pub(crate) struct EnergyBalance {
     kinetic: f64,
     size: f64,
     most: f64,
+    /// The sizes of the works that the run integrates along, added up over its steps [J]: each step rounds them, those of large ones that almost cancel, too.
+    #[serde(default)]
+    sums: f64,
     /// ½ ΣK L² of lines, whose ends have places as large as L [J]: what of it rounding of places makes is no change.
     #[serde(default)]
     lines: f64,
@@ -129,6 +132,11 @@ impl EnergyBalance {
         for (range, change) in self.ranges.iter_mut().zip(&self.changes) {
             range.widen(*change);
         }
+    }
+
+    /// A step ends with works of these sizes, together [J].
+    pub(crate) fn add_up(&mut self, works: f64) {
+        self.sums += works;
     }
 
     /// Whether the next step needs the power in its middle.
@@ -198,12 +206,14 @@ impl EnergyBalance {
         }
     }
 
-    /// What rounding makes at this precision: of the sums, and of the energy of lines that are straight or almost so, E = ½ K s² with s off by ε L.
+    /// What rounding makes at this precision: of the sums, of those of works by half a unit of their last place a step, and of the energy of lines that are
+    /// straight or almost so, E = ½ K s² with s off by ε L.
     fn rounding(&self, precision: f64) -> f64 {
         let by_stretches = |ends: f64| ends * precision * self.lines.sqrt();
         let unstretched = by_stretches(ROUNDING).powi(2);
         let stretched = by_stretches(ROUNDED_ENDS) * self.moved().sqrt();
-        ROUNDING * precision * self.size + unstretched + stretched
+        let summed = 0.5 * precision * self.sums;
+        ROUNDING * precision * self.size + summed + unstretched + stretched
     }
 
     /// What moved so far [J].

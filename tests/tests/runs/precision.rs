@@ -4,7 +4,7 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::{
     Generic, Method, Options, Quantity, RunError, Scalar, Simulation, Snapshot, StepError, model,
 };
-use mbd_scene::Model;
+use mbd_scene::{Model, Scene};
 use models::parachute::scene::{
     ParachuteMass, ParachuteMassParams, ParachuteStatic, ParachuteStepwise, SceneInstant as Start,
     TestCase,
@@ -266,6 +266,34 @@ fn steps_that_are_shorter_than_the_digits_of_single_precision_lose_nothing() {
                 "{balance:?}"
             );
         }
+    }
+}
+
+/// A pendulum that a motor drives and a damper holds back, for 400 s: the works of both grow to hundreds of times the energy that moves, and each step rounds
+/// their sums. The watch took that for steps that are too long, at any step.
+#[test]
+fn works_that_grow_and_cancel_end_no_long_run_in_single_precision() {
+    let scene = tests::declared::read(
+        "model Driven { gravity: [0, 0, -9.81] m/s^2; coordinates: relative;
+            body rod { mass: 1 kg, inertia: diag(0.1, 0.1, 0.02) kg*m^2, frame top at [0, 0, 0.5] m }
+            joint pin: hinge from world to rod.top { axis: y, damping: 0.3 N*m*s, force: 2 N*m * sin(3 rad/s * time) } }",
+    );
+    fn swing<T: Scalar>(scene: &Scene, work: bool) -> f64 {
+        let model = Generic::<T>::with_defaults(scene.clone()).expect("defaults");
+        let options = Options {
+            work,
+            ..Options::rk4(0.01)
+        };
+        let mut run = Simulation::new(&model, options).expect("options");
+        run.run(400.0).expect("steps that are short enough");
+        let balance = run.imbalance().expect("a balance");
+        assert!(balance.relative() < 1e-3, "{balance:?}");
+        run.state()[0].to_f64()
+    }
+    let exact = swing::<f64>(&scene, true);
+    for work in [true, false] {
+        let off = swing::<f32>(&scene, work) - exact;
+        assert!(off.abs() < 1e-3, "{off}");
     }
 }
 

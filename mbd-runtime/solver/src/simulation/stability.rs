@@ -254,6 +254,7 @@ impl<T: Float> Simulation<T> {
         let work = self.work_of(&balance, step, &now);
         let jumped = self.energy_jumps(step, [balance.energy(), now.total()]);
         balance.jump(jumped);
+        balance.add_up(self.works(self.method.next()).map(f64::abs).sum());
         balance.take(step, work, now);
         let excess = self.excess(&balance);
         let steps = if self.meter == Meter::Laws { SELDOM } else { 1 };
@@ -264,18 +265,16 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
+    /// The works behind a state [J]; none in a run that does not integrate them.
+    fn works(&self, state: &[T]) -> impl Iterator<Item = f64> {
+        let behind = state.iter().skip(self.system.nx).take(WORKS);
+        behind.map(|work| work.to_f64())
+    }
+
     /// Work of what gives and takes energy in the attempted step [J].
     fn work_of(&mut self, balance: &EnergyBalance, step: f64, end: &EnergyReading) -> f64 {
-        let nx = self.system.nx;
-        if self.system.length() > nx {
-            let sum = |state: &[T]| -> f64 {
-                state
-                    .iter()
-                    .skip(nx)
-                    .take(WORKS)
-                    .map(|work| work.to_f64())
-                    .sum()
-            };
+        if self.system.length() > self.system.nx {
+            let sum = |state: &[T]| self.works(state).sum::<f64>();
             return sum(self.method.next()) - sum(&self.state);
         }
         if !matches!(self.meter, Meter::Model { exchanges: true }) {
