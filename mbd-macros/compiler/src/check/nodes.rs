@@ -1,6 +1,9 @@
 //! Models of massless points: the default where none is declared, and what each model forbids.
 
-use mbd_scene::{Clamp, Difference, Layout, LineEnd, Network, NodeModel, PointKind, Redundancy};
+use mbd_scene::{
+    Clamp, Difference, Formula, Layout, LineEnd, LoadKind, Network, NodeModel, Place, PointKind,
+    Redundancy,
+};
 
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver, fold};
@@ -105,6 +108,41 @@ pub fn check_models(resolver: &mut Resolver<'_>) {
         for &node in &network.nodes {
             check_node(resolver, node, &layout);
         }
+    }
+    check_rates(resolver, &layout);
+}
+
+/// The velocity of a node without damping is asked for only where the rates of the loads of its network are told.
+fn check_rates(resolver: &mut Resolver<'_>, layout: &Layout) {
+    let scene = &resolver.scene;
+    let mut found = Vec::new();
+    for (asked, at) in &resolver.rates_asked {
+        let ends = match *asked {
+            Formula::StretchRate(line) => scene.lines.get(line).map(|line| [line.from, line.to]),
+            Formula::Velocity(place) => Some([place; 2]),
+            _ => None,
+        };
+        let node = ends.into_iter().flatten().find_map(|place| match place {
+            Place::Point(point) => layout.nodes.iter().find(|node| node.point == point),
+            _ => None,
+        });
+        // Others have a velocity of their own.
+        let Some(node) = node.filter(|node| node.z.is_none() && node.velocity.is_none()) else {
+            continue;
+        };
+        let network = layout.networks.get(node.network);
+        let network = network.map_or_else(Vec::new, |network| points(network, layout));
+        let load = scene.loads.iter().find(|load| {
+            let acts = matches!(load.at, Place::Point(point) if network.contains(&point));
+            matches!(&load.kind, LoadKind::Force(force) if acts && !scene.tells_load_rate(force))
+        });
+        let point = scene.points.get(node.point);
+        if let (Some(load), Some(point)) = (load, point) {
+            found.push(say::untold_load_rate(*at, &point.name, &load.name));
+        }
+    }
+    for report in found {
+        resolver.messages.push(report);
     }
 }
 

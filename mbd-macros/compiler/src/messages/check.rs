@@ -180,6 +180,16 @@ pub fn dropped_damping(at: Region, point: &str, line: &str) -> LexemeMessage {
     .about(point, None)
 }
 
+pub fn untold_load_rate(at: Region, point: &str, load: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!(
+            "how fast the massless point `{point}` moves follows from how fast its load `{load}` changes, which is told of loads that follow places, coordinates, states, inputs and time alone: give the point a `mass`, or damp its lines and declare `equilibrium: stepwise`"
+        ),
+    )
+    .about(point, None)
+}
+
 pub fn undecided_point(at: Region, point: &str, place: &str) -> LexemeMessage {
     LexemeMessage::new(
         at,

@@ -37,7 +37,7 @@ mod vanishing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use mbd_scene::{Detachable, Scene};
+use mbd_scene::{Detachable, Formula, Scene};
 
 pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
@@ -127,6 +127,8 @@ pub struct Resolver<'a> {
     pub used: Vec<(Named, LexemeIndex)>,
     /// What has been used at least once.
     pub mentioned: BTreeSet<Named>,
+    /// Velocities of points and stretch rates of lines that are asked for, and where.
+    pub rates_asked: Vec<(Formula, Region)>,
     /// What has a mistake of its own: its users are not blamed.
     pub bad: BTreeSet<Named>,
     /// Names of items that could not be read, or are used twice: what refers to them is not blamed.
@@ -250,6 +252,7 @@ impl<'a> Resolver<'a> {
             declared: BTreeMap::new(),
             used: Vec::new(),
             mentioned: BTreeSet::new(),
+            rates_asked: Vec::new(),
             bad: BTreeSet::new(),
             broken: BTreeSet::new(),
             dropped: BTreeSet::new(),

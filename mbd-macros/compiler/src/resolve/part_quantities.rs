@@ -129,7 +129,10 @@ impl Resolver<'_> {
         after: &[PathStep],
     ) -> Option<Typed> {
         let (of, dimension) = match quantity {
-            "velocity" => (Formula::Velocity(place), units::SPEED),
+            "velocity" => {
+                self.rates_asked.push((Formula::Velocity(place), at));
+                (Formula::Velocity(place), units::SPEED)
+            }
             _ => (Formula::Position(place), units::LENGTH),
         };
         let formula = fold::component(of, axis, &self.scene);
@@ -157,7 +160,10 @@ impl Resolver<'_> {
         }
         let (formula, dimension) = match step.word.text.as_str() {
             "position" => (Formula::Position(place), units::LENGTH),
-            "velocity" => (Formula::Velocity(place), units::SPEED),
+            "velocity" => {
+                self.rates_asked.push((Formula::Velocity(place), at));
+                (Formula::Velocity(place), units::SPEED)
+            }
             "acceleration" => {
                 let here = step.word.at.into();
                 if !matches!(self.scene.points.get(point)?.kind, PointKind::Mass(_)) {
@@ -198,7 +204,10 @@ impl Resolver<'_> {
             "tension" => (Formula::Tension(line), units::FORCE),
             "length" => (Formula::Length(line), units::LENGTH),
             "stretch" => (Formula::Stretch(line), units::LENGTH),
-            "stretch_rate" => (Formula::StretchRate(line), units::SPEED),
+            "stretch_rate" => {
+                self.rates_asked.push((Formula::StretchRate(line), at));
+                (Formula::StretchRate(line), units::SPEED)
+            }
             word => {
                 let report = say::unknown_quantity(step.word.at.into(), owner, word, known);
                 return self.fail(report);

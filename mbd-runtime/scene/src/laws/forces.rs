@@ -169,13 +169,13 @@ pub fn node_load<S: Real>(evaluation: &Evaluation<'_, S>, point: usize) -> Vecto
     total
 }
 
-/// Ẇ: the rate of the load on a node [N/s] as time changes it; [`Scene::tells_node_work`] says where nothing else does.
+/// Ẇ: the rate of the load on a node [N/s]; [`Scene::tells_load_rate`] says of which loads it is told.
 pub fn node_load_rate<S: Real>(evaluation: &Evaluation<'_, S>, point: usize) -> Vector3<S> {
     let mut total = Vector3::zeros();
     for load in &evaluation.scene.loads {
         if load.at == Place::Point(point)
             && let LoadKind::Force(formula) = &load.kind
-            && evaluation.scene.is_of_time(formula)
+            && evaluation.scene.tells_load_rate(formula)
         {
             total += evaluation.rates_of(formula);
         }

@@ -4,7 +4,7 @@
 //! E(p) = Σ ½ K_e (d − L_e)₊² − W·p,   g = ∂E/∂p = −Σ T u − W,   H = Σ J                                          (1)
 //! ∂p/∂p_i = H⁻¹ J_i,   Σ ∂p/∂p_i = I                                                                            (2)
 //! B_ij = J_i δ_ij − J_i H⁻¹ J_j                                                                                 (3)
-//! w = H⁻¹ Σ J_i v_i                                                                                             (4)
+//! w = H⁻¹ (Σ J_i v_i + Ẇ)                                                                                      (4)
 //! ```
 //!
 //! E is convex, so every minimiser is global; tensions are unique, the node is unique unless every line is slack and W = 0. Nodes joined by

@@ -7,17 +7,19 @@
 //! ```
 //!
 //! (3) closes the balance: the ends take −T ḋ, the elastic energy grows by f(s) ṡ, the damping loses (T − f) ṡ. Derived.
+//!
+//! The rate of a load on a node, Ẇ, follows in the same way, from places and coordinates, too: they move by their velocities.
 
 use nalgebra::Vector3;
 
 use crate::laws::evaluation::{Evaluation, declared_input};
 use crate::laws::formula::{Context, Value, of_let, scalar, vector};
-use crate::{At, Dual, Float, Formula, Layout, Line, Real, Scene};
+use crate::{At, Dual, Float, Formula, Layout, Line, Place, Real, Scene};
 
 /// A number with its rate.
 type WithRate<S> = Dual<S, 1>;
 
-/// What a free length depends on, with the rates of (1).
+/// What a free length or a load on a node depends on, with the rates of (1).
 struct Winding<'e, 'a, S: Real>(&'e Evaluation<'a, S>);
 
 impl<S: Real> Context<WithRate<S>> for Winding<'_, '_, S> {
@@ -51,6 +53,22 @@ impl<S: Real> Context<WithRate<S>> for Winding<'_, '_, S> {
 
     fn time(&self) -> Option<WithRate<S>> {
         Some(Dual::variable(self.0.at.time, 0))
+    }
+
+    fn position(&self, place: Place) -> Option<Vector3<WithRate<S>>> {
+        let (position, velocity) = (self.0.position(place)?, self.0.velocity(place)?);
+        let moves = |value, rate| Dual {
+            value,
+            slopes: [rate],
+        };
+        Some(position.zip_map(&velocity, moves))
+    }
+
+    fn coordinate(&self, joint: usize, index: usize) -> Option<WithRate<S>> {
+        Some(Dual {
+            value: self.0.coordinate(joint, index)?,
+            slopes: [self.0.coordinate_rate(joint, index)?],
+        })
     }
 }
 
@@ -110,7 +128,7 @@ pub fn free_length<T: Float>(
 }
 
 impl<S: Real> Evaluation<'_, S> {
-    /// The rate of an expression of inputs, states and time by (1).
+    /// The rate of an expression of inputs, states, time, places and coordinates by (1).
     pub(crate) fn rate_of(&self, formula: &Formula) -> S {
         let [rate] = scalar(formula, &Winding(self)).slopes;
         rate

@@ -164,6 +164,40 @@ impl Scene {
         !self.contains(formula, untold)
     }
 
+    /// Whether the rate of a load on an equilibrium point follows from the state and the time: of a formula of places, coordinates, time, inputs, which
+    /// count as held, and of declared states whose own rates do not ask for it.
+    #[must_use]
+    pub fn tells_load_rate(&self, formula: &Formula) -> bool {
+        use Formula::{Apply, Component, Const, Coordinate, Input, Let, Lookup, Number, Param};
+        use Formula::{Position, State, StretchRate, Time, Vector, Velocity};
+        let is_node = |place: &Place| match place {
+            Place::Point(point) => self
+                .points
+                .get(*point)
+                .is_some_and(|point| matches!(point.kind, PointKind::Node(_))),
+            _ => false,
+        };
+        let asks = |part: &Formula| match part {
+            Velocity(place) => is_node(place),
+            StretchRate(line) => self
+                .lines
+                .get(*line)
+                .is_some_and(|line| is_node(&line.from) || is_node(&line.to)),
+            _ => false,
+        };
+        let told = |part: &Formula| match part {
+            Number(_) | Const(_) | Param(_) | Input(_) | Time => true,
+            Let(_) | Vector(_) | Component(..) | Apply(..) | Lookup(..) => true,
+            Position(_) | Coordinate(..) => true,
+            State(state) => {
+                let declared = self.states.get(*state);
+                declared.is_some_and(|state| !self.contains(&state.rate, asks))
+            }
+            _ => false,
+        };
+        !self.contains(formula, |part| !told(part))
+    }
+
     /// Whether nothing but time changes a formula during a run.
     #[must_use]
     pub fn is_of_time(&self, formula: &Formula) -> bool {

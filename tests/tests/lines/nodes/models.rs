@@ -1,6 +1,7 @@
 //! The three node models in an integration: orders, memory, starts, modes, and what they refuse.
 
 use super::common::{COLUMNS, Run, body, frame, line, node, parachute, state_of};
+use mbd_compiler::Interpreted;
 use mbd_runtime::Mode;
 use mbd_runtime::node::{NodeError, NodeMemory, Stage};
 use mbd_runtime::{Content, Generic, Model, Options, Quantity, Sampling, Simulation, Trajectory};
@@ -582,6 +583,54 @@ fn a_stepwise_node_is_told_to_move_as_its_places_do() {
                 fine[1] < 0.02 && coarse[1] > 1.8 * fine[1],
                 "{coarse:?} {fine:?} of {text}"
             );
+        }
+    }
+}
+
+/// Two knots without damping between walls and a lamp, under loads that follow the lamp, a door, a filter, an input and time: what they are told to move by,
+/// and one of their lines to grow by, is the rate of their places. Loads that more than time changes were left out of it.
+#[test]
+fn a_static_node_is_told_to_move_as_its_places_do_whatever_its_loads_follow() {
+    let text = "model Knots { gravity: [0, 0, -9.81] m/s^2;
+        world { frame left at [-1, 0, 2] m, frame right at [1, 0.2, 2] m, frame back at [0, 1, 2.2] m }
+        input push: force = 4 N;
+        state late = 0 m { rate: (lamp.position.x - late) / (50 ms) }
+        body door { mass: 2 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame edge at [0.3, 0, 0] m }
+        joint pin: hinge from world to door.edge { axis: y, start: 40 deg }
+        point lamp { mass: 2 kg, start at [0.1, 0, 1] m velocity [0.5, 0.2, -1] m/s }
+        point knot[i in 0..2] { equilibrium: static }
+        line a from world.left to knot[0] { free_length: 0.9 m, stiffness: 2 kN/m }
+        line b from world.right to knot[1] { free_length: 0.9 m, stiffness: 2 kN/m }
+        line c from world.back to knot[0] { free_length: 0.9 m, stiffness: 2 kN/m }
+        line d from knot[0] to knot[1] { free_length: 0.2 m, stiffness: 2 kN/m }
+        spring hook from world.back to lamp { free_length: 0.9 m, stiffness: 90 N/m }
+        load drawn on knot[0] = [60 N/m * lamp.position.x, push * cos(3 rad/s * time), -20 N];
+        load led on knot[1] = [10 N * sin(pin.angle), 80 N/m * late, -30 N];
+        output place = [knot[0].position.x, knot[0].position.y, knot[1].position.z, d.length];
+        output speed = [knot[0].velocity.x, knot[0].velocity.y, knot[1].velocity.z, d.stretch_rate]; }";
+    for family in ["absolute", "relative"] {
+        let text = text.replace("gravity", &format!("coordinates: {family}; gravity"));
+        let scene = tests::declared::read(&text);
+        let laws = Generic::<f64>::with_defaults(scene.clone()).expect("defaults");
+        let equations = Interpreted::<f64>::new(scene, &[]).expect("no params");
+        for model in [&laws as &dyn Model<f64>, &equations] {
+            let mut run = Simulation::new(model, Options::rk4(1e-3)).expect("options");
+            let mut history = Trajectory::new(model, Sampling::Steps, Content::ALL);
+            run.record(0.5, &mut history).expect("a run");
+            let column = |name: String| history.column(&name).expect("a column").to_vec();
+            for k in 0..4 {
+                let (place, speed) = (column(format!("place[{k}]")), column(format!("speed[{k}]")));
+                let size = speed.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+                for row in 1..place.len() - 1 {
+                    let moves = (place[row + 1] - place[row - 1]) / 2e-3;
+                    let apart = (moves - speed[row]).abs();
+                    assert!(
+                        apart < 1e-3 * size,
+                        "{family} {k}, row {row}: {moves} is not {}",
+                        speed[row]
+                    );
+                }
+            }
         }
     }
 }
