@@ -349,8 +349,8 @@ impl Dispersions {
         targets.any(|target| matches!(target, DispersionTarget::Start(_)))
     }
 
-    /// Refuses places that the start moved so that joints hold, of what these numbers put elsewhere than the nominal is, beyond what it moves there: the row would tell a start that the run
-    /// does not have.
+    /// Refuses places and speeds that the start changed so that joints hold, of what these numbers put elsewhere than the nominal is, beyond what it changes
+    /// there: the row would tell a start that the run does not have.
     ///
     /// # Errors
     /// The first such number, with how far off the run would begin.
@@ -369,7 +369,11 @@ impl Dispersions {
             let (how_far, unit, what): (fn(&Moved) -> f64, _, _) = match component {
                 "x" | "y" | "z" => (|moved| moved.distance, "m", "its place"),
                 "angle" | "qw" | "qx" | "qy" | "qz" => (|moved| moved.angle, "rad", "its attitude"),
-                // Of the speeds that are said the start takes the nearest that joints allow.
+                "vx" | "vy" | "vz" => (|moved| moved.velocity, "m/s", "its velocity"),
+                _ if component.starts_with("omega") => {
+                    let turned: fn(&Moved) -> f64 = |moved| moved.angular_velocity;
+                    (turned, "rad/s", "its angular velocity")
+                }
                 _ => continue,
             };
             let own = |list: &[Moved]| {
@@ -380,7 +384,7 @@ impl Dispersions {
             // What is declared to some digits is moved by as much in every case.
             if off > own(of_nominal) + MOVED * (value - varied.known.nominal).abs() + ROUNDING {
                 let text = format!(
-                    "the joints of `{owner}` do not allow what is drawn, and {what} would be {} {unit} off: disperse what they leave free, such as a coordinate of a joint",
+                    "the joints of `{owner}` do not allow what is drawn, and {what} would be {} {unit} off: disperse what they leave free, such as a coordinate of a joint or its rate",
                     plain(off, 4)
                 );
                 return Err(wrong(&*varied.known.name, text));
