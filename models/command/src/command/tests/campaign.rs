@@ -200,7 +200,7 @@ fn the_history_that_a_campaign_keeps_is_that_of_the_case_run_alone() {
     let folder = Folder::new("kept");
     let swing =
         format!("{DISPERSED}\n[histories]\nlargest = {{ peak = 1 }}\nfailed = 1\ncases = [5]\n");
-    let top = "seed = 3\ncases = 4\n[start]\ntop.omega_body_y = { dist = \"normal\", sigma = \"0.2 rad/s\" }\n[metrics]\nfar = { max = \"quaternion_drift\" }\n\
+    let top = "seed = 3\ncases = 4\n[start]\ntop.omega_body_z = { dist = \"normal\", sigma = \"0.2 rad/s\" }\n[metrics]\nfar = { max = \"quaternion_drift\" }\n\
                [histories]\ncases = [0, 3]\n[run]\nuntil = \"0.2 s\"\n";
     for (scene, text, last) in [("swing", swing, 5), ("heavy_top", top.to_owned(), 3)] {
         let file = folder.file(&format!("{scene}.toml"), &text);
