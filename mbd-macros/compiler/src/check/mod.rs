@@ -92,7 +92,7 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
         }
         if let Some(why) = line.kind.not_at_node() {
             for place in [line.from, line.to] {
-                if is_node(resolver, place) {
+                if resolver.scene.is_node(place) {
                     let point = describe::place(scene, place);
                     let report = say::line_at_node(at, kind, &line.name, &point, why);
                     resolver.messages.push(report);
@@ -138,17 +138,5 @@ fn check_lonely_points(resolver: &mut Resolver<'_>) {
             }
             _ => resolver.messages.push(say::lonely(at, &point.name, lines)),
         }
-    }
-}
-
-/// Whether a place is a massless point.
-fn is_node(resolver: &Resolver<'_>, place: Place) -> bool {
-    match place {
-        Place::Point(point) => resolver
-            .scene
-            .points
-            .get(point)
-            .is_some_and(|point| matches!(point.kind, PointKind::Node(_))),
-        _ => false,
     }
 }

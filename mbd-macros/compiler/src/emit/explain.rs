@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use mbd_scene::{
-    Actions, AngularVelocity, Fixed, Formula, Gravity, Layout, LoadKind, NodeModel, Place,
-    PointKind, Quantity, Scene, Triple,
+    Actions, AngularVelocity, Fixed, Formula, Gravity, Layout, LoadKind, NodeModel, PointKind,
+    Quantity, Scene, Triple,
 };
 
 use super::context::{EmitContext, unit_text};
@@ -352,17 +352,10 @@ fn left_out(scene: &Scene, layout: &Layout, out: &mut String) {
             undamped.join(", ")
         ));
     }
-    let node = |place: Place| match place {
-        Place::Point(point) => scene
-            .points
-            .get(point)
-            .is_some_and(|p| matches!(p.kind, PointKind::Node(_))),
-        _ => false,
-    };
     if !scene
         .lines
         .iter()
-        .any(|line| node(line.from) || node(line.to))
+        .any(|line| scene.is_node(line.from) || scene.is_node(line.to))
     {
         absent.push("No node: nothing is solved inside a step.".to_owned());
     }

@@ -2,8 +2,7 @@
 
 use mbd_scene::joints::{JointForces, JointLaw};
 use mbd_scene::{
-    Actions, Detachable, Direction, Formula, Function, Joint, Place, PointKind, Settable, Setting,
-    Unit,
+    Actions, Detachable, Direction, Formula, Function, Joint, Place, Settable, Setting, Unit,
 };
 
 use super::{Instance, MayDependOn, Named, Resolver, Scope, fold};
@@ -448,13 +447,6 @@ impl Resolver<'_> {
             Formula::Component(parts, axis) => (parts.first()?, *axis..*axis + 1),
             whole => (whole, 0..3),
         };
-        let nodes = |place: Place| match place {
-            Place::Point(point) => {
-                let kind = self.scene.points.get(point).map(|point| &point.kind);
-                matches!(kind, Some(PointKind::Node(_)))
-            }
-            _ => false,
-        };
         let what: Vec<Settable> = match *of {
             Formula::CoordinateRate(joint, number) => {
                 let declared = self.scene.joints.get(joint)?;
@@ -466,7 +458,7 @@ impl Resolver<'_> {
             Formula::Velocity(Place::World(_)) => {
                 return self.fail(say::prescribed_speed_set(value.at, path));
             }
-            Formula::Velocity(place) if nodes(place) => {
+            Formula::Velocity(place) if self.scene.is_node(place) => {
                 return self.fail(say::node_speed_set(value.at, path));
             }
             Formula::Velocity(place) => axes.map(|axis| Settable::Velocity(place, axis)).collect(),

@@ -188,18 +188,11 @@ impl Resolver<'_> {
             };
         };
         let scene = &self.scene;
-        let is_node = |place: &Place| match place {
-            Place::Point(p) => scene
-                .points
-                .get(*p)
-                .is_some_and(|p| matches!(p.kind, PointKind::Node(_))),
-            _ => false,
-        };
         let mut culprit: Option<String> = None;
         scene.walk(formula, &mut |part| {
             let found = match part {
                 Formula::Position(Place::Point(p)) | Formula::Velocity(Place::Point(p))
-                    if is_node(&Place::Point(*p)) =>
+                    if scene.is_node(Place::Point(*p)) =>
                 {
                     scene.points.get(*p).map(|p| p.name.clone())
                 }
@@ -209,7 +202,7 @@ impl Resolver<'_> {
                 | Formula::StretchRate(line) => scene
                     .lines
                     .get(*line)
-                    .filter(|line| is_node(&line.from) || is_node(&line.to))
+                    .filter(|line| scene.is_node(line.from) || scene.is_node(line.to))
                     .map(|line| line.name.clone()),
                 _ => None,
             };

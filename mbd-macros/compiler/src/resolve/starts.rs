@@ -1,6 +1,6 @@
 //! Starts of bodies and points: `start at [0.0, 0.0, 10.0] m rotated rpy(0.0, 30 deg, 0.0) velocity [1.0, 0.0, 0.0] m/s`.
 
-use mbd_scene::{Formula, Part, PartStart, Plane, PointKind, Triple};
+use mbd_scene::{Formula, Part, PartStart, Place, Plane, Triple};
 
 use super::{Instance, MayDependOn, Named, Resolver, fold};
 use crate::lexeme::Region;
@@ -46,12 +46,8 @@ impl Resolver<'_> {
         if let Some(field) = starts.iter().find(|start| start.clause(":").is_some()) {
             return self.fail(say::start_of_part(field.word.at.into(), &name));
         }
-        let massless = |index: usize| {
-            let point = self.scene.points.get(index);
-            point.is_some_and(|point| matches!(point.kind, PointKind::Node(_)))
-        };
         let point = match part {
-            Part::Point(index) if massless(index) => {
+            Part::Point(index) if self.scene.is_node(Place::Point(index)) => {
                 return self.fail(say::start_of_node(at, &name));
             }
             Part::Point(_) => true,

@@ -164,25 +164,28 @@ impl Scene {
         !self.contains(formula, untold)
     }
 
+    /// Whether a place is an equilibrium point.
+    #[must_use]
+    pub fn is_node(&self, place: Place) -> bool {
+        let Place::Point(point) = place else {
+            return false;
+        };
+        let point = self.points.get(point);
+        point.is_some_and(|point| matches!(point.kind, PointKind::Node(_)))
+    }
+
     /// Whether the rate of a load on an equilibrium point follows from the state and the time: of a formula of places, coordinates, time, inputs, which
     /// count as held, and of declared states whose own rates do not ask for it.
     #[must_use]
     pub fn tells_load_rate(&self, formula: &Formula) -> bool {
         use Formula::{Apply, Component, Const, Coordinate, Input, Let, Lookup, Number, Param};
         use Formula::{Position, State, StretchRate, Time, Vector, Velocity};
-        let is_node = |place: &Place| match place {
-            Place::Point(point) => self
-                .points
-                .get(*point)
-                .is_some_and(|point| matches!(point.kind, PointKind::Node(_))),
-            _ => false,
-        };
         let asks = |part: &Formula| match part {
-            Velocity(place) => is_node(place),
+            Velocity(place) => self.is_node(*place),
             StretchRate(line) => self
                 .lines
                 .get(*line)
-                .is_some_and(|line| is_node(&line.from) || is_node(&line.to)),
+                .is_some_and(|line| self.is_node(line.from) || self.is_node(line.to)),
             _ => false,
         };
         let told = |part: &Formula| match part {
