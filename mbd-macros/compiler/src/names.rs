@@ -335,9 +335,16 @@ fn end(scene: &Scene, layout: &Layout, index: usize) -> String {
         }
         None => {
             let load = index.saturating_sub(6 * layout.anchors.len());
-            let node = layout.nodes.get(load / 3);
+            let rate = layout.nodes.iter().find(|node| {
+                node.load_rate
+                    .is_some_and(|at| (at..at + 3).contains(&index))
+            });
+            let (node, what) = match rate {
+                Some(node) => (Some(node), "load_rate"),
+                None => (layout.nodes.get(load / 3), "load"),
+            };
             let name = node.map_or_else(String::new, |node| point(scene, node.point));
-            format!("{name}_load_{}", axis(load))
+            format!("{name}_{what}_{}", axis(load))
         }
     }
 }

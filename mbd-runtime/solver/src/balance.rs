@@ -32,7 +32,8 @@ const EVEN: f64 = 1e-6;
 pub struct Imbalance {
     /// The largest |E − E(0) − work of loads, dampers and prescribed motions| at a step end [J].
     pub energy: f64,
-    /// The energy that moved: the largest kinetic energy, change of a potential one or work [J].
+    /// The energy that moved: the largest kinetic energy, change of a potential one or work [J]; where nothing has kinetic energy, as in a scene of nothing but
+    /// equilibrium points, the largest energy.
     pub moved: f64,
     /// What of the first rounding explains, by the sizes of the energies [J].
     pub rounding: f64,
@@ -216,10 +217,15 @@ impl EnergyBalance {
         ROUNDING * precision * self.size + summed + unstretched + stretched
     }
 
-    /// What moved so far [J].
+    /// What moved so far [J]. Lines whose equilibrium points turn with a load keep their energy: where there is no kinetic one, all of it counts.
     fn moved(&self) -> f64 {
         let changed = self.ranges.iter().map(ValueRange::extent);
-        changed.fold(self.kinetic, f64::max)
+        let known = if self.kinetic > 0.0 {
+            self.kinetic
+        } else {
+            self.size
+        };
+        changed.fold(known, f64::max)
     }
 
     /// The largest imbalance so far, in numbers of this `precision`.

@@ -211,7 +211,7 @@ pub fn rate_problem(random: &mut Random) -> RateNode<f64> {
         );
         node.set_mode(i, true, random.below(2) == 0);
     }
-    node.place(Vector3::zeros(), Vector3::zeros());
+    node.place(Vector3::zeros(), [Vector3::zeros(); 2]);
     node.taut_by_stretch();
     node
 }

@@ -95,14 +95,22 @@ fn variable(by: Variable) -> &'static str {
 pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
     let (nx, nv, n) = (layout.nx(), layout.nv, layout.len(what));
     let (text, shape) = match what {
-        Quantity::AnchorStates => (
-            "Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.",
-            format!(
-                "{} anchors × 6 [m, m/s], {} nodes × 3 [N]; world axes.",
-                layout.anchors.len(),
-                layout.nodes.len()
-            ),
-        ),
+        Quantity::AnchorStates => {
+            let (anchors, nodes) = (layout.anchors.len(), layout.nodes.len());
+            let moving = layout.nodes.iter().filter(|node| node.load_rate.is_some());
+            match moving.count() {
+                0 => (
+                    "Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.",
+                    format!("{anchors} anchors × 6 [m, m/s], {nodes} nodes × 3 [N]; world axes."),
+                ),
+                moving => (
+                    "Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node, then `Ẇ` of those whose loads move.",
+                    format!(
+                        "{anchors} anchors × 6 [m, m/s], {nodes} nodes × 3 [N], {moving} × 3 [N/s]; world axes."
+                    ),
+                ),
+            }
+        }
         Quantity::Equilibrium(k) => {
             let (nodes, blocks) = layout
                 .networks

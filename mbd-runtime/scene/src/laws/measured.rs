@@ -27,6 +27,9 @@ pub fn ends<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             6 * layout.anchors.len() + 3 * index,
             &forces::node_load(evaluation, node.point),
         );
+        if let Some(at) = node.load_rate {
+            write(out, at, &forces::node_load_rate(evaluation, node.point));
+        }
     }
 }
 

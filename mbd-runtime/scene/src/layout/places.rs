@@ -7,7 +7,7 @@ use crate::layout::{
     LineSlots, Network, Node, PointSlots, Slots, StopSlots, Tree, turns,
 };
 use crate::scalar::Few;
-use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
+use crate::scene::{Load, LoadKind, NodeModel, PointKind, Scene};
 use crate::{Coordinates, Gravity, Part, Place, RowSet};
 
 impl Layout {
@@ -101,6 +101,7 @@ impl Layout {
                         local: 0,
                         lines: Vec::new(),
                         loaded: false,
+                        load_rate: None,
                         z,
                         velocity: None,
                     });
@@ -240,6 +241,17 @@ impl Layout {
         for load in &scene.loads {
             if let Some(node) = self.node_at(load.at) {
                 self.nodes[node].loaded = true;
+            }
+        }
+        let mut next = 6 * self.anchors.len() + 3 * self.nodes.len();
+        for node in &mut self.nodes {
+            let moves = |load: &Load| {
+                let own = load.at == Place::Point(node.point);
+                matches!(&load.kind, LoadKind::Force(force) if own && scene.has_load_rate(force))
+            };
+            if node.model == NodeModel::Rate && scene.loads.iter().any(moves) {
+                node.load_rate = Some(next);
+                next += 3;
             }
         }
     }

@@ -13,7 +13,10 @@ impl Layout {
     #[must_use]
     pub fn len(&self, what: Quantity) -> usize {
         match what {
-            Quantity::AnchorStates => 6 * self.anchors.len() + 3 * self.nodes.len(),
+            Quantity::AnchorStates => {
+                let moving = self.nodes.iter().filter(|node| node.load_rate.is_some());
+                6 * self.anchors.len() + 3 * self.nodes.len() + 3 * moving.count()
+            }
             Quantity::Equilibrium(k) => self
                 .placed(k)
                 .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),

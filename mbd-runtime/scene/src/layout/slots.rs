@@ -126,6 +126,9 @@ pub struct Node {
     pub lines: Vec<usize>,
     /// Whether a declared load acts on it.
     pub loaded: bool,
+    /// Where the rate of its load is in [`Quantity::AnchorStates`](crate::Quantity::AnchorStates), of a `rate` one whose load changes as its declaration
+    /// tells: where one line or two carry it, it moves with its load.
+    pub load_rate: Option<usize>,
     /// Offset of its position in z (`rate` only).
     pub z: Option<usize>,
     /// Where its velocity is in [`At::effective`](crate::At::effective), of a `stepwise` one with damped lines: it moves by what it remembers, too, and not

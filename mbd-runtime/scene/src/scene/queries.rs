@@ -201,6 +201,14 @@ impl Scene {
         !self.contains(formula, |part| !told(part))
     }
 
+    /// Whether a load on an equilibrium point has such a rate that is not zero throughout.
+    #[must_use]
+    pub fn has_load_rate(&self, formula: &Formula) -> bool {
+        use Formula::{Coordinate, Position, State, Time};
+        let moves = |part: &Formula| matches!(part, Time | State(_) | Position(_) | Coordinate(..));
+        self.tells_load_rate(formula) && self.contains(formula, moves)
+    }
+
     /// Whether nothing but time changes a formula during a run.
     #[must_use]
     pub fn is_of_time(&self, formula: &Formula) -> bool {

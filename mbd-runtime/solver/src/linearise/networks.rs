@@ -2,12 +2,15 @@
 //!
 //! ```text
 //! static, stepwise   (H + r 1) ∂p = G_x + r ∂p̄                p̄: mean of the anchors; all slack: H = 0, ∂p = ∂p̄
-//! rate               ∂w = D⁺ G_x + (1 − P)(∂V + ∂D D⁺ (w − V))       P = D⁺ D;  V = Σ ω v, ω = 1/n (nothing pulls) or ∝ T/d
+//! rate               ∂w = D⁺ G_x + (1 − P)(∂V + ∂D D⁺ (w − V))       P = D⁺ D;  V = Σ ω v, ω = 1/n (nothing pulls), or
+//!                                                              V = (Σ (T/d) v + Ẇ) / Σ (T/d), ∂V with that of T/d
 //! ```
 //!
 //! G_x is the partial derivative of the balance Σ T u + W at fixed y; H or D is −G_y. For D of full rank the second term vanishes.
 
-use mbd_scene::{At, Float, LineEnd, Model, Network, NodeModel, Quantity, TINY, Variable};
+use mbd_scene::{
+    At, Float, LINE_NUMBERS, LineEnd, Model, Network, NodeModel, Quantity, TINY, Variable,
+};
 use nalgebra::{Cholesky, DMatrix, DMatrixViewMut, Dyn, Matrix3, Vector3};
 
 use super::matrix::Matrix;
@@ -27,6 +30,8 @@ pub(super) struct NetworkElimination<T: Float> {
     right: DMatrix<f64>,
     change: DMatrix<f64>,
     free: UnspannedMotion<T>,
+    /// ∂(lines) at nodes that stay.
+    taut: Matrix<T>,
 }
 
 /// −G_y of a network.
@@ -48,6 +53,7 @@ impl<T: Float> NetworkElimination<T> {
         let free = UnspannedMotion {
             rate: RateNode::new(network.lines.len()),
             legs: Vec::with_capacity(network.lines.len()),
+            load_rate: None,
             z: usize::MAX,
         };
         let factor = match network.model == NodeModel::Rate && network.nodes.len() == 1 {
@@ -61,6 +67,7 @@ impl<T: Float> NetworkElimination<T> {
             ends: Matrix::new(layout.len(Quantity::AnchorStates), layout.nx()),
             right: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
             change: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
+            taut: Matrix::new(0, 0),
             free,
         })
     }
@@ -148,12 +155,17 @@ impl<T: Float> NetworkElimination<T> {
                 let free = !missing.is_empty() && self.free.read(model, at, network, spanned);
                 if free {
                     differentiate_ends((model, slopes), at, by, &mut self.ends, columns);
+                    let scene = (model.scene(), model.layout());
+                    self.taut.reshape(scene.1.len(Quantity::Lines), columns);
+                    let of = (Quantity::Lines, by);
+                    slopes.differentiate(scene, of, Effective::Fixed, at, &mut self.taut.values);
                 }
                 for column in 0..columns {
                     let mut found = inverse(spanned, &Vector3::from_fn(|k, _| given(k, column)));
                     if free {
                         let own = (by == DerivativeBy::Variable(Variable::State)).then_some(column);
-                        let motion = self.free.motion(&self.ends, column, own);
+                        let rates = (&self.ends, &self.taut);
+                        let motion = self.free.motion(rates, (column, own), &found);
                         found += projection(missing, &motion);
                     }
                     for (row, x) in found.iter().enumerate() {
@@ -228,6 +240,8 @@ fn column_of<T: Float>(matrix: &Matrix<T>, row: usize, column: usize) -> Vector3
 struct UnspannedMotion<T: Float> {
     rate: RateNode<T>,
     legs: Vec<FreeLeg<T>>,
+    /// Where the rate of its load is among the anchors and loads, and the share of that in its velocity, 1 / Σ (T/d) [m/N].
+    load_rate: Option<(usize, T)>,
     /// Column of the node's position, for derivatives by the state.
     z: usize,
 }
@@ -239,6 +253,12 @@ struct FreeLeg<T: Float> {
     direction: Vector3<T>,
     /// C u·D⁺(w − V) / d of an active line.
     turning: T,
+    /// Its index in the scene, C [N s/m], and σ = T/d [N/m].
+    line: usize,
+    damping: T,
+    pull: T,
+    /// (v − V) / (d Σ σ) of a line that pulls: how V changes with T − σ d.
+    lead: Vector3<T>,
 }
 
 impl<T: Float> UnspannedMotion<T> {
@@ -262,7 +282,8 @@ impl<T: Float> UnspannedMotion<T> {
     ) -> Option<()> {
         let layout = model.layout();
         let &node = network.nodes.first()?;
-        self.z = layout.nq + layout.nv + layout.nodes.get(node)?.z?;
+        let slots = layout.nodes.get(node)?;
+        self.z = layout.nq + layout.nv + slots.z?;
         let rate = &mut self.rate;
         let anchor = |line: usize| match layout.lines.get(line)?.ends {
             [LineEnd::Anchor(anchor), _] | [_, LineEnd::Anchor(anchor)] => Some(anchor),
@@ -275,21 +296,27 @@ impl<T: Float> UnspannedMotion<T> {
             let active = at.hold.get(line).is_some_and(|hold| *hold > T::zero());
             rate.set_mode(index, active, active);
         }
-        rate.place(triple(at.state, self.z), Vector3::zeros());
+        rate.place(triple(at.state, self.z), [Vector3::zeros(); 2]);
         let velocity = triple(at.nodes, 3 * node);
         rate.set_velocity(velocity);
-        let carried = rate.legs().iter().zip(rate.weights());
-        let carried = carried.map(|(leg, weight)| leg.velocity.map(|x| weight * x));
-        let rotated = inverse(
-            spanned,
-            &carried.fold(velocity, |rest, carried| rest - carried),
-        );
+        let (total, _) = rate.carrying();
+        let told = slots.load_rate.filter(|_| total > T::zero());
+        self.load_rate = told.map(|slot| (slot, T::one() / total));
+        let mut carried = Vector3::zeros();
+        if let Some((slot, share)) = self.load_rate {
+            carried += triple(at.ends, slot).map(|x| share * x);
+        }
+        for (leg, weight) in rate.legs().iter().zip(rate.weights()) {
+            carried += leg.velocity.map(|x| weight * x);
+        }
+        let rotated = inverse(spanned, &(velocity - carried));
         self.legs.clear();
         let lines = network.lines.iter();
-        for ((leg, weight), &line) in rate.legs().iter().zip(rate.weights()).zip(lines) {
+        for ((leg, share), &line) in rate.legs().iter().zip(rate.weights()).zip(lines) {
+            let pulls = total > T::zero() && share > T::zero();
             self.legs.push(FreeLeg {
                 anchor: anchor(line)?,
-                weight,
+                weight: share,
                 direction: leg.direction,
                 turning: match leg.active {
                     true => {
@@ -298,13 +325,30 @@ impl<T: Float> UnspannedMotion<T> {
                     }
                     false => T::zero(),
                 },
+                line,
+                damping: leg.numbers.damping,
+                pull: if pulls {
+                    leg.pull / leg.length
+                } else {
+                    T::zero()
+                },
+                lead: match pulls {
+                    true => (leg.velocity - carried).map(|x| x / (total * leg.length)),
+                    false => Vector3::zeros(),
+                },
             });
         }
         Some(())
     }
 
-    /// ∂V + ∂D D⁺ (w − V), to be projected on the missing directions; `own` is the column of the state.
-    fn motion(&self, ends: &Matrix<T>, column: usize, own: Option<usize>) -> Vector3<T> {
+    /// ∂V + ∂D D⁺ (w − V), to be projected on the missing directions; `own` is the column of the state, `found` ∂w in the others. From ∂(anchors and loads)
+    /// and ∂(lines).
+    fn motion(
+        &self,
+        (ends, lines): (&Matrix<T>, &Matrix<T>),
+        (column, own): (usize, Option<usize>),
+        found: &Vector3<T>,
+    ) -> Vector3<T> {
         let own = own.and_then(|column| column.checked_sub(self.z));
         let mut sum = Vector3::zeros();
         for leg in &self.legs {
@@ -316,6 +360,13 @@ impl<T: Float> UnspannedMotion<T> {
             let along = leg.direction.dot(&arm);
             let across = arm - leg.direction.map(|u| along * u);
             sum += across.map(|x| leg.turning * x);
+            let tension =
+                lines.at(LINE_NUMBERS * leg.line, column) - leg.damping * leg.direction.dot(found);
+            let change = tension - leg.pull * along;
+            sum += leg.lead.map(|x| change * x);
+        }
+        if let Some((slot, share)) = self.load_rate {
+            sum += column_of(ends, slot, column).map(|x| share * x);
         }
         sum
     }

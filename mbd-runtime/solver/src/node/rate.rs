@@ -10,11 +10,11 @@
 //! 1. The active set starts from the last one; lines with T < 0 leave, taut lines with a positive bracket enter.
 //! 2. D of full rank (λ_min > 1e-6 λ_max): one Cholesky.
 //! 3. Rank missing and nothing pulls: w = v̄ + D⁺ (…): no force hangs on the missing directions.
-//! 4. Rank missing and something pulls: the missing directions are algebraic, w_⊥ = Σ (T/d) v_⊥ / Σ (T/d), and the node belongs on the line or in
-//!    the plane through the carrying anchors ([`RateNode::projected`]), for as long as these are in one: four anchors may be for an instant. Where they are
+//! 4. Rank missing and something pulls: the missing directions are algebraic, w_⊥ = (Σ (T/d) v_⊥ + Ẇ_⊥) / Σ (T/d), the rate of the balance across
+//!    the lines, and the node belongs on the line or in the plane through the carrying anchors ([`RateNode::projected`]), for as long as these are in one: four anchors may be for an instant. Where they are
 //!    too few for that a load W completes it: two lines carry W in the plane through both anchors along W, one line right in front of its anchor, and
-//!    the node is put there at the lengths that its lines have. w_⊥ is that of a load whose direction stays; what another one leaves beside that
-//!    place is an error of the step.
+//!    the node is put there at the lengths that its lines have. Ẇ is that of [`Scene::tells_load_rate`](mbd_scene::Scene::tells_load_rate), zero of other
+//!    loads: what these leave beside that place is an error of the step.
 //! 5. Independent taut lines without force that pull the node into such a line or plane: it is put there ([`RateNode::crossing`]).
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
 //!    (`RateNode::limit`).
@@ -23,7 +23,7 @@
 //! u̇ = (1 − u uᵀ)(v − w)/d. With the elastic tensions K s in the small term,
 //!
 //! ```text
-//! (D + ε G) w = Σ_A (K s + C u·v) u + W + ε Σ_taut (K s/d) N (1 − u uᵀ) N v,       G = Σ_taut (K s/d) N (1 − u uᵀ) N
+//! (D + ε G) w = Σ_A (K s + C u·v) u + W + ε N Ẇ + ε Σ_taut (K s/d) N (1 − u uᵀ) N v,       G = Σ_taut (K s/d) N (1 − u uᵀ) N
 //! ```
 //!
 //! with N the projection on the missing directions. It is the minimum of a strictly convex function, so there is one w and one set of forces. Where
@@ -101,6 +101,8 @@ pub struct RateNode<T: Float> {
     legs: Vec<Leg<T>>,
     position: Vector3<T>,
     load: Vector3<T>,
+    /// Ẇ [N/s].
+    load_rate: Vector3<T>,
     mean: Vector3<T>,
     /// w − v̄.
     slip: Vector3<T>,
@@ -152,6 +154,7 @@ impl<T: Float> RateNode<T> {
             legs: vec![Leg::default(); lines],
             position: Vector3::zeros(),
             load: Vector3::zeros(),
+            load_rate: Vector3::zeros(),
             mean: Vector3::zeros(),
             slip: Vector3::zeros(),
             spread: RateOutcome::Full,
@@ -208,10 +211,10 @@ impl<T: Float> RateNode<T> {
         }
     }
 
-    /// Places the node: geometry and stretch of every line, from its position [m] and the load on it [N].
-    pub fn place(&mut self, position: Vector3<T>, load: Vector3<T>) {
+    /// Places the node: geometry and stretch of every line, from its position [m], the load on it [N] and the rate of that [N/s].
+    pub fn place(&mut self, position: Vector3<T>, load: [Vector3<T>; 2]) {
         self.position = position;
-        self.load = load;
+        [self.load, self.load_rate] = load;
         self.mean = mean(self.legs.iter().map(|leg| leg.velocity));
         for leg in &mut self.legs {
             let geometry = law::geometry(&(leg.anchor - position), leg.numbers.free_length);
@@ -323,6 +326,7 @@ impl<T: Float> RateNode<T> {
             missing += n * n.transpose();
         }
         let (mut transverse, mut force) = (Matrix3::zeros(), self.load);
+        force += (missing * self.load_rate).map(|x| ahead * x);
         for leg in taut.filter(|leg| leg.length > T::zero()) {
             let weight = ahead * leg.numbers.stiffness * leg.stretch.max(T::zero()) / leg.length;
             let u = missing * leg.direction;
@@ -405,10 +409,10 @@ impl<T: Float> RateNode<T> {
         taut.fold(T::zero(), |most, leg| most.max(leg.scale(&self.slip)))
     }
 
-    /// Σ T/d and Σ (T/d)(v − v̄) over the lines that pull; zero if the sum of their forces is rounding.
-    fn carrying(&self) -> (T, Vector3<T>) {
+    /// Σ T/d over the lines that pull and Σ (T/d)(v − v̄) + Ẇ, by which the node moves where they do not span space.
+    pub(crate) fn carrying(&self) -> (T, Vector3<T>) {
         let rounding = self.rounding();
-        let (mut weight, mut weighted) = (T::zero(), Vector3::zeros());
+        let (mut weight, mut weighted) = (T::zero(), self.load_rate);
         for leg in self.legs.iter().filter(|leg| leg.pulls(rounding)) {
             let w = leg.pull / leg.length;
             weight += w;

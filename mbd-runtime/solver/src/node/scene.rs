@@ -74,6 +74,8 @@ pub(crate) struct NetworkPlan<T: Float> {
     pub l: Vec<T>,
     pub p: Vec<T>,
     pub load: Vec<T>,
+    /// Ẇ of the first node [N/s], where it is told.
+    pub load_rate: Vector3<T>,
 }
 
 impl<T: Float> NetworkPlan<T> {
@@ -118,6 +120,7 @@ impl<T: Float> NetworkPlan<T> {
             l: zeros(lines.len()),
             p: zeros(3 * network.nodes.len()),
             load: zeros(3 * network.nodes.len()),
+            load_rate: Vector3::zeros(),
             lines,
         })
     }
@@ -184,13 +187,19 @@ impl<T: Float> NetworkPlan<T> {
                 self.rate.set_leg(index, place, velocity, numbers);
             }
         }
-        self.rate.place(triple(&self.p, 0), triple(&self.load, 0));
+        let load = [triple(&self.load, 0), self.load_rate];
+        self.rate.place(triple(&self.p, 0), load);
     }
 
-    /// Copies the loads of its nodes out of `Quantity::AnchorStates`.
-    pub fn read_loads(&mut self, ends: &[T], anchors: usize) {
+    /// Copies the loads of its nodes, and their rates, out of `Quantity::AnchorStates`.
+    pub fn read_loads(&mut self, ends: &[T], layout: &Layout) {
+        let first = 6 * layout.anchors.len();
         for (&node, load) in self.nodes.iter().zip(self.load.chunks_exact_mut(3)) {
-            load.copy_from_slice(triple(ends, 6 * anchors + 3 * node).as_slice());
+            load.copy_from_slice(triple(ends, first + 3 * node).as_slice());
+        }
+        let node = self.nodes.first().and_then(|&node| layout.nodes.get(node));
+        if let Some(at) = node.and_then(|node| node.load_rate) {
+            self.load_rate = triple(ends, at);
         }
     }
 }

@@ -532,7 +532,7 @@ impl<T: Float> Nodes<T> {
         self.ends = ends;
         NodeError::check_finite("anchors and loads of the nodes", &self.ends)?;
         for plan in &mut self.plans {
-            plan.read_loads(&self.ends, self.layout.anchors.len());
+            plan.read_loads(&self.ends, &self.layout);
         }
         Ok(())
     }

@@ -373,7 +373,7 @@ impl Prescribed {
         }
         let mut place = p;
         for _ in 0..2 {
-            node.place(place, Vector3::zeros());
+            node.place(place, [Vector3::zeros(); 2]);
             node.taut_by_stretch();
             assert!(node.decide());
             place = node.projected().expect("three coplanar lines carry");

@@ -2,8 +2,9 @@
 
 use super::common::{COLUMNS, Run, parachute, state_of};
 use mbd_runtime::node::Tolerance;
-use mbd_runtime::{Generic, Linearisation, Model, Quantity};
+use mbd_runtime::{Generic, Linearisation, Model, Options, Quantity, Simulation};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};
+use tests::declared::read;
 use tests::reference::{load, numbers};
 use tests::web::{Tie, Web, WebLine};
 
@@ -149,6 +150,35 @@ fn a_rate_node_dragged_by_one_or_two_lines_has_the_derivative_of_its_rule() {
         assert_eq!(active, expected);
         let worst = worst_by_state(&mut run, 0.0, 1e-7);
         assert!(worst < 1e-5, "{worst:e}");
+    }
+}
+
+/// Two bodies that fly apart across the lines that join them to a node between: what each line has of the motion across them, T/d over its sum, changes as
+/// the bodies move, with a load that holds the node beside their line, too. Against differences of the solved node.
+#[test]
+fn the_derivative_of_a_node_between_two_moving_bodies_counts_how_its_lines_share_it() {
+    for load in ["", "load w on k = [0, 0, -20 N - 3 N/m * left.position.x];"] {
+        let scene = read(&format!(
+            "model Knot {{ gravity: none;
+                body left {{ mass: 2 kg, inertia: diag(1, 1, 1) kg*m^2, start at [-1.02, 0, 0] m velocity [-0.1, 0.9, 0.2] m/s }}
+                body right {{ mass: 3 kg, inertia: diag(1, 1, 1) kg*m^2, start at [1.6, 0, 0] m velocity [0.2, -0.3, 0.4] m/s }}
+                joint a: free from world to left.com;
+                joint b: free from world to right.com;
+                point k {{ equilibrium: rate }}
+                line one from left.com to k {{ free_length: 1 m, stiffness: 3 kN/m, damping: 50 N*s/m }}
+                line other from right.com to k {{ free_length: 1.5 m, stiffness: 2 kN/m, damping: 80 N*s/m }}
+                {load}
+                output speed = k.velocity;
+            }}"
+        ));
+        let model = Generic::new(scene, &[]).expect("no params");
+        let mut simulation = Simulation::new(&model, Options::tsit5(1e-8)).expect("a method");
+        simulation.run(0.01).expect("a hundredth of a second");
+        let state = simulation.state().to_vec();
+        let mut run = Run::new(model.scene().clone(), &state, None).expect("a state");
+        run.nodes.freeze(true);
+        let worst = worst_by_state(&mut run, 0.0, 1e-6);
+        assert!(worst < 1e-6, "{load}: {worst:e}");
     }
 }
 

@@ -7,6 +7,7 @@ mod families;
 mod large_networks;
 mod linearise;
 mod models;
+mod moving_loads;
 mod networks;
 mod parachute;
 mod rank;
