@@ -181,3 +181,39 @@ fn a_joint_in_a_plane_begins_with_the_turns_that_its_bodies_are_said_to_have() {
         assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
     }
 }
+
+/// Attitudes of 170° and −170° are 20° apart. In a plane the hinge between them began at −340°, and its spring held 176 J in place of 0.6 J.
+#[test]
+fn a_joint_between_attitudes_on_either_side_of_half_a_turn_begins_alike_in_a_plane_and_in_space() {
+    let apart = |plane: &str, attitude: [i32; 2]| {
+        let scene = scene(&format!(
+            "model Rods {{ {plane} gravity: none;
+                body a {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, start at [0, 0, 0] m rotated about(z, {} deg) }}
+                body b {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, start at [0, 0, 0] m rotated about(z, {} deg) }}
+                joint floats: free from world to a.com;
+                joint next: hinge from a.com to b.com {{ axis: z, stiffness: 10 N*m/rad }}
+                output of_next = next.angle; }}",
+            attitude[0], attitude[1]
+        ));
+        let model = Generic::with_defaults(scene).expect("defaults");
+        let mut run = Simulation::<f64>::new(&model, Options::rk4(1e-3)).expect("a model");
+        run.start().expect("a start");
+        let mut found = [0.0];
+        run.evaluate(Quantity::Outputs, &mut found)
+            .expect("outputs");
+        found[0].to_degrees()
+    };
+    for plane in ["planar: xy;", ""] {
+        for (attitude, wanted) in [
+            ([170, -170], 20.0),
+            ([-170, 170], -20.0),
+            ([100, -20], -120.0),
+        ] {
+            let found = apart(plane, attitude);
+            assert!(
+                (found - wanted).abs() < 1e-9,
+                "{plane} {attitude:?}: {found}"
+            );
+        }
+    }
+}

@@ -1,10 +1,11 @@
 //! In a plane the state of a body counts turns, and a joint between two bodies begins with those that they have between them.
 //!
 //! ```text
-//! φ = ϑ + 2π ⌊(±(θ_2 − θ_1) − ϑ)/2π + ½⌋     where |θ_2 − θ_1| > π, ϑ in (−π, π], + where the axis points along the normal          (1)
+//! φ = ϑ + 2π ⌊(±(θ_2 − θ_1) − ϑ)/2π + ½⌋     where |θ_2 − θ_1| > π and |θ_1| or |θ_2| > π, ϑ in (−π, π], + where the axis points along the normal          (1)
 //! ```
 //!
-//! Bodies within half a turn of each other say nothing about turns: how a joint hangs may be as far around. Nor do bodies that a tree of joints carries
+//! Bodies within half a turn of each other say nothing about turns: how a joint hangs may be as far around. Nor do attitudes within half a turn of the
+//! world's: 170° and −170° are 20° apart, in the plane as in space. Nor do bodies that a tree of joints carries
 //! about what closes its loops: their turns are those of the joints between, three times 120° around a triangle. Derived.
 
 use std::f64::consts::PI;
@@ -35,7 +36,8 @@ pub(crate) fn by_bodies(
         let between = to? - from?;
         let along = along_normal((scene, layout), numbers, (joint, coordinate))?;
         let value = next_to(measured((joint, coordinate)), along.signum() * between);
-        (between.abs() > PI && along != 0.0).then_some(JointStart {
+        let turned = [from?, to?].iter().any(|angle| angle.abs() > PI);
+        (turned && between.abs() > PI && along != 0.0).then_some(JointStart {
             joint,
             coordinate,
             value: Some(value),
