@@ -265,6 +265,7 @@ impl<T: Float> Simulation<T> {
         if self.attempted != size || sees_later {
             match declared {
                 true => self.make_step_before(size)?,
+                false if self.end_early(size)? => {}
                 false => self.make_step(size)?,
             }
             let counters = &mut self.system.counters;
@@ -272,6 +273,18 @@ impl<T: Float> Simulation<T> {
         }
         self.look_at_end(size)?;
         Ok(self.margins.smallest(&self.chosen))
+    }
+
+    /// Ends the last attempt after a size already [s], where the method can.
+    fn end_early(&mut self, size: f64) -> Result<bool, StepError> {
+        self.system.see_all();
+        let ends = self
+            .method
+            .end_early(&mut self.system, self.time, size, &self.state)?;
+        if ends {
+            self.attempted = size;
+        }
+        Ok(ends)
     }
 
     /// Ends the step on the first passing of the chosen margins between `low`, where they are positive, and `high`: on its far side.

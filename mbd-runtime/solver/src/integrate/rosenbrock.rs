@@ -198,6 +198,8 @@ pub(crate) struct Rosenbrock<T> {
     known: bool,
     /// U_i, one after the other.
     stages: Vec<T>,
+    /// The size of the step that they are of [s]; no number where they are of none from the accepted state.
+    made: f64,
     first: Vec<T>,
     last: Vec<T>,
     trial: Vec<T>,
@@ -233,6 +235,7 @@ impl<T: Float> Rosenbrock<T> {
             by_time: room(),
             known: false,
             stages: vec![T::zero(); S * length],
+            made: f64::NAN,
             first: room(),
             last: room(),
             trial: room(),
@@ -249,7 +252,7 @@ impl<T: Float> Rosenbrock<T> {
         span: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        self.known = false;
+        (self.known, self.made) = (false, f64::NAN);
         system.rates(time, span, state, &mut self.first)
     }
 
@@ -285,6 +288,7 @@ impl<T: Float> Rosenbrock<T> {
         state: &[T],
     ) -> Result<(), StepError> {
         system.enter();
+        self.made = f64::NAN;
         self.differentiate(system, time, state)?;
         let h = T::from_f64(step);
         let shift = T::from_f64(1.0 / (self.gamma * step));
@@ -311,12 +315,34 @@ impl<T: Float> Rosenbrock<T> {
             }
             self.matrix.solve(&self.by_state, stage);
         }
+        self.made = step;
         self.next.copy_from_slice(state);
         if let Some(end) = self.inside.first() {
             add(end.iter().copied(), &self.stages, &mut self.next);
         }
         system.project_end(time + step, &mut self.next)?;
         system.rates(time + step, step, &self.next, &mut self.last)
+    }
+
+    /// Ends the last attempt, which started at `state`, after a part of it already: on its interpolant, whose error is that of a step of the method but for a
+    /// factor, and costs no factor of a matrix. `false`: there is no attempt that goes so far.
+    pub(crate) fn end_early(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        step: f64,
+        state: &[T],
+    ) -> Result<bool, StepError> {
+        let goes_so_far = step <= self.made;
+        if goes_so_far {
+            system.enter();
+            let mut next = std::mem::take(&mut self.next);
+            self.interpolate(1.0, step, state, &mut next);
+            self.next = next;
+            system.project_end(time + step, &mut self.next)?;
+            system.rates(time + step, step, &self.next, &mut self.last)?;
+        }
+        Ok(goes_so_far)
     }
 
     /// The state at the end of the last attempt.
@@ -337,8 +363,9 @@ impl<T: Float> Rosenbrock<T> {
         (self.stages.get(last..).unwrap_or_default(), &self.next)
     }
 
-    /// The state at `theta` (0 … 1) of the last attempt, which started at `state`, by (3).
-    pub(crate) fn interpolate(&self, theta: f64, state: &[T], out: &mut [T]) {
+    /// The state at `theta` (0 … 1) of a step of a size, with which the last attempt, which started at `state`, begins or ends, by (3).
+    pub(crate) fn interpolate(&self, theta: f64, step: f64, state: &[T], out: &mut [T]) {
+        let theta = theta * (step / self.made);
         let (t, left) = (T::from_f64(theta), T::from_f64(1.0 - theta));
         out.copy_from_slice(state);
         let Some((end, inner)) = self.inside.split_first() else {

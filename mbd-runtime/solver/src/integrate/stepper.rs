@@ -94,6 +94,20 @@ impl<T: Float> Stepper<T> {
         current!(&mut self.method, method => method.attempt(system, time, step, state))
     }
 
+    /// Ends the last attempt after a part of it already, of a method whose steps cost more than what they are evaluated with; `false`: nothing is done.
+    pub(crate) fn end_early(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        step: f64,
+        state: &[T],
+    ) -> Result<bool, StepError> {
+        match &mut self.method {
+            Family::Implicit(method) => method.end_early(system, time, step, state),
+            _ => Ok(false),
+        }
+    }
+
     /// When a stage of a step is that its error depends on, by their number, in parts of it; `None` behind the last.
     pub(crate) fn stage_time(&self, number: usize) -> Option<f64> {
         match &self.method {
@@ -170,7 +184,7 @@ impl<T: Float> Stepper<T> {
     pub(crate) fn interpolate(&self, theta: f64, step: f64, state: &[T], out: &mut [T]) {
         match &self.method {
             Family::Explicit(method) => method.interpolate(theta, step, state, out),
-            Family::Implicit(method) => method.interpolate(theta, state, out),
+            Family::Implicit(method) => method.interpolate(theta, step, state, out),
             Family::Symmetric(method) => method.interpolate(theta, step, state, out),
         }
     }

@@ -79,7 +79,7 @@ fn a_run_among_joints_to_the_world_is_that_of_an_origin_that_stays() {
         let generic = Generic::<f64>::with_defaults(scene).expect("defaults");
         for options in [
             Options::tsit5(1e-10),
-            Options::rodas5p(1e-7),
+            Options::rodas5p(1e-8),
             Options::rk4(1e-3),
             Options::rattle(1e-3),
         ] {
