@@ -655,3 +655,48 @@ fn the_angle_of_a_body_in_a_plane_counts_the_turns_of_its_joints_in_both_familie
         assert_close(&got, &want, 1e-9, 0.0, family);
     }
 }
+
+#[test]
+fn what_carries_a_loop_or_stands_beside_it_starts_at_zero() {
+    // A four-bar of 1, 2 and 2 m on a turntable, pivots 2 m apart; beside it a cart with a pendulum. No start of these says anything.
+    for family in ["absolute", "relative"] {
+        for hip in [", start: about -100 deg", ", start: about 90 deg", ""] {
+            let scene = tests::declared::read(&format!(
+                "model Turned {{
+                    coordinates: {family};
+                    gravity: none;
+                    body table {{ mass: 9 kg, inertia: diag(1, 1, 1) kg*m^2, frame near at [0, 0, 0] m, frame far at [2, 0, 0] m }}
+                    body cart {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }}
+                    body pole {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -1] m }}
+                    body crank {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-0.5, 0, 0] m, frame tip at [0.5, 0, 0] m }}
+                    body coupler {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }}
+                    body rocker {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }}
+                    joint turn: hinge from world to table.near {{ axis: z }}
+                    joint rail: prismatic from world to cart.com {{ axis: x }}
+                    joint pin: hinge from cart.com to pole.foot {{ axis: y }}
+                    joint motor: hinge from table.near to crank.root {{ axis: z, start: 70 deg }}
+                    joint knee: hinge from crank.tip to coupler.root {{ axis: z }}
+                    joint hip: hinge from table.far to rocker.root {{ axis: z{hip} }}
+                    joint close: hinge from coupler.tip to rocker.tip {{ axis: z }}
+                    output hip_angle = hip.angle;
+                    output turn_angle = turn.angle;
+                    output rail_slide = rail.slide;
+                    output pin_angle = pin.angle;
+                }}"
+            ));
+            let (out, about, undecided) = begun(scene).expect("it closes");
+            let [below, above] = [-1.0, 1.0].map(|side| rocker(70f64.to_radians(), side));
+            let what = format!("{family}{hip}: {about:?}");
+            let nearest = match hip {
+                ", start: about -100 deg" => below,
+                ", start: about 90 deg" => above,
+                _ => [below, above]
+                    .into_iter()
+                    .min_by(|a, b| (a - out[0]).abs().total_cmp(&(b - out[0]).abs()))
+                    .expect("two"),
+            };
+            assert_close(&out, &[nearest, 0.0, 0.0, 0.0], 0.0, 1e-9, &what);
+            assert!(undecided.is_empty(), "{what}: {undecided:?}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Where nothing is given: all coordinates are zero, or what couplings make of that, or where loops close from there; what no loop closes with stays
 //! where it is.
 
-use super::{CLOSED, JointStart, Placement, PlacingJoint};
+use super::{CLOSED, JointStart, Placement};
 use crate::{Part, Quantity};
 
 impl Placement<'_> {
@@ -24,7 +24,7 @@ impl Placement<'_> {
             let holds = rows.all(|gap| gap.abs() <= CLOSED.sqrt());
             if !holds && self.layout.starts_joined(joint) {
                 let paths: Vec<Vec<Part>> = (slots.ends.iter().flatten())
-                    .map(|end| self.path(*end))
+                    .map(|end| self.path(Some(*end)))
                     .collect();
                 let own_place =
                     |path: &Vec<Part>| path.last().is_some_and(|end| self.fixed.contains(end));
@@ -57,34 +57,5 @@ impl Placement<'_> {
             (self.q, self.u) = before;
         }
         closed
-    }
-
-    /// Whether every joint holds whatever the coordinates: all of them place a part, by as many coordinates as they leave free.
-    pub(super) fn holds_anywhere(&self) -> bool {
-        let places = |joint: usize| {
-            let law = &self.scene.joints[joint].law;
-            let linked = self.links.iter().any(|link| link.joint == joint);
-            linked && law.coordinates() >= law.freedoms()
-        };
-        let mut joined = (0..self.layout.joints.len()).filter(|&j| self.layout.starts_joined(j));
-        joined.all(places)
-    }
-
-    /// The part that a link starts from; `None`: the world.
-    fn from(&self, link: &PlacingJoint) -> Option<Part> {
-        let ends = &self.layout.joints.get(link.joint)?.ends;
-        *ends.get(usize::from(link.to_parent))?
-    }
-
-    /// A part and those it hangs on, one after the other.
-    fn path(&self, part: Part) -> Vec<Part> {
-        let mut path = vec![part];
-        while let Some(link) = self.links.iter().find(|link| Some(&link.to) == path.last()) {
-            match self.from(link) {
-                Some(on) => path.push(on),
-                None => break,
-            }
-        }
-        path
     }
 }

@@ -45,6 +45,7 @@ impl Placement<'_> {
         };
         let (mut unknowns, mut yielding) = (Vec::new(), Vec::new());
         let (mut said_rates, mut rates) = (Vec::new(), Vec::new());
+        let in_loops = self.in_loops();
         for link in &self.links {
             let joint = link.joint;
             // What flies closes no loop.
@@ -53,7 +54,8 @@ impl Placement<'_> {
             }
             for k in 0..self.q[joint].len() {
                 let start = find(joint, k);
-                if start.and_then(|start| start.value).is_none() {
+                let open = start.and_then(|start| start.value).is_none();
+                if open && in_loops.contains(&joint) {
                     unknowns.push((joint, k));
                 }
                 if start.is_some_and(|start| start.about && start.value.is_some()) {

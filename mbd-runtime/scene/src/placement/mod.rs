@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Couplings close loops. The tree takes the joints with given coordinates first, then the others in the order of declaration, those marked `loop` last. y starts at zero;
-//! (3) is solved by damped least squares (Levenberg and Marquardt), its rates, which are linear, by least squares.
+//! of it what lies in a loop is searched for, the rest stays there. (3) is solved by damped least squares (Levenberg and Marquardt), its rates, which are linear, by least squares.
 
 use nalgebra::DVector;
 
@@ -24,6 +24,7 @@ mod close;
 mod couplings;
 mod decided;
 mod given;
+mod loops;
 mod plane_turns;
 mod report;
 mod tree;
