@@ -7,7 +7,9 @@ use crate::laws::body::attitude_of;
 use crate::laws::line::DETACHED;
 use crate::laws::turns::next_to;
 use crate::laws::{Numbers, constant};
-use crate::placement::{FREE, by_bodies, flies_from_world, followers, place_flying, place_near};
+use crate::placement::{
+    FREE, by_bodies, flies_from_world, followers, place_flying, place_near, touched,
+};
 use crate::tree::Absolute;
 use crate::{
     Arguments, At, Formula, Joint, JointStart, Layout, Part, Place, PlacementError,
@@ -197,7 +199,8 @@ pub fn place_bodies(
 }
 
 /// [`place`](crate::place) with the starts that the scene declares for the coordinates that are not given. Where these do not fit together, the given
-/// ones hold, and the declared ones are where the search for the others begins. `fixed` stay where the state has them, as do the bodies and points with
+/// ones hold, and those declared of the same mechanism are where the search for the others begins; which of them gave way is told with those that are
+/// about a value. `fixed` stay where the state has them, as do the bodies and points with
 /// a declared start that `state` has already ([`declared_parts`]), unless a given coordinate says otherwise.
 ///
 /// # Errors
@@ -240,7 +243,17 @@ pub fn place_declared(
     match place_near(scene, layout, from, (&all, &[]), &stay, state) {
         Err(_) if overridden => {
             state.copy_from_slice(&before);
-            place_near(scene, layout, from, (&own, &others), fixed, state)
+            // What is declared of mechanisms that nothing is given of holds as ever.
+            let touched = touched(layout, given, fixed);
+            let gives_way = |start: &JointStart| {
+                let mut ends = layout.joints[start.joint].ends.iter().flatten();
+                ends.any(|end| touched.contains(end))
+            };
+            let (near, hold): (Vec<JointStart>, Vec<JointStart>) =
+                others.into_iter().partition(gives_way);
+            let said = [own, hold].concat();
+            stay.retain(|part| fixed.contains(part) || !touched.contains(part));
+            place_near(scene, layout, from, (&said, &near), &stay, state)
         }
         result => result,
     }

@@ -2,7 +2,7 @@
 
 use mbd_compiler::{Interpreted, read_toml, write_toml};
 use mbd_runtime::{Generic, Options, Simulation, StartNumber, StepError, model};
-use mbd_scene::{Quantity, Scene};
+use mbd_scene::{Layout, Quantity, Scene, StartFrom, declared_parts, place_declared};
 use tests::assert_close;
 use tests::declared::read;
 
@@ -457,4 +457,64 @@ fn a_planar_scene_starts_at_its_angle() {
     let (found, moved) = begun_as_declared(&read(&planar));
     assert_close(&found, &[30f64.to_radians(), 0.5], 1e-15, 0.0, "planar");
     assert!(moved < 1e-15);
+}
+
+/// An arm of 4 m on a pivot 3 m high, and a rod of 3.2 m from its tip to a stone: with the stone at (1/2, 0) the arm is γ above its direction from the
+/// pivot, cos γ = (4² + d² − 3.2²)/(8 d). A cart beside them has nothing to do with either.
+#[test]
+fn declared_starts_give_way_to_what_is_given_and_are_told_and_other_mechanisms_start_as_declared() {
+    for family in ["absolute", "relative"] {
+        let scene = read(&format!(
+            "model Beside {{
+                coordinates: {family};
+                planar: xz;
+                gravity: none;
+                world {{ frame pivot at [0, 0, 3] m }}
+                body arm {{ mass: 60 kg, inertia: 130 kg*m^2, frame axle at [0, 0, 0] m, frame tip at [4, 0, 0] m }}
+                body cart {{ mass: 6 kg, inertia: 1 kg*m^2, start at [1.5, 0, 0] m velocity [2, 0, 0] m/s }}
+                body pole {{ mass: 1 kg, inertia: 1 kg*m^2, frame foot at [0, 0, -1] m }}
+                point stone {{ mass: 12 kg }}
+                joint axle: hinge from world.pivot to arm.axle {{ axis: y, start: 45 deg }}
+                joint rope: distance from arm.tip to stone {{ length: 3.2 m }}
+                joint rail: prismatic from world to cart.com {{ axis: x }}
+                joint pin: hinge from cart.com to pole.foot {{ axis: y, start: 20 deg }}
+                output turn = axle.angle;
+                output along = rail.slide;
+                output speed = rail.slide_rate;
+                output lean = pin.angle;
+            }}"
+        ));
+        let layout = Layout::new(&scene);
+        let from = StartFrom::new(&[], 0.0);
+        let mut state = vec![0.0; layout.nx()];
+        declared_parts(&scene, &layout, from, &mut state);
+        let stone = scene.part_named("stone").expect("a point");
+        let place = layout.own_slots(stone).expect("a point with mass").q;
+        state[place..place + 2].copy_from_slice(&[0.5, 0.0]);
+        let report = place_declared(&scene, &layout, from, &[], &[stone], &mut state)
+            .expect("the rod reaches");
+
+        let apart = 0.5f64.hypot(3.0);
+        let above = (4.0f64.powi(2) + apart * apart - 3.2f64.powi(2)) / (8.0 * apart);
+        let turn = 3f64.atan2(0.5) - above.acos();
+        let [(name, said, taken)] = &report.told_about(&scene)[..] else {
+            panic!("{family}: {report:?}");
+        };
+        assert_eq!(name, "axle.angle");
+        assert_close(
+            &[*said, *taken],
+            &[45f64.to_radians(), turn],
+            1e-9,
+            0.0,
+            family,
+        );
+
+        let model = Generic::<f64>::new(scene, &[]).expect("a scene");
+        let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+        simulation.set_state(0.0, &state).expect("a state");
+        let (found, moved) = begun(simulation);
+        let want = [turn, 1.5, 2.0, 20f64.to_radians()];
+        assert_close(&found, &want, 1e-9, 0.0, family);
+        assert!(moved < 1e-9, "{family}: {moved}");
+    }
 }

@@ -182,6 +182,27 @@ impl Placement<'_> {
         granted.collect()
     }
 
+    /// What became of coordinates that the search only began at: those it is not at, and those that are said to be about a value.
+    pub(super) fn gave_way(&mut self, near: &[JointStart], state: &mut [f64]) -> Vec<AboutStart> {
+        let begun = near.iter().filter_map(|start| {
+            let value = start.value?;
+            let (joint, coordinate) = (start.joint, start.coordinate);
+            let wish = Wish {
+                joint,
+                coordinate,
+                value,
+            };
+            Some((wish, start.about))
+        });
+        let mut told = Vec::new();
+        for (wish, about) in begun {
+            if about || !self.grants(&[wish], state) {
+                told.extend(self.granted(&[wish], state));
+            }
+        }
+        told
+    }
+
     /// Those of the coordinates that nobody gave with which loops close otherwise, too, whatever else stays as it is.
     pub(super) fn undecided(
         &mut self,

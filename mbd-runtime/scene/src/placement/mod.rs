@@ -25,6 +25,7 @@ mod couplings;
 mod decided;
 mod given;
 mod loops;
+mod mechanisms;
 mod plane_turns;
 mod report;
 mod tree;
@@ -32,6 +33,7 @@ mod walk;
 
 pub(crate) use couplings::followers;
 pub use given::{JointStart, StartNumber};
+pub(crate) use mechanisms::touched;
 pub(crate) use plane_turns::by_bodies;
 pub use report::{AboutStart, PlacementError, PlacementReport};
 
@@ -80,7 +82,7 @@ pub fn place(
     place_near(scene, layout, from, (given, &[]), fixed, state)
 }
 
-/// The same, where y of (3) is searched from some coordinates on instead of zero.
+/// The same, where y of (3) is searched from some coordinates on instead of zero; those that it is not at in the end are told with what is about a value.
 ///
 /// # Errors
 /// As [`place`].
@@ -109,17 +111,16 @@ pub(crate) fn place_near(
     placement.set(&all);
     placement.follow_couplings(&[all.as_slice(), near].concat());
     placement.measure(state);
-    match given.is_empty() {
-        true => {
-            placement.rest(&all, state);
-            Ok(PlacementReport::default())
-        }
-        false => {
-            let solved = placement.solve(&all, state);
-            placement.confirm(&decided, given, state)?;
-            solved
-        }
+    let mut report = PlacementReport::default();
+    if given.is_empty() {
+        placement.rest(&all, state);
+    } else {
+        let solved = placement.solve(&all, state);
+        placement.confirm(&decided, given, state)?;
+        report = solved?;
     }
+    report.about.extend(placement.gave_way(near, state));
+    Ok(report)
 }
 
 /// Writes where bodies start that fly from a frame of the world: there both frames of their joint `free` coincide and move together. What other joints

@@ -5,14 +5,14 @@ use crate::{Scene, plain};
 /// What placing bodies by joint coordinates decided beyond what it was told.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlacementReport {
-    /// The coordinates that are said to be about a value, in the order they were given.
+    /// The coordinates that are said to be about a value, in the order they were given, then declared ones that gave way to what was given.
     pub about: Vec<AboutStart>,
     /// Coordinates of loops that nothing said decides, joint and number: what is taken is near zero, or near what was taken before.
     pub undecided: Vec<(usize, usize)>,
 }
 
 impl PlacementReport {
-    /// Coordinates that are about a value by their names, with what was said and what was taken [m or rad].
+    /// Coordinates that are about a value, or gave way, by their names, with what was said and what was taken [m or rad].
     #[must_use]
     pub fn told_about(&self, scene: &Scene) -> Vec<(String, f64, f64)> {
         let told = self.about.iter().map(|start| {
@@ -31,7 +31,7 @@ impl PlacementReport {
     }
 }
 
-/// Where a coordinate starts that was said to be about a value.
+/// Where a coordinate starts that was said to be about a value, or gave way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AboutStart {
     /// The joint, by index.
