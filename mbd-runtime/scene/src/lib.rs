@@ -63,7 +63,10 @@ pub use model::{Model, StageInputs, StepStages, Work};
 pub use number::{plain, significant};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
-pub use placement::{AboutStart, JointStart, PlacementError, PlacementReport, StartNumber, place};
+pub use placement::{
+    AboutStart, BeyondReach, JointStart, PlacementError, PlacementReport, StartNumber,
+    beyond_reach, place,
+};
 pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;

@@ -471,6 +471,19 @@ step_errors! {
     format!("at {time:.9} s the joints came apart: {}", open(rows)),
     "take a smaller step";
 
+    /// Motors have driven a loop as far as its lengths let it go: a dead centre.
+    BeyondReach {
+        /// When [s].
+        time: f64,
+        /// The coordinates that motors drive there.
+        motors: Vec<String>,
+        /// The joint that would come apart beyond.
+        joint: String,
+    }
+    "beyond_reach",
+    format!("at {time:.9} s the motor of {} has driven its loop as far as it reaches: beyond, `{joint}` comes apart, whatever the other coordinates are", listed(motors)),
+    "let the course of the motor turn back before, change the lengths of the loop so that it goes on, or drive it by a `force` in place of a `motor`";
+
     /// A combination this runtime does not offer.
     Unsupported {
         /// What was asked for.

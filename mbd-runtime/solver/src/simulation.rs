@@ -40,6 +40,7 @@ mod measure;
 mod moved;
 mod offered;
 mod overlooked;
+mod reach;
 mod recording;
 mod sizes;
 mod snapshot;
@@ -258,8 +259,8 @@ impl<T: Float> Simulation<T> {
         &self.moved
     }
 
-    /// Where joint coordinates start that the declaration or [`Simulation::set_joints`] says to be about a value: name, what was said and what was taken
-    /// [m or rad].
+    /// Where joint coordinates start that the declaration or [`Simulation::set_joints`] says to be about a value, and declared ones that gave way to what
+    /// that gives: name, what was said and what was taken [m or rad].
     #[must_use]
     pub fn started_about(&self) -> Vec<(String, f64, f64)> {
         self.assembly.told_about(self.system.model.scene())

@@ -466,3 +466,46 @@ fn what_a_gear_puts_at_the_start_is_what_it_says_and_not_the_nearest_tooth() {
         }
     }
 }
+
+/// Crank 0.2 m, coupler 0.3 m, rocker 0.2 m, pivots 0.4 m apart: coupler and rocker are in one line where the crank's tip is 0.5 m from the far pivot, at
+/// cos α = (0.2² + 0.4² − 0.5²)/(2 · 0.2 · 0.4). A motor at 10 rad/s from −60° comes there at (α + π/3)/10 s, and no method goes further.
+#[test]
+fn a_motor_that_drives_a_loop_to_its_dead_centre_is_named_there_by_every_method() {
+    let dead = ((0.04f64 + 0.16 - 0.25) / 0.16).acos();
+    let dead = (dead + std::f64::consts::FRAC_PI_3) / 10.0;
+    let late = 1e-9;
+    for family in FAMILIES {
+        let text = format!(
+            "model Dead {{ coordinates: {family}; planar: xz; gravity: [0, 0, -9.81] m/s^2;
+             world {{ frame far at [0.4, 0, 0] m }}
+             body crank {{ mass: 0.5 kg, inertia: 0.002 kg*m^2, frame root at [-0.1, 0, 0] m, frame tip at [0.1, 0, 0] m }}
+             body coupler {{ mass: 1.1 kg, inertia: 0.02 kg*m^2, frame root at [-0.15, 0, 0] m, frame tip at [0.15, 0, 0] m }}
+             body rocker {{ mass: 0.9 kg, inertia: 0.01 kg*m^2, frame root at [-0.1, 0, 0] m, frame tip at [0.1, 0, 0] m }}
+             body wheel {{ mass: 1 kg, inertia: 0.01 kg*m^2 }}
+             joint motor: hinge from world to crank.root {{ axis: y, motor: 10 rad/s * time - 60 deg }}
+             joint knee: hinge from crank.tip to coupler.root {{ axis: y }}
+             joint hip: hinge from world.far to rocker.root {{ axis: y, start: about -110 deg }}
+             joint close: hinge from coupler.tip to rocker.tip {{ axis: y }}
+             joint axle: hinge from world to wheel.com {{ axis: y, motor: 3 rad/s * time }} }}"
+        );
+        let mut methods = vec![
+            (Options::tsit5(1e-8), late),
+            (Options::vern7(1e-5), late),
+            (Options::rodas5p(1e-8), late),
+            (Options::rk4(1e-3), 1e-3),
+            (Options::rk4(1e-2), 1e-2),
+        ];
+        if family == "absolute" {
+            methods.push((Options::rattle(1e-3), 1e-3));
+        }
+        for (options, step) in methods {
+            let what = format!("{family}, {:?}", options.method);
+            let Some(StepError::BeyondReach { time, motors, .. }) = cause(&text, options, 2.0)
+            else {
+                panic!("{what}: {:?}", cause(&text, options, 2.0));
+            };
+            assert_eq!(motors, ["motor.angle"], "{what}");
+            assert!((time - dead).abs() <= step, "{what}: {time}, not {dead}");
+        }
+    }
+}

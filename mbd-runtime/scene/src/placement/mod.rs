@@ -27,6 +27,7 @@ mod given;
 mod loops;
 mod mechanisms;
 mod plane_turns;
+mod reach;
 mod report;
 mod tree;
 mod walk;
@@ -35,6 +36,7 @@ pub(crate) use couplings::followers;
 pub use given::{JointStart, StartNumber};
 pub(crate) use mechanisms::touched;
 pub(crate) use plane_turns::by_bodies;
+pub use reach::{BeyondReach, beyond_reach};
 pub use report::{AboutStart, PlacementError, PlacementReport};
 
 /// A loop is closed when its rows are below this, lengths as parts of [`Placement::length`].

@@ -137,6 +137,9 @@ impl<T: Float> Simulation<T> {
             {
                 *cause = lost;
             }
+            if let Some(reached) = self.beyond_reach(cause) {
+                *cause = reached;
+            }
             // What broke the run is told; where its last state cannot be measured, metrics of the end have no value.
             let _ = self.measure_instant(trajectory);
         }
