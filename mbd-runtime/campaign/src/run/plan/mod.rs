@@ -379,4 +379,34 @@ mod tests {
             assert!(error.contains(why), "{table}: {error}");
         }
     }
+
+    #[test]
+    fn a_body_that_the_joints_of_a_tree_carry_starts_by_these_or_by_its_own_field() {
+        let started = |coordinates: &str, start: &str| {
+            let read = mbd_compiler::read_text(&format!(
+                "model Carried {{
+                    gravity: none;
+                    coordinates: {coordinates};
+                    body cart {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+                    joint rail: prismatic from world to cart.com {{ axis: x }}
+                }}"
+            ));
+            let scene = read.scene.expect("a cart");
+            let settings =
+                Settings::read(&format!("[run]\nuntil = 1\n[run.start]\n{start}")).unwrap();
+            let plan = RunPlan::new(&scene, &settings).map_err(|error| error.to_string())?;
+            Ok::<f64, String>(plan.state[0])
+        };
+        let place = "cart.position = \"[2, 0, 0] m\"";
+        assert_eq!(started("absolute", place), Ok(2.0));
+        assert_eq!(started("relative", "rail.slide = \"2 m\""), Ok(2.0));
+        let error = started("relative", place).unwrap_err();
+        for part in [
+            "`cart` is where its joints carry it",
+            "`rail.slide`",
+            "`start at`",
+        ] {
+            assert!(error.contains(part), "{error}");
+        }
+    }
 }

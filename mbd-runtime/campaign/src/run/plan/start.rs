@@ -66,6 +66,9 @@ pub(super) fn start(
             continue;
         }
         let Some(index) = slots.iter().position(|(slot, ..)| *slot == name) else {
+            if let Some(text) = carried((scene, layout), &name) {
+                return Err(wrong(setting, text));
+            }
             let known = slots.iter().map(|(slot, ..)| slot.as_str());
             let known = known.filter(|slot| !slot.starts_with('.'));
             let coordinates = scene.joint_coordinates();
@@ -92,6 +95,31 @@ pub(super) fn start(
         joints: joints.collect(),
         assembly,
     })
+}
+
+/// What is said of where a body starts that the joints of a tree carry: it has no numbers of its own in the state.
+fn carried((scene, layout): (&Scene, &Layout), name: &str) -> Option<String> {
+    let (owner, number) = name.rsplit_once('.')?;
+    let part = scene.part_named(owner)?;
+    let of_body = ["x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz"];
+    let asked = of_body.contains(&number) || number.starts_with("omega");
+    if !asked || !matches!(part, Part::Body(_)) || layout.own_slots(part).is_some() {
+        return None;
+    }
+    let joints = scene.joints.iter().zip(&layout.joints).enumerate();
+    let own = joints.filter(|(_, (_, slots))| slots.ends.contains(&Some(part)));
+    let coordinates = own.flat_map(|(joint, (declared, _))| {
+        let own = 0..declared.law.measured().count();
+        own.map(move |coordinate| format!("`{}`", scene.coordinate_name(joint, coordinate)))
+    });
+    let coordinates: Vec<String> = coordinates.collect();
+    let joints = match coordinates.is_empty() {
+        true => String::new(),
+        false => format!(", {}", coordinates.join(", ")),
+    };
+    Some(format!(
+        "in relative coordinates `{owner}` is where its joints carry it: say where these start{joints}, give `{owner}` a `start at` among its fields, or take `coordinates: absolute;`"
+    ))
 }
 
 /// A start in the numbers of the state: `bob.velocity = "[1, 0, 0] m/s"` is `bob.vx`, `bob.vy` and `bob.vz`, and `bob.velocity.x` is `bob.vx`. A zero across
