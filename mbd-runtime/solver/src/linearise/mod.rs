@@ -9,7 +9,7 @@
 //! have rows, F is the solution of the constrained system and its derivatives are found in [`rows`], off the joints too. Derivatives by the
 //! components of a quaternion mean something along unit quaternions.
 //! Everything is finite at every state: where G_y is singular nothing pulls in the missing directions, and y follows its anchors there
-//! (slack rule of `static` and `stepwise`: ∂p/∂p_i = 1/n; rules 3 and 4 of `rate`). Modes, the memory and the velocities of stepwise nodes and the weights of rule 4 stay
+//! (slack rule of `static` and `stepwise`: ∂p/∂p_i = 1/n; rules 3 and 4 of `rate`). Modes, the memory and the velocities of stepwise nodes stay
 //! fixed; at a switch these are the derivatives on one side ([`StateSpace::kinks`] tells them).
 
 pub(crate) mod chart;

@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! static, stepwise   (H + r 1) ∂p = G_x + r ∂p̄                p̄: mean of the anchors; all slack: H = 0, ∂p = ∂p̄
-//! rate               ∂w = D⁺ G_x + (1 − P)(∂V + ∂D D⁺ (w − V))       P = D⁺ D;  V = Σ ω v, ω = 1/n (nothing pulls), or
-//!                                                              V = (Σ (T/d) v + Ẇ) / Σ (T/d), ∂V with that of T/d
+//! rate               ∂w = D⁺ G_x + (1 − P)(∂V + ∂D D⁺ (w − V))       P = D⁺ D;  V = Σ ω v, ω = 1/n (nothing pulls) or
+//!                    V = Σ ω v + Ẇ/Σ(T/d),  ω ∝ T/d,    ∂V = Σ ω ∂v + (Σ (v − V) ∂(T/d) + ∂Ẇ)/Σ(T/d),   ∂T = ∂T at fixed w − C u·D⁺ G_x
 //! ```
 //!
-//! G_x is the partial derivative of the balance Σ T u + W at fixed y; H or D is −G_y. For D of full rank the second term vanishes.
+//! G_x is the partial derivative of the balance Σ T u + W at fixed y; H or D is −G_y. For D of full rank the second term vanishes. u lies in the span of D.
 
 use mbd_scene::{
     At, Float, LINE_NUMBERS, LineEnd, Model, Network, NodeModel, Quantity, TINY, Variable,
@@ -27,11 +27,11 @@ pub(super) struct NetworkElimination<T: Float> {
     own: Vec<Vec<usize>>,
     /// ∂(anchors and loads of the nodes).
     ends: Matrix<T>,
+    /// ∂(lines) at fixed velocities of the nodes, where a rate node may move across its lines.
+    lines: Matrix<T>,
     right: DMatrix<f64>,
     change: DMatrix<f64>,
     free: UnspannedMotion<T>,
-    /// ∂(lines) at nodes that stay.
-    taut: Matrix<T>,
 }
 
 /// −G_y of a network.
@@ -53,21 +53,28 @@ impl<T: Float> NetworkElimination<T> {
         let free = UnspannedMotion {
             rate: RateNode::new(network.lines.len()),
             legs: Vec::with_capacity(network.lines.len()),
+            mean: Vector3::zeros(),
+            total: T::zero(),
             load_rate: None,
             z: usize::MAX,
         };
-        let factor = match network.model == NodeModel::Rate && network.nodes.len() == 1 {
+        let damped = network.model == NodeModel::Rate && network.nodes.len() == 1;
+        let factor = match damped {
             true => Factor::Damping([(T::zero(), Vector3::zeros()); 3], 3),
             false => Factor::Stiffness(None, 0.0, false),
+        };
+        let lines = match damped {
+            true => layout.len(Quantity::Lines),
+            false => 0,
         };
         Some(NetworkElimination {
             index,
             factor,
             own: own.collect(),
             ends: Matrix::new(layout.len(Quantity::AnchorStates), layout.nx()),
+            lines: Matrix::new(lines, layout.nx()),
             right: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
             change: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
-            taut: Matrix::new(0, 0),
             free,
         })
     }
@@ -126,7 +133,8 @@ impl<T: Float> NetworkElimination<T> {
                     }
                 }
                 if *hangs {
-                    differentiate_ends((model, slopes), at, by, &mut self.ends, columns);
+                    let of = (Quantity::AnchorStates, by);
+                    differentiate((model, slopes), at, of, &mut self.ends, columns);
                     add_means(&self.own, &self.ends, *regular, &mut right);
                 }
                 match factor {
@@ -154,18 +162,19 @@ impl<T: Float> NetworkElimination<T> {
                 let (spanned, missing) = directions.split_at(*rank);
                 let free = !missing.is_empty() && self.free.read(model, at, network, spanned);
                 if free {
-                    differentiate_ends((model, slopes), at, by, &mut self.ends, columns);
-                    let scene = (model.scene(), model.layout());
-                    self.taut.reshape(scene.1.len(Quantity::Lines), columns);
-                    let of = (Quantity::Lines, by);
-                    slopes.differentiate(scene, of, Effective::Fixed, at, &mut self.taut.values);
+                    for (of, matrix) in [
+                        (Quantity::AnchorStates, &mut self.ends),
+                        (Quantity::Lines, &mut self.lines),
+                    ] {
+                        differentiate((model, slopes), at, (of, by), matrix, columns);
+                    }
                 }
                 for column in 0..columns {
                     let mut found = inverse(spanned, &Vector3::from_fn(|k, _| given(k, column)));
                     if free {
                         let own = (by == DerivativeBy::Variable(Variable::State)).then_some(column);
-                        let rates = (&self.ends, &self.taut);
-                        let motion = self.free.motion(rates, (column, own), &found);
+                        let motion = self.free.motion(&self.ends, column, own)
+                            + self.free.shift(&self.lines, column, &found);
                         found += projection(missing, &motion);
                     }
                     for (row, x) in found.iter().enumerate() {
@@ -211,18 +220,17 @@ fn add_means<T: Float>(
     }
 }
 
-/// ∂(anchors and loads of the nodes).
-fn differentiate_ends<T: Float>(
+/// Derivatives of a quantity, at fixed node unknowns, K_e and L_e, into a matrix that takes their shape.
+fn differentiate<T: Float>(
     (model, slopes): (&dyn Model<T>, &mut Slopes),
     at: &At<'_, T>,
-    by: DerivativeBy,
-    ends: &mut Matrix<T>,
+    of: (Quantity, DerivativeBy),
+    out: &mut Matrix<T>,
     columns: usize,
 ) {
     let scene = (model.scene(), model.layout());
-    ends.reshape(scene.1.len(Quantity::AnchorStates), columns);
-    let of = (Quantity::AnchorStates, by);
-    slopes.differentiate(scene, of, Effective::Fixed, at, &mut ends.values);
+    out.reshape(scene.1.len(of.0), columns);
+    slopes.differentiate(scene, of, Effective::Fixed, at, &mut out.values);
 }
 
 /// Row of a network's balance among all nodes.
@@ -240,25 +248,29 @@ fn column_of<T: Float>(matrix: &Matrix<T>, row: usize, column: usize) -> Vector3
 struct UnspannedMotion<T: Float> {
     rate: RateNode<T>,
     legs: Vec<FreeLeg<T>>,
-    /// Where the rate of its load is among the anchors and loads, and the share of that in its velocity, 1 / Σ (T/d) [m/N].
-    load_rate: Option<(usize, T)>,
+    /// V [m/s].
+    mean: Vector3<T>,
+    /// Σ T/d over the lines that pull [N/m]; zero where none does, and ω are equal.
+    total: T,
+    /// Where Ẇ is among the anchors and loads, of a node that moves with it.
+    load_rate: Option<usize>,
     /// Column of the node's position, for derivatives by the state.
     z: usize,
 }
 
 #[derive(Debug)]
 struct FreeLeg<T: Float> {
+    line: usize,
     anchor: usize,
     weight: T,
     direction: Vector3<T>,
+    /// v − V [m/s].
+    against: Vector3<T>,
+    length: T,
+    /// C [N s/m] of an active line.
+    damping: T,
     /// C u·D⁺(w − V) / d of an active line.
     turning: T,
-    /// Its index in the scene, C [N s/m], and σ = T/d [N/m].
-    line: usize,
-    damping: T,
-    pull: T,
-    /// (v − V) / (d Σ σ) of a line that pulls: how V changes with T − σ d.
-    lead: Vector3<T>,
 }
 
 impl<T: Float> UnspannedMotion<T> {
@@ -299,56 +311,55 @@ impl<T: Float> UnspannedMotion<T> {
         rate.place(triple(at.state, self.z), [Vector3::zeros(); 2]);
         let velocity = triple(at.nodes, 3 * node);
         rate.set_velocity(velocity);
-        let (total, _) = rate.carrying();
-        let told = slots.load_rate.filter(|_| total > T::zero());
-        self.load_rate = told.map(|slot| (slot, T::one() / total));
-        let mut carried = Vector3::zeros();
-        if let Some((slot, share)) = self.load_rate {
-            carried += triple(at.ends, slot).map(|x| share * x);
+        let carried = rate.legs().iter().zip(rate.weights());
+        let carried = carried.map(|(leg, weight)| leg.velocity.map(|x| weight * x));
+        self.mean = carried.fold(Vector3::zeros(), |sum, carried| sum + carried);
+        self.total = rate.total_weight();
+        self.load_rate = slots.load_rate.filter(|_| self.total > T::zero());
+        if let Some(slot) = self.load_rate {
+            self.mean += triple(at.ends, slot).map(|x| x / self.total);
         }
-        for (leg, weight) in rate.legs().iter().zip(rate.weights()) {
-            carried += leg.velocity.map(|x| weight * x);
-        }
-        let rotated = inverse(spanned, &(velocity - carried));
+        let rotated = inverse(spanned, &(velocity - self.mean));
         self.legs.clear();
         let lines = network.lines.iter();
-        for ((leg, share), &line) in rate.legs().iter().zip(rate.weights()).zip(lines) {
-            let pulls = total > T::zero() && share > T::zero();
+        for ((leg, weight), &line) in rate.legs().iter().zip(rate.weights()).zip(lines) {
+            let length = leg.length.max(T::from_f64(TINY));
+            let damping = match leg.active {
+                true => leg.numbers.damping,
+                false => T::zero(),
+            };
             self.legs.push(FreeLeg {
-                anchor: anchor(line)?,
-                weight: share,
-                direction: leg.direction,
-                turning: match leg.active {
-                    true => {
-                        let length = leg.length.max(T::from_f64(TINY));
-                        leg.numbers.damping * leg.direction.dot(&rotated) / length
-                    }
-                    false => T::zero(),
-                },
                 line,
-                damping: leg.numbers.damping,
-                pull: if pulls {
-                    leg.pull / leg.length
-                } else {
-                    T::zero()
-                },
-                lead: match pulls {
-                    true => (leg.velocity - carried).map(|x| x / (total * leg.length)),
-                    false => Vector3::zeros(),
-                },
+                anchor: anchor(line)?,
+                weight,
+                direction: leg.direction,
+                against: leg.velocity - self.mean,
+                length,
+                damping,
+                turning: damping * leg.direction.dot(&rotated) / length,
             });
         }
         Some(())
     }
 
-    /// ∂V + ∂D D⁺ (w − V), to be projected on the missing directions; `own` is the column of the state, `found` ∂w in the others. From ∂(anchors and loads)
-    /// and ∂(lines).
-    fn motion(
-        &self,
-        (ends, lines): (&Matrix<T>, &Matrix<T>),
-        (column, own): (usize, Option<usize>),
-        found: &Vector3<T>,
-    ) -> Vector3<T> {
+    /// Σ (v − V) ∂(T/d)/Σ(T/d) where the node is moved along its lines by ∂w: what V changes by because other lines pull more.
+    fn shift(&self, lines: &Matrix<T>, column: usize, moved: &Vector3<T>) -> Vector3<T> {
+        let mut sum = Vector3::zeros();
+        if self.total > T::zero() {
+            // T/d = ω Σ(T/d).
+            for leg in self.legs.iter().filter(|leg| leg.weight > T::zero()) {
+                let [tension, length] =
+                    [0, 1].map(|number| lines.at(LINE_NUMBERS * leg.line + number, column));
+                let tension = tension - leg.damping * leg.direction.dot(moved);
+                let change = (tension / self.total - leg.weight * length) / leg.length;
+                sum += leg.against.map(|x| change * x);
+            }
+        }
+        sum
+    }
+
+    /// Σ ω ∂v + ∂Ẇ/Σ(T/d) + ∂D D⁺ (w − V), to be projected on the missing directions; `own` is the column of the state.
+    fn motion(&self, ends: &Matrix<T>, column: usize, own: Option<usize>) -> Vector3<T> {
         let own = own.and_then(|column| column.checked_sub(self.z));
         let mut sum = Vector3::zeros();
         for leg in &self.legs {
@@ -360,13 +371,9 @@ impl<T: Float> UnspannedMotion<T> {
             let along = leg.direction.dot(&arm);
             let across = arm - leg.direction.map(|u| along * u);
             sum += across.map(|x| leg.turning * x);
-            let tension =
-                lines.at(LINE_NUMBERS * leg.line, column) - leg.damping * leg.direction.dot(found);
-            let change = tension - leg.pull * along;
-            sum += leg.lead.map(|x| change * x);
         }
-        if let Some((slot, share)) = self.load_rate {
-            sum += column_of(ends, slot, column).map(|x| share * x);
+        if let Some(slot) = self.load_rate {
+            sum += column_of(ends, slot, column).map(|x| x / self.total);
         }
         sum
     }

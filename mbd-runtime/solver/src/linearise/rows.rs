@@ -55,6 +55,7 @@ impl Witness {
                 Quantity::Energy,
                 Quantity::Balance,
                 Quantity::AnchorStates,
+                Quantity::Lines,
             ],
         );
         let layout = model.layout();

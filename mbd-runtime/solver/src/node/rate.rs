@@ -410,7 +410,7 @@ impl<T: Float> RateNode<T> {
     }
 
     /// Σ T/d over the lines that pull and Σ (T/d)(v − v̄) + Ẇ, by which the node moves where they do not span space.
-    pub(crate) fn carrying(&self) -> (T, Vector3<T>) {
+    fn carrying(&self) -> (T, Vector3<T>) {
         let rounding = self.rounding();
         let (mut weight, mut weighted) = (T::zero(), self.load_rate);
         for leg in self.legs.iter().filter(|leg| leg.pulls(rounding)) {
@@ -437,6 +437,11 @@ impl<T: Float> RateNode<T> {
             (false, _) => equal,
         };
         self.legs.iter().map(weight)
+    }
+
+    /// Σ T/d over the lines that pull [N/m]: what the parts by rule 4 are taken of; zero where nothing pulls.
+    pub(crate) fn total_weight(&self) -> T {
+        self.carrying().0
     }
 
     /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere, and where

@@ -1,6 +1,9 @@
 //! Linear systems and rests of scenes with equilibrium points, against closed forms.
 
-use mbd_runtime::{LinearisationError, Options, Simulation, linearise, trim};
+use mbd_runtime::node::{Nodes, Stage};
+use mbd_runtime::{
+    Linearisation, LinearisationError, Model, NodeMemory, Options, Simulation, linearise, trim,
+};
 use nalgebra::DMatrix;
 use tests::declared::read;
 
@@ -25,6 +28,80 @@ fn lamp(equilibrium: &str) -> String {
             line hook from knot to lamp {{ free_length: {hl} m, stiffness: {hk} N/m, damping: {hc} N*s/m }}
             output height = knot.position.z; }}"
     )
+}
+
+/// A rate node on the straight line between its two anchors moves across it as a point of that line: with v d/(d + e), d from the anchor at rest, e from the one that
+/// moves. Both pull alike, so that their parts are 1/d and 1/e; these change with the lengths.
+#[test]
+fn a_rate_node_between_two_anchors_moves_as_a_point_of_the_line_through_them() {
+    const FAR: f64 = 3.0;
+    const PLACE: f64 = 1.25;
+    const SPEED: f64 = 0.8;
+    let scene = read(
+        "model Between { gravity: none;
+            param near = 0 m;
+            param l = 1 m;
+            param k = 200 N/m;
+            world { frame wall at [near, 0, 0] m }
+            point knot { equilibrium: rate }
+            point bob { mass: 2 kg }
+            line one from world.wall to knot { free_length: l, stiffness: k, damping: 30 N*s/m }
+            line other from knot to bob { free_length: 1.2 m, stiffness: 300 N/m, damping: 20 N*s/m }
+            output across = knot.velocity.y; }",
+    );
+    let model = generic(scene);
+    let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options");
+    let state = [FAR, 0.0, 0.0, 0.3, SPEED, 0.0, PLACE, 0.0, 0.0];
+    run.set_state(0.0, &state).expect("a state");
+    run.start().expect("a start");
+    let across = SPEED * PLACE / FAR;
+    assert!((run.rates()[7] - across).abs() < 1e-12);
+    let space = run.linearise(&[]).expect("a linear system");
+    let [knot, x, bob, vy] =
+        ["knot.y", "knot.x", "bob.x", "bob.vy"].map(|name| space.state(name).expect("it is there"));
+    let output = space.output("across").expect("it is there");
+    let by_place = SPEED / FAR;
+    for (row, what) in [(space.a.row(knot), "rate"), (space.c.row(output), "output")] {
+        for (column, expected) in [(x, by_place), (bob, -across / FAR), (vy, PLACE / FAR)] {
+            let found = row[column];
+            let by = &space.states[column].name;
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "{what} by {by}: {found} {expected}"
+            );
+        }
+    }
+
+    let (mut nodes, mut memory) = (Nodes::new(model.layout()), NodeMemory::new(model.layout()));
+    let mut work = model.work();
+    let stage = Stage {
+        model: &model,
+        time: 0.0,
+        state: &state,
+        inputs: &[],
+    };
+    let started = nodes.start_stage(stage, Some(&state[6..]), &mut memory, &mut work);
+    started.expect("a balance");
+    let mut linear = Linearisation::new(model.layout());
+    let at = nodes.at(0.0, &state, &[]);
+    let done = linear.evaluate(&model, &at, &mut work);
+    done.expect("derivatives");
+    for (param, expected) in [
+        (0, -SPEED * (FAR - PLACE) / (FAR * FAR)),
+        (1, 0.0),
+        (2, 0.0),
+    ] {
+        for found in [
+            linear.parameter().at(7, param),
+            linear.outputs_by_parameter().at(0, param),
+        ] {
+            let name = &model.scene().params[param].name;
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "by {name}: {found} {expected}"
+            );
+        }
+    }
 }
 
 /// How far the knot hangs below the ends [m], and the tension of a line [N]: 3 T cos θ = m g.
