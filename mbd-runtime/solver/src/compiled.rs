@@ -81,7 +81,7 @@ doors! {
     fn change_generic(model: &Generic<Self>, params: &[Self]) -> Result<Generic<Self>, ParamError> = Generic::change;
     fn make_work(model: &Generic<Self>) -> Work<Self> = <Generic<Self>>::scratch;
     fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = <Generic<Self>>::run;
-    fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run;
+    fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run_given;
     fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), along: &[&str]) -> Result<StateSpace, LinearisationError> = StateSpace::of_model;
     fn space_here(run: &mut Simulation<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = Simulation::space_here;
     fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
@@ -600,10 +600,14 @@ impl<T: Scalar> Model<T> for Generic<T> {
 impl<T: Scalar> Linearisation<T> {
     /// Linearises at `at`, whose node unknowns solve the balance, as those of [`Simulation::nodes`](crate::Simulation::nodes) do.
     ///
-    /// Parameters of node lines enter K_e and L_e as they enter K and L0.
+    /// Derivatives by params are those of nodes that are put in balance anew: K_e and L_e of their lines vary as K, C and L0 do. What a `stepwise` node remembers
+    /// of steps stays, and so does its velocity, which outputs may ask for.
+    ///
+    /// [`Nodes::at`](crate::node::Nodes::at) has all lists of `at`; of a scene without nodes [`At::of_state`] with [`Layout::holds`] zeros as [`At::hold`] is
+    /// a state at which lines, stops and joints are as they are by themselves.
     ///
     /// # Errors
-    /// [`LinearisationError`]; the numbers then mean nothing.
+    /// [`LinearisationError`]; the numbers then mean nothing. A list of `at` that has another length than the scene reads.
     pub fn evaluate(
         &mut self,
         model: &dyn Model<T>,

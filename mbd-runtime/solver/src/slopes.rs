@@ -39,7 +39,7 @@ impl From<Variable> for DerivativeBy {
 pub(crate) enum Effective {
     /// They stay: a partial derivative.
     Fixed,
-    /// K_e − K and L_e − L0 stay; lines of slack networks (K_e = 0) carry nothing.
+    /// They vary as K, C and L0 of their lines do, with what a step remembers as it is; lines of slack networks (K_e = 0) carry nothing.
     Follows,
 }
 
@@ -137,15 +137,42 @@ impl Slopes {
     }
 }
 
-/// Gives K_e and L_e the slopes of K and L0.
+/// Gives K_e and L_e the slopes that those of K, C and L0 make. Their parts by damping are in proportion to C, whatever the step and what it remembers:
+///
+/// ```text
+/// K_e = K + β,   L_e = L0 + B/K_e,   β ∝ C,   B = (L_e − L0) K_e ∝ C                  (`stepwise`; β = B = 0 of a `static` node)
+/// ∂K_e = ∂K + β ∂C/C,   ∂L_e = ∂L0 + (L_e − L0) (∂C/C − ∂K_e/K_e)
+/// ```
+///
+/// L_e = 0 of a line that has a free length is held there by the literal clamp, and varies with nothing.
 fn follow(layout: &Layout, numbers: &Numbers<Slope>, list: &mut [Slope]) {
     for (slots, line) in layout.lines.iter().zip(&numbers.lines) {
         if let Some(effective) = slots.effective
             && let Some([k, l]) = list.get_mut(2 * effective..2 * effective + 2)
             && k.value != 0.0
         {
-            k.slopes = line.stiffness.slopes;
-            l.slopes = line.free_length.slopes;
+            let [damped, longer] = [
+                k.value - line.stiffness.value,
+                l.value - line.free_length.value,
+            ];
+            let held = l.value == 0.0 && longer != 0.0;
+            for by in 0..PASS {
+                let [stiffness, damping, free_length] =
+                    [line.stiffness, line.damping, line.free_length].map(|own| own.slopes[by]);
+                let part = match damping == 0.0 {
+                    true => 0.0,
+                    false => damping / line.damping.value,
+                };
+                k.slopes[by] = match damped == 0.0 {
+                    true => stiffness,
+                    false => stiffness + damped * part,
+                };
+                l.slopes[by] = match (held, longer == 0.0) {
+                    (true, _) => 0.0,
+                    (false, true) => free_length,
+                    (false, false) => free_length + longer * (part - k.slopes[by] / k.value),
+                };
+            }
         }
     }
 }

@@ -245,7 +245,8 @@ pub struct At<'a, S> {
 }
 
 impl<'a, S> At<'a, S> {
-    /// A time [s], a state x = [q | v | z | s] and inputs, and nothing else: what a scene without nodes reads. The other lists are empty.
+    /// A time [s], a state x = [q | v | z | s] and inputs, and nothing else: what a scene reads that has no nodes, no lines or springs, no stops, and nothing
+    /// that events detach or lock. The other lists are empty; [`At::hold`] of others has [`Layout::holds`](crate::Layout::holds) numbers.
     #[must_use]
     pub fn of_state(time: S, state: &'a [S], inputs: &'a [S]) -> Self {
         At {

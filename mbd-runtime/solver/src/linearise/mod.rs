@@ -25,7 +25,10 @@ mod vibration;
 use std::fmt;
 
 use mbd_scene::similar::near_and_all;
-use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
+use mbd_scene::{
+    At, Differentiated, Float, Formula, Layout, Model, Network, Node, NodeModel, Quantity,
+    Variable, Work,
+};
 
 pub(crate) use jacobian::Jacobian;
 pub use kinks::Kink;
@@ -225,6 +228,11 @@ pub enum LinearisationError {
         /// The node.
         node: String,
     },
+    /// A line of a `stepwise` node has no damping now, and a param that gives it some: how much of it a step feels does not follow from what was given.
+    NoDamping {
+        /// The line.
+        line: String,
+    },
     /// Both ends of a spring are at the same place, where its damping, or the force that it has there, acts along no direction.
     NoDirection {
         /// The spring.
@@ -294,6 +302,10 @@ impl fmt::Display for LinearisationError {
                 f,
                 "the lines of `{node}` are damped by differences from step to step (`equilibrium: stepwise`), which has no linear system: declare `equilibrium: rate`, give the point a mass, or look for a rest, which damping does not move"
             ),
+            LinearisationError::NoDamping { line } => write!(
+                f,
+                "the damping of `{line}` is zero, and a param decides it: what its `stepwise` node feels of it in a step, and the derivative by the param with it, is not known; give it a damping above zero, however small, or make it a `const`"
+            ),
             LinearisationError::NoDirection { spring } => write!(
                 f,
                 "both ends of `{spring}` are at the same place, where its damping, or its force, has no direction and there is no linear system: linearise where they are apart, or let a load act in its place, `-c * bob.velocity`"
@@ -325,6 +337,61 @@ impl fmt::Display for LinearisationError {
 
 impl std::error::Error for LinearisationError {}
 
+/// Refuses lists that are not as long as the scene reads them: what reads a number that is not there leaves what it makes as it was, or takes it for another.
+fn check_arguments<T: Float>(layout: &Layout, at: &At<'_, T>) -> Result<(), LinearisationError> {
+    let is_rate = |node: &Node| node.model == NodeModel::Rate;
+    let ends = match layout.nodes.iter().any(is_rate) {
+        true => layout.len(Quantity::AnchorStates),
+        false => 0,
+    };
+    let nodes = 3 * layout.nodes.len();
+    let lists = [
+        ("At::state", at.state.len(), layout.nx()),
+        ("At::inputs", at.inputs.len(), layout.ni),
+        ("At::nodes", at.nodes.len(), nodes),
+        (
+            "At::effective",
+            at.effective.len(),
+            layout.effective_numbers,
+        ),
+        // Turns and the motion of the origin may be left out.
+        (
+            "At::hold",
+            at.hold.len().min(layout.holds()),
+            layout.holds(),
+        ),
+        ("At::ends", at.ends.len().min(ends), ends),
+    ];
+    let wrong = lists.into_iter().find(|(_, got, expected)| got != expected);
+    wrong.map_or(Ok(()), |(what, got, expected)| {
+        Err(LinearisationError::Length {
+            what,
+            got,
+            expected,
+        })
+    })
+}
+
+/// Refuses lines of `stepwise` nodes whose damping is zero by a param.
+fn check_damping<T: Float>(model: &dyn Model<T>) -> Result<(), LinearisationError> {
+    let (scene, layout) = (model.scene(), model.layout());
+    let is_stepwise = |network: &&Network| matches!(network.model, NodeModel::Stepwise { .. });
+    let networks = layout.networks.iter().filter(is_stepwise);
+    for &line in networks.flat_map(|network| &network.lines) {
+        let (Some(declared), Some(numbers)) = (scene.lines.get(line), model.lines().get(line))
+        else {
+            continue;
+        };
+        let by_param = |part: &Formula| matches!(part, Formula::Param(_));
+        if numbers.damping == T::zero() && scene.contains(&declared.damping, by_param) {
+            return Err(LinearisationError::NoDamping {
+                line: declared.name.clone(),
+            });
+        }
+    }
+    Ok(())
+}
+
 impl<T: Float> Linearisation<T> {
     /// Room for a layout.
     #[must_use]
@@ -340,6 +407,21 @@ impl<T: Float> Linearisation<T> {
     }
 
     /// What [`Linearisation::evaluate`] does.
+    pub(crate) fn run_given(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        work: &mut Work<T>,
+    ) -> Result<(), LinearisationError> {
+        if self.sizes != sizes(model.layout()) {
+            return Err(LinearisationError::OtherModel);
+        }
+        check_arguments(model.layout(), at)?;
+        check_damping(model)?;
+        self.run(model, at, work)
+    }
+
+    /// The same in the room of this model and at arguments of its scene; by a param that makes the damping of a line zero as if it stayed that.
     pub(crate) fn run(
         &mut self,
         model: &dyn Model<T>,
@@ -347,9 +429,6 @@ impl<T: Float> Linearisation<T> {
         work: &mut Work<T>,
     ) -> Result<(), LinearisationError> {
         let layout = model.layout();
-        if self.sizes != sizes(layout) {
-            return Err(LinearisationError::OtherModel);
-        }
         self.states
             .partials
             .evaluate(model, Variable::State, at, work);

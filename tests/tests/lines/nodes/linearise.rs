@@ -2,7 +2,9 @@
 
 use super::common::{COLUMNS, Run, parachute, state_of};
 use mbd_runtime::node::Tolerance;
-use mbd_runtime::{Generic, Linearisation, Model, Options, Quantity, Simulation};
+use mbd_runtime::{
+    Generic, Linearisation, LinearisationError, Model, Options, Quantity, Simulation,
+};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};
 use tests::declared::read;
 use tests::reference::{load, numbers};
@@ -187,6 +189,7 @@ fn parameter_derivatives_through_the_node_equal_differences() {
     for (model, damping, file) in [
         (NodeModel::Static, 0.0, "parachute/case3_eq_C0.json"),
         (NodeModel::Rate, 1.0, "parachute/case2_damped.json"),
+        (EULER, 1.0, "parachute/case2_damped.json"),
     ] {
         let (state, node) = record(file, 105);
         let scene = scene(model, damping);
@@ -233,6 +236,21 @@ fn parameter_derivatives_through_the_node_equal_differences() {
             }
         }
     }
+}
+
+/// What K_e and L_e say of damping is in proportion to it: nothing, where there is none.
+#[test]
+fn damping_that_a_param_leaves_out_of_a_stepwise_node_has_no_derivative_by_it() {
+    let (state, node) = record("parachute/case2_damped.json", 105);
+    let mut scene = scene(EULER, 0.0);
+    scene.lines[0].damping = Formula::Param(2);
+    let mut run = Run::new(scene, &state, Some(&node)).expect("a balance");
+    run.solve(0.0, 0.01, &state).expect("a balance");
+    let mut linear = Linearisation::new(run.model.layout());
+    let at = run.nodes.at(0.0, &state, &[]);
+    let refused = linear.evaluate(&run.model, &at, &mut run.work);
+    let line = "riser".to_owned();
+    assert_eq!(refused, Err(LinearisationError::NoDamping { line }));
 }
 
 /// The taut static node of case 3 as a problem of its own: the same anchors, lines and node.

@@ -1,7 +1,8 @@
 //! Derivatives of accelerations by parameters through the joints: masses, inertias, lengths, axes of frames, springs, dampers and gravity of
 //! random mechanisms in both families, against dual numbers through the whole elimination and against differences.
 
-use mbd_runtime::{Generic, Linearisation};
+use mbd_compiler::Interpreted;
+use mbd_runtime::{At, Generic, Linearisation, LinearisationError};
 use mbd_scene::{
     Arguments, Coordinates, Differentiated, Formula, Gravity, Layout, Model, Parameter, Quantity,
     Scene, Unit, Variable,
@@ -175,5 +176,66 @@ fn derivatives_are_those_of_the_params_of_their_model_whatever_the_room_was_used
         let expected = -(2.0 * 9.81 * 0.5 + stiffness) / (0.1 + 2.0 * 0.25);
         let found = slope(model);
         assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// −K/m along the line and its derivative by K; lists that are left out would make it a line that is slack, or a scene without rates.
+#[test]
+fn lists_that_the_scene_reads_are_not_left_out() {
+    let scene = read(
+        "model Hung { gravity: [0, 0, -9.81] m/s^2; param k = 100 N/m; input push = 2 N;
+            point bob { mass: 2 kg }
+            line cord from world to bob { free_length: 1 m, stiffness: k }
+            load side on bob = [push, 0 N, 0 N]; }",
+    );
+    let model = Interpreted::<f64>::new(scene.clone(), &[100.0]).expect("params");
+    let model: [&dyn Model<f64>; 2] = [&model, &generic(scene)];
+    let state = [0.0, 0.0, -1.2, 0.0, 0.0, 0.0];
+    for model in model {
+        let mut linear = Linearisation::new(model.layout());
+        let mut evaluate = |at: &At<'_, f64>| linear.evaluate(model, at, &mut model.work());
+        let whole = At {
+            hold: &[0.0],
+            ..At::of_state(0.0, &state, &[2.0])
+        };
+        for (at, what) in [
+            (At::of_state(0.0, &state, &[2.0]), "At::hold"),
+            (
+                At {
+                    inputs: &[],
+                    ..whole
+                },
+                "At::inputs",
+            ),
+            (
+                At {
+                    state: &state[..5],
+                    ..whole
+                },
+                "At::state",
+            ),
+            (
+                At {
+                    nodes: &state[..3],
+                    ..whole
+                },
+                "At::nodes",
+            ),
+        ] {
+            let refused = evaluate(&at).expect_err(what);
+            assert!(
+                matches!(refused, LinearisationError::Length { what: found, .. } if found == what),
+                "{refused}"
+            );
+        }
+        evaluate(&whole).expect("derivatives");
+        let found = [
+            linear.state().at(5, 2),
+            linear.parameter().at(5, 0),
+            linear.input().at(3, 0),
+        ];
+        for (found, expected) in found.into_iter().zip([-100.0 / 2.0, 0.2 / 2.0, 1.0 / 2.0]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
     }
 }
