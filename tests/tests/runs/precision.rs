@@ -317,3 +317,60 @@ fn a_run_in_single_precision_goes_on_from_its_snapshot_to_the_bit() {
         assert_eq!(bits(&straight), bits(&other), "{step}");
     }
 }
+
+/// A body of any size that turns freely: I³, of which the inverse of its inertia was made, is no number in single precision from 7e12 kg m² on, and below 1e-13.
+/// What turns does so by the ratios of the moments alone.
+#[test]
+fn an_asteroid_and_a_bead_tumble_alike_in_single_precision() {
+    fn turned<T: Scalar>(moment: f64) -> Vec<f64> {
+        let text = format!(
+            "model Tumbler {{ gravity: none;
+                param i = {moment} kg*m^2;
+                body rock {{
+                    mass: i / (1 m^2),
+                    inertia: full {{ xx: 1.5 * i, yy: i, zz: 2 * i, xy: 0.25 * i, xz: 0.13 * i, yz: 0.1 * i }} (matrix elements),
+                    start at [0, 0, 0] m angular_velocity [1, 5, 2] rad/s,
+                }}
+                joint afloat: free from world to rock.com; }}"
+        );
+        let scene = tests::declared::read(&text);
+        let model = Interpreted::<T>::new(scene, &[T::from_f64(moment)]).expect("params");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-6)).expect("options");
+        run.run(1.0).expect("it tumbles");
+        run.state().iter().map(|x| x.to_f64()).collect()
+    }
+    let exact = turned::<f64>(1.0);
+    for moment in [1.0, 2e15, 2e25, 2e-14, 2e-22] {
+        let found = turned::<f32>(moment);
+        for (found, exact) in found.iter().zip(&exact) {
+            assert!((found - exact).abs() < 2e-5, "{moment:e}: {found} {exact}");
+        }
+    }
+}
+
+/// −μ/r² and −μ m/r, for a planet that is further out than any: neither r³ nor μ m is a number in single precision.
+#[test]
+fn gravity_reaches_far_in_single_precision() {
+    const MU: f64 = 1.327e20;
+    const DISTANCE: f64 = 9e12;
+    const MASS: f64 = 1.9e27;
+    let text = format!(
+        "model Far {{ gravity: point_mass {{ mu: {MU} m^3/s^2, center: [0, 0, 0] m }};
+            point planet {{ mass: {MASS} kg, start at [{DISTANCE}, 0, 0] m }}
+            output pull = planet.acceleration.x;
+            output depth = energy.potential / {MASS} in J; }}"
+    );
+    let model = Interpreted::<f32>::new(tests::declared::read(&text), &[]).expect("no params");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-5)).expect("options");
+    run.start().expect("a start");
+    for (name, expected) in [
+        ("pull", -MU / (DISTANCE * DISTANCE)),
+        ("depth", -MU / DISTANCE),
+    ] {
+        let found = f64::from(run.output(name).expect("a number"));
+        assert!(
+            (found / expected - 1.0).abs() < 1e-6,
+            "{name}: {found} {expected}"
+        );
+    }
+}

@@ -244,7 +244,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
-/// | [`energy`](Self::energy) | 6 of 6 | 488 |
+/// | [`energy`](Self::energy) | 6 of 6 | 490 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
 /// | [`bias_force`](Self::bias_force) | 12 of 12 | 54 |
 /// | [`forces`](Self::forces) | 12 of 12 | 460 |
@@ -252,7 +252,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 pub struct Parachute<T = f64> {
     params: ParachuteParams<T>,
     values: [T; 3],
-    derived: [T; 3],
+    derived: [T; 2],
     lines: ::mbd_runtime::__private::Lines<T>,
 }
 #[doc(hidden)]
@@ -290,7 +290,7 @@ const _: () = {
             values: [T; 3],
             lines: ::mbd_runtime::__private::Lines<T>,
         ) -> Self {
-            let mut terms = [T::zero(); 3];
+            let mut terms = [T::zero(); 2];
             derived(&values, &mut terms);
             Parachute {
                 params,
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 812 operations (335 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 2 operations (0 additions, 1 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 287 multiplications, 8 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 812 operations (335 additions, 384 multiplications, 9 divisions, 7 roots, 0 trigonometric, 77 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 490 operations (210 additions, 225 multiplications, 8 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 35 multiplications, 4 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -336,7 +336,7 @@ const _: () = {
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
         ///
         /// 29 = \[14 q̇ | 12 v̇ | 3 ż\]; SI units.
-        /// 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
+        /// 589 operations (255 additions, 287 multiplications, 8 divisions, 7 roots, 0 trigonometric, 32 selections).
         #[must_use]
         #[inline]
         pub fn derivative(
@@ -385,7 +385,7 @@ const _: () = {
         /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
         ///
         /// 6 \[J, J, J, W, W, W\].
-        /// 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
+        /// 490 operations (210 additions, 225 multiplications, 8 divisions, 7 roots, 0 trigonometric, 40 selections).
         #[must_use]
         #[inline]
         pub fn energy(
@@ -434,7 +434,7 @@ const _: () = {
         /// Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.
         ///
         /// 12 \[N, N m\].
-        /// 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
+        /// 54 operations (13 additions, 35 multiplications, 4 divisions, 2 roots, 0 trigonometric, 0 selections).
         #[must_use]
         #[inline]
         pub fn bias_force(
@@ -491,7 +491,7 @@ const _: () = {
         /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
         ///
         /// 29 ẋ, then 4 anchors × 6 \[m, m/s\], 1 nodes × 3 loads \[N\], per node `det D − 1e-5 (tr D)³` \[N³ s³/m³\], the largest term of a pull and the largest pull \[N\], whether its lines do what was held of them (> 0), per line stretch \[m\].
-        /// 812 operations (335 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
+        /// 812 operations (335 additions, 384 multiplications, 9 divisions, 7 roots, 0 trigonometric, 77 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -675,8 +675,8 @@ const _: () = {
                     "derivative",
                     ::mbd_runtime::Cost {
                         adds: 255,
-                        muls: 289,
-                        divs: 6,
+                        muls: 287,
+                        divs: 8,
                         sqrts: 7,
                         trigs: 0,
                         selects: 32,
@@ -686,8 +686,8 @@ const _: () = {
                     "rates",
                     ::mbd_runtime::Cost {
                         adds: 335,
-                        muls: 386,
-                        divs: 7,
+                        muls: 384,
+                        divs: 9,
                         sqrts: 7,
                         trigs: 0,
                         selects: 77,
@@ -731,7 +731,7 @@ const _: () = {
                     ::mbd_runtime::Cost {
                         adds: 210,
                         muls: 225,
-                        divs: 6,
+                        divs: 8,
                         sqrts: 7,
                         trigs: 0,
                         selects: 40,
@@ -752,8 +752,8 @@ const _: () = {
                     "bias_force",
                     ::mbd_runtime::Cost {
                         adds: 13,
-                        muls: 37,
-                        divs: 2,
+                        muls: 35,
+                        divs: 4,
                         sqrts: 2,
                         trigs: 0,
                         selects: 0,
@@ -1256,7 +1256,7 @@ const _: () = {
     }
     /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
     /// 29 = [14 q̇ | 12 v̇ | 3 ż]; SI units.
-    /// 589 operations (255 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
+    /// 589 operations (255 additions, 287 multiplications, 8 divisions, 7 roots, 0 trigonometric, 32 selections).
     #[inline(never)]
     fn derivative<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1266,7 +1266,7 @@ const _: () = {
         hold: &[T; 4],
         inputs: &[T; 9],
         params: &[T; 3],
-        derived: &[T; 3],
+        derived: &[T; 2],
         out: &mut [T; 29],
     ) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
@@ -1280,7 +1280,7 @@ const _: () = {
         let [wind_x, wind_y, wind_z, thruster_x, thruster_y, thruster_z,
         thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
         let [riser_k, _, _] = *params;
-        let [capsule_inverse_mass, derived_1, _] = *derived;
+        let [capsule_inverse_mass, derived_1] = *derived;
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
         let one = T::from_f64(1.0);
@@ -1310,12 +1310,12 @@ const _: () = {
         let c_310 = T::from_f64(310.0);
         let two = T::from_f64(2.0);
         let c_420 = T::from_f64(420.0);
-        let c_9 = T::from_f64(0.0033334139829235376);
-        let c_11 = T::from_f64(1.612991804081407e-5);
+        let c_9 = T::from_f64(0.003333413982923537);
+        let c_11 = T::from_f64(1.6129918040814068e-5);
         let c_12 = T::from_f64(-7.680913352768604e-8);
         let c_13 = T::from_f64(0.003225983608162814);
         let c_14 = T::from_f64(-1.536182670553721e-5);
-        let c_15 = T::from_f64(0.0023810255325081215);
+        let c_15 = T::from_f64(0.002381025532508121);
         /// `canopy`: where it is, how it moves.
         let canopy_q_ww = canopy_qw * canopy_qw;
         let canopy_q_xx = canopy_qx * canopy_qx;
@@ -1618,7 +1618,7 @@ const _: () = {
         let canopy_d_squared = canopy_d_z * canopy_d_z
             + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_gravity = c_6 / (canopy_d_squared * canopy_distance);
+        let canopy_gravity = c_6 / canopy_d_squared / canopy_distance;
         let canopy_vx_rate = c_0_0625 * (riser_force_x + drag_t_2)
             - canopy_x * canopy_gravity;
         let canopy_vy_rate = c_0_0625 * (riser_force_y + drag_t_3)
@@ -1652,7 +1652,7 @@ const _: () = {
         let capsule_d_squared = capsule_d_z * capsule_d_z
             + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_gravity = c_6 / (capsule_d_squared * capsule_distance);
+        let capsule_gravity = c_6 / capsule_d_squared / capsule_distance;
         let capsule_vx_rate = capsule_inverse_mass
             * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
             - capsule_x * capsule_gravity;
@@ -1720,7 +1720,7 @@ const _: () = {
     }
     /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
     /// 29 ẋ, then 4 anchors × 6 [m, m/s], 1 nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³], the largest term of a pull and the largest pull [N], whether its lines do what was held of them (> 0), per line stretch [m].
-    /// 812 operations (335 additions, 386 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
+    /// 812 operations (335 additions, 384 multiplications, 9 divisions, 7 roots, 0 trigonometric, 77 selections).
     #[inline(never)]
     fn rates<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1729,7 +1729,7 @@ const _: () = {
         hold: &[T; 4],
         inputs: &[T; 9],
         params: &[T; 3],
-        derived: &[T; 3],
+        derived: &[T; 2],
         out: &mut [T; 64],
     ) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
@@ -1742,7 +1742,7 @@ const _: () = {
         let [wind_x, wind_y, wind_z, thruster_x, thruster_y, thruster_z,
         thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
         let [riser_k, _, _] = *params;
-        let [capsule_inverse_mass, derived_1, _] = *derived;
+        let [capsule_inverse_mass, derived_1] = *derived;
         let c_m9_5 = T::from_f64(-9.5);
         let c_0_55 = T::from_f64(0.55);
         let c_1_23 = T::from_f64(1.23);
@@ -1774,12 +1774,12 @@ const _: () = {
         let c_310 = T::from_f64(310.0);
         let two = T::from_f64(2.0);
         let c_420 = T::from_f64(420.0);
-        let c_9 = T::from_f64(0.0033334139829235376);
-        let c_11 = T::from_f64(1.612991804081407e-5);
+        let c_9 = T::from_f64(0.003333413982923537);
+        let c_11 = T::from_f64(1.6129918040814068e-5);
         let c_12 = T::from_f64(-7.680913352768604e-8);
         let c_13 = T::from_f64(0.003225983608162814);
         let c_14 = T::from_f64(-1.536182670553721e-5);
-        let c_15 = T::from_f64(0.0023810255325081215);
+        let c_15 = T::from_f64(0.002381025532508121);
         /// `canopy`: where it is, how it moves.
         let canopy_q_ww = canopy_qw * canopy_qw;
         let canopy_q_xx = canopy_qx * canopy_qx;
@@ -2196,7 +2196,7 @@ const _: () = {
         let canopy_d_squared = canopy_d_z * canopy_d_z
             + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_gravity = c_6 / (canopy_d_squared * canopy_distance);
+        let canopy_gravity = c_6 / canopy_d_squared / canopy_distance;
         let canopy_vx_rate = c_0_0625 * (drag_t_2 + riser_force_x)
             - canopy_x * canopy_gravity;
         let canopy_vy_rate = c_0_0625 * (drag_t_3 + riser_force_y)
@@ -2230,7 +2230,7 @@ const _: () = {
         let capsule_d_squared = capsule_d_z * capsule_d_z
             + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_gravity = c_6 / (capsule_d_squared * capsule_distance);
+        let capsule_gravity = c_6 / capsule_d_squared / capsule_distance;
         let capsule_vx_rate = capsule_inverse_mass
             * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
             - capsule_x * capsule_gravity;
@@ -2990,7 +2990,7 @@ const _: () = {
     }
     /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
     /// 6 [J, J, J, W, W, W].
-    /// 488 operations (210 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
+    /// 490 operations (210 additions, 225 multiplications, 8 divisions, 7 roots, 0 trigonometric, 40 selections).
     #[inline(never)]
     fn energy<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -3000,7 +3000,7 @@ const _: () = {
         hold: &[T; 4],
         inputs: &[T; 9],
         params: &[T; 3],
-        derived: &[T; 3],
+        derived: &[T; 2],
         out: &mut [T; 6],
     ) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
@@ -3014,15 +3014,15 @@ const _: () = {
         let [wind_x, wind_y, wind_z, thruster_x, thruster_y, thruster_z,
         thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
         let [riser_k, m_cap, _] = *params;
-        let [_, derived_1, derived_2] = *derived;
+        let [_, derived_1] = *derived;
         let c_60 = T::from_f64(60.0);
         let c_90 = T::from_f64(90.0);
         let c_16 = T::from_f64(16.0);
         let half = T::from_f64(0.5);
         let c = T::from_f64(-3404590.0);
-        let c_2 = T::from_f64(-6809180.0);
-        let c_3 = T::from_f64(3404590.0);
-        let c_4 = T::from_f64(6.85248e14);
+        let c_2 = T::from_f64(4.2828e13);
+        let c_3 = T::from_f64(-6809180.0);
+        let c_4 = T::from_f64(3404590.0);
         let c_300 = T::from_f64(300.0);
         let c_m1_5 = T::from_f64(-1.5);
         let c_310 = T::from_f64(310.0);
@@ -3125,12 +3125,12 @@ const _: () = {
         let capsule_t_2 = capsule_x * capsule_x + capsule_y * capsule_y;
         let capsule_d_squared = capsule_d_z * capsule_d_z + capsule_t_2;
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_3 = derived_2
-            * ((capsule_t_2 + capsule_z * (capsule_z - c_2))
-                / (capsule_distance * c_3 * (capsule_distance + c_3)));
-        let gravitational = c_4
-            * ((canopy_t_2 + canopy_z * (canopy_z - c_2))
-                / (canopy_distance * c_3 * (canopy_distance + c_3))) + capsule_t_3;
+        let capsule_t_3 = m_cap * (c_2 / capsule_distance)
+            * ((capsule_t_2 + capsule_z * (capsule_z - c_3))
+                / (c_4 * (capsule_distance + c_4)));
+        let gravitational = c_16 * (c_2 / canopy_distance)
+            * ((canopy_t_2 + canopy_z * (canopy_z - c_3))
+                / (c_4 * (canopy_distance + c_4))) + capsule_t_3;
         /// `riser`: length and tension.
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
@@ -3388,7 +3388,7 @@ const _: () = {
     }
     /// Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.
     /// 12 [N, N m].
-    /// 54 operations (13 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
+    /// 54 operations (13 additions, 35 multiplications, 4 divisions, 2 roots, 0 trigonometric, 0 selections).
     #[inline(never)]
     fn bias_force<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -3417,7 +3417,7 @@ const _: () = {
         let canopy_d_squared = canopy_d_z * canopy_d_z
             + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_gravity = c_2 / (canopy_d_squared * canopy_distance);
+        let canopy_gravity = c_2 / canopy_d_squared / canopy_distance;
         let canopy_vx_bias = canopy_x * canopy_gravity * c_16;
         let canopy_vy_bias = canopy_y * canopy_gravity * c_16;
         let canopy_vz_bias = canopy_d_z * canopy_gravity * c_16;
@@ -3428,7 +3428,7 @@ const _: () = {
         let capsule_d_squared = capsule_d_z * capsule_d_z
             + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_gravity = c_2 / (capsule_d_squared * capsule_distance);
+        let capsule_gravity = c_2 / capsule_d_squared / capsule_distance;
         let capsule_vx_bias = m_cap * (capsule_x * capsule_gravity);
         let capsule_vy_bias = m_cap * (capsule_y * capsule_gravity);
         let capsule_vz_bias = m_cap * (capsule_d_z * capsule_gravity);
@@ -3465,7 +3465,7 @@ const _: () = {
         hold: &[T; 4],
         inputs: &[T; 9],
         params: &[T; 3],
-        derived: &[T; 3],
+        derived: &[T; 2],
         out: &mut [T; 12],
     ) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
@@ -3479,7 +3479,7 @@ const _: () = {
         let [wind_x, wind_y, wind_z, thruster_x, thruster_y, thruster_z,
         thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
         let [riser_k, _, _] = *params;
-        let [_, derived_1, _] = *derived;
+        let [_, derived_1] = *derived;
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
         let one = T::from_f64(1.0);
@@ -3871,15 +3871,13 @@ const _: () = {
     }
     /// Terms of the parameters alone, computed once.
     #[inline(never)]
-    fn derived<T: ::mbd_runtime::Real>(params: &[T; 3], out: &mut [T; 3]) {
+    fn derived<T: ::mbd_runtime::Real>(params: &[T; 3], out: &mut [T; 2]) {
         let [_, m_cap, cd_s] = *params;
         let one = T::from_f64(1.0);
         let c_m0_007 = T::from_f64(-0.007);
-        let c = T::from_f64(4.2828e13);
         let capsule_inverse_mass = one / m_cap;
         let drag_cd_s_scaled = cd_s * c_m0_007;
-        let capsule_m_cap_scaled = m_cap * c;
-        *out = [capsule_inverse_mass, drag_cd_s_scaled, capsule_m_cap_scaled];
+        *out = [capsule_inverse_mass, drag_cd_s_scaled];
     }
 };
 const _: () = {

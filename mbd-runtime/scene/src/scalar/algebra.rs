@@ -23,7 +23,8 @@ pub fn elements<S: Real>(m: &Matrix3<S>) -> [S; 6] {
     ]
 }
 
-/// Inverse of a symmetric 3 × 3 matrix by cofactors, symmetric to the bit. A diagonal matrix costs three divisions on symbols.
+/// Inverse of a symmetric, positive definite 3 × 3 matrix by cofactors of A/tr A, symmetric to the bit: det A of an asteroid, or of a bead, is no number in single
+/// precision. A diagonal matrix costs three divisions on symbols.
 pub fn inverse<S: Real>(m: &Matrix3<S>) -> Matrix3<S> {
     let [xx, xy, xz, yy, yz, zz] = elements(m);
     let zero = S::zero();
@@ -31,8 +32,10 @@ pub fn inverse<S: Real>(m: &Matrix3<S>) -> Matrix3<S> {
         // A structural fact of the declaration, not a branch on the state: inertia is constant.
         return Matrix3::from_diagonal(&Vector3::new(S::one() / xx, S::one() / yy, S::one() / zz));
     }
+    let size = S::one() / (xx + yy + zz);
+    let [xx, xy, xz, yy, yz, zz] = [xx, xy, xz, yy, yz, zz].map(|element| element * size);
     let (a, b, c) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
-    let scale = S::one() / (xx * a + xy * b + xz * c);
+    let scale = size / (xx * a + xy * b + xz * c);
     symmetric([
         a * scale,
         b * scale,
