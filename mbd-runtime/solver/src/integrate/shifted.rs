@@ -6,11 +6,15 @@
 //! (w − A_rr − A_rq D⁻¹ N) U_r = b_r + A_rq D⁻¹ b_q      r = [v | z | s]: what is left to factor                              (3)
 //! ```
 //!
-//! Integrals behind the state, on which nothing depends, follow row by row. Factors by rows with row exchange.
+//! Integrals behind the state, on which nothing depends, follow row by row. Factors by rows with row exchange; solutions take four rows at a time, whose sums
+//! do not wait for each other.
 
 use std::ops::Range;
 
 use mbd_scene::Float;
+
+/// How many rows are taken at a time.
+const ROWS: usize = 4;
 
 /// Coordinates whose rates are those of their own speeds.
 #[derive(Clone, Debug)]
@@ -40,6 +44,11 @@ pub(crate) struct Shifted<T> {
     carried: Vec<T>,
     /// L and U.
     factor: Vec<T>,
+    /// A_rq, four rows at a time, filled up with zeros.
+    by_coordinates: Vec<[T; ROWS]>,
+    /// The same of L and U, but for the diagonal, and what its elements are divided by.
+    triangles: Vec<[T; ROWS]>,
+    inverse: Vec<T>,
     /// Which row was taken for each pivot.
     exchanges: Vec<usize>,
     made: bool,
@@ -59,6 +68,9 @@ impl<T: Float> Shifted<T> {
             shift: T::zero(),
             carried: vec![T::zero(); carried.sum()],
             factor: vec![T::zero(); left.len() * left.len()],
+            by_coordinates: vec![[T::zero(); ROWS]; left.len().div_ceil(ROWS) * left.start],
+            triangles: vec![[T::zero(); ROWS]; left.len().div_ceil(ROWS) * left.len()],
+            inverse: vec![T::zero(); left.len()],
             exchanges: vec![0; left.len()],
             made: false,
             room: vec![T::zero(); left.len().max(4)],
@@ -113,9 +125,14 @@ impl<T: Float> Shifted<T> {
         if self.made && shift == self.shift {
             return false;
         }
+        let (first, n) = (self.left.start, self.left.len());
+        if !self.made {
+            let own = matrix.chunks_exact(self.length.max(1)).skip(first).take(n);
+            let own = own.map(|row| row.get(..first).unwrap_or_default());
+            by_rows(own, &mut self.by_coordinates);
+        }
         (self.made, self.shift) = (true, shift);
         self.carry(matrix);
-        let (first, n) = (self.left.start, self.left.len());
         for (row, out) in self.factor.chunks_exact_mut(n.max(1)).enumerate() {
             let whole = line(matrix, self.length, first + row);
             let own = whole.get(self.left.clone()).unwrap_or_default();
@@ -146,6 +163,11 @@ impl<T: Float> Shifted<T> {
             }
         }
         decompose(n, &mut self.factor, &mut self.exchanges);
+        by_rows(self.factor.chunks_exact(n.max(1)), &mut self.triangles);
+        for (row, inverse) in self.inverse.iter_mut().enumerate() {
+            let diagonal = self.factor.get(row * n + row);
+            *inverse = T::one() / diagonal.copied().unwrap_or_default();
+        }
         true
     }
 
@@ -177,11 +199,15 @@ impl<T: Float> Shifted<T> {
         }
         let (coordinates, rest) = right.split_at_mut(self.left.start);
         let (left, behind) = rest.split_at_mut(self.left.len());
-        for (row, x) in left.iter_mut().enumerate() {
-            let by_coordinates = line(matrix, self.length, self.left.start + row);
-            *x += dot(by_coordinates, coordinates);
+        let blocks = self.by_coordinates.chunks_exact(coordinates.len().max(1));
+        for (block, own) in blocks.zip(left.chunks_mut(ROWS)) {
+            let sums = products(block, coordinates);
+            own.iter_mut().zip(sums).for_each(|(x, sum)| *x += sum);
         }
-        substitute(&self.factor, &self.exchanges, left);
+        for (pivot, exchange) in self.exchanges.iter().enumerate() {
+            left.swap(pivot, *exchange);
+        }
+        substitute(&self.triangles, &self.inverse, left);
         let mut carried = self.carried.as_slice();
         for one in &self.attached {
             let (rows, others) = carried.split_at(one.at.len() * one.speeds.len());
@@ -206,20 +232,23 @@ impl<T: Float> Shifted<T> {
 fn unturn<T: Float>(one: &Attached, shift: T, matrix: &[T], length: usize, x: &mut [T]) {
     let first = one.at.start;
     let ([w, i, j, k], true) = (&mut *x, one.turns()) else {
-        x.iter_mut().for_each(|x| *x /= shift);
+        let part = T::one() / shift;
+        x.iter_mut().for_each(|x| *x *= part);
         return;
     };
     let own = [*w, *i, *j, *k];
-    let element = |row: usize, column: usize| at(matrix, length, first + row, first + column);
-    let square = (1..4).fold(shift * shift, |sum, column| {
-        sum + element(0, column) * element(0, column)
-    });
+    let rows = |row: usize| {
+        let block = line(matrix, length, first + row).get(first..);
+        block.and_then(<[T]>::first_chunk::<4>)
+    };
+    let Some([_, x, y, z]) = rows(0) else {
+        return;
+    };
+    let part = T::one() / (shift * shift + *x * *x + *y * *y + *z * *z);
     for (row, to) in [w, i, j, k].into_iter().enumerate() {
-        let mut sum = shift * own[row];
-        for (column, x) in own.iter().enumerate() {
-            sum += element(row, column) * *x;
+        if let Some(elements) = rows(row) {
+            *to = part * (shift * own[row] + dot(elements, &own));
         }
-        *to = sum / square;
     }
 }
 
@@ -273,20 +302,57 @@ fn decompose<T: Float>(n: usize, matrix: &mut [T], exchanges: &mut [usize]) {
     }
 }
 
-/// x ← U⁻¹ L⁻¹ P x.
-fn substitute<T: Float>(factor: &[T], exchanges: &[usize], x: &mut [T]) {
+/// x ← U⁻¹ L⁻¹ x, by blocks of rows: what is behind or before a block at once, its own triangle one by one.
+fn substitute<T: Float>(triangles: &[[T; ROWS]], inverse: &[T], x: &mut [T]) {
     let n = x.len();
-    for (pivot, exchange) in exchanges.iter().enumerate() {
-        x.swap(pivot, *exchange);
+    for (number, block) in triangles.chunks_exact(n.max(1)).enumerate() {
+        let first = number * ROWS;
+        let (done, rest) = x.split_at_mut(first);
+        let (before, own) = block.split_at(first);
+        let mut sums = products(before, done);
+        for k in 0..ROWS.min(rest.len()) {
+            let solved = rest[k] - sums[k];
+            rest[k] = solved;
+            add_column(&mut sums, &own[k], solved);
+        }
     }
-    for row in 1..n {
-        let (done, rest) = x.split_at_mut(row);
-        rest[0] -= dot(&factor[row * n..row * n + row], done);
+    for (number, block) in triangles.chunks_exact(n.max(1)).enumerate().rev() {
+        let first = number * ROWS;
+        let (_, rest) = x.split_at_mut(first);
+        let (own, done) = rest.split_at_mut(ROWS.min(rest.len()));
+        let (before, behind) = block.split_at(first + own.len());
+        let mut sums = products(behind, done);
+        for k in (0..own.len()).rev() {
+            let solved = (own[k] - sums[k]) * inverse[first + k];
+            own[k] = solved;
+            add_column(&mut sums, &before[first + k], solved);
+        }
     }
-    for row in (0..n).rev() {
-        let (rest, done) = x.split_at_mut(row + 1);
-        let sum = rest[row] - dot(&factor[row * n + row + 1..(row + 1) * n], done);
-        rest[row] = sum / factor[row * n + row];
+}
+
+/// Writes rows of one length four at a time, column by column.
+fn by_rows<'a, T: Float>(rows: impl Iterator<Item = &'a [T]>, out: &mut [[T; ROWS]]) {
+    for (index, row) in rows.enumerate() {
+        let block = out.get_mut(index / ROWS * row.len()..);
+        let block = block.unwrap_or_default();
+        for (to, x) in block.iter_mut().zip(row) {
+            to[index % ROWS] = *x;
+        }
+    }
+}
+
+/// The products of four rows by a vector.
+fn products<T: Float>(rows: &[[T; ROWS]], x: &[T]) -> [T; ROWS] {
+    let mut sums = [T::zero(); ROWS];
+    for (column, x) in rows.iter().zip(x) {
+        add_column(&mut sums, column, *x);
+    }
+    sums
+}
+
+fn add_column<T: Float>(sums: &mut [T; ROWS], column: &[T; ROWS], x: T) {
+    for (sum, element) in sums.iter_mut().zip(column) {
+        *sum += *element * x;
     }
 }
 

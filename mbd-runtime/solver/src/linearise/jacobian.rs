@@ -172,10 +172,12 @@ fn write<T: Float>(total: &PartialDerivatives<T>, out: &mut [T]) {
     let energies = powers * columns;
     let derivative = total.derivative.values().chunks_exact(columns);
     let powers = total.powers.values().get(energies..).unwrap_or_default();
-    out.fill(T::zero());
-    let rows = derivative.chain(powers.chunks_exact(columns));
-    for (to, row) in out.chunks_exact_mut(width.max(1)).zip(rows) {
-        to.iter_mut().zip(row).for_each(|(to, x)| *to = *x);
+    let mut rows = derivative.chain(powers.chunks_exact(columns));
+    for to in out.chunks_exact_mut(width.max(1)) {
+        let row = rows.next().unwrap_or_default();
+        let (own, behind) = to.split_at_mut(row.len().min(to.len()));
+        own.iter_mut().zip(row).for_each(|(to, x)| *to = *x);
+        behind.fill(T::zero());
     }
 }
 
