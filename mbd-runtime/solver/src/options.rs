@@ -233,7 +233,8 @@ pub struct Options {
     pub max_steps: u64,
     /// Whether the work of loads, dampers and prescribed motions is integrated along with the run. Without it an adaptive run of a scene with one of
     /// these has no [balance of energy](crate::Simulation::imbalance): fixed steps take it from the power at their ends. Where joints are driven this solves the system of
-    /// the joints once more a stage. In a step from a state at which rows lose rank the work of motors is as good as their power times the step.
+    /// the joints once more a stage. In a step from a state at which rows lose rank the work of motors is as good as their power times the step. A model that
+    /// does not emit `energy` has none.
     pub work: bool,
     /// Whether a run follows its [momentum](crate::Simulation::momentum_imbalance), where the ground holds nothing of the scene: four evaluations of
     /// gravity and loads by the laws a step.

@@ -416,6 +416,35 @@ fn an_output_that_is_not_emitted_is_an_error_and_no_number() {
         .expect("a run without outputs");
 }
 
+#[test]
+fn work_needs_the_energy_that_a_model_emits() {
+    let mute = Mute::new(MuteParams::default()).expect("no params");
+    for method in [Options::rk4(0.1), Options::tsit5(1e-6)] {
+        let works = Options {
+            work: true,
+            ..method
+        };
+        let error = Simulation::new(&mute, works).err();
+        let error = error.expect("no energy to integrate the work of");
+        let told = error.to_string();
+        for said in [
+            "a run with `work`, of a model that does not emit the `energy`",
+            "add `energy` to the `emit` of its declaration",
+        ] {
+            assert!(told.contains(said), "{told}");
+        }
+        // Momentum is that of the laws, and so is the energy that fixed steps are watched by.
+        let follows = Options {
+            momentum: true,
+            ..method
+        };
+        let mut run = Simulation::new(&mute, follows).expect("options");
+        run.run(1.0).expect("a stone that rests");
+        assert!(run.momentum_imbalance().is_some());
+        assert_eq!(run.imbalance().map(|found| found.relative()), Some(0.0));
+    }
+}
+
 mbd_runtime::model! {
     /// A rod on a pin whose inverse dynamics are compiled.
     model Swinging {

@@ -68,6 +68,14 @@ pub(super) fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Resu
                 .into(),
         });
     }
+    if options.work && !model.emits(Quantity::Energy) {
+        return Err(StepError::Unsupported {
+            what: "a run with `work`, of a model that does not emit the `energy` whose powers it integrates,"
+                .into(),
+            instead: "add `energy` to the `emit` of its declaration, leave `emit` out, or run without `work`"
+                .into(),
+        });
+    }
     if let Some((_, held)) = model.layout().redundancy.idle_lock(model.scene()) {
         return Err(StepError::Unsupported {
             what: format!("a lock where {held}"),
