@@ -15,7 +15,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use crate::columns;
-use crate::dispersion::{CampaignFile, Dispersions, LaterScene, WrittenMetric};
+use crate::dispersion::{CampaignFile, Dispersions, LaterScene, WrittenMetric, sampling};
 use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
@@ -25,7 +25,9 @@ use crate::metric::Metrics;
 use crate::results::CaseRow;
 use crate::run::always_mapped;
 use crate::run::names::wrong;
-use crate::run::{GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, go_on};
+use crate::run::{
+    GoingRun, Mistakes, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, go_on,
+};
 use settled::{given, planned, settings_of};
 
 mod replay;
@@ -103,7 +105,7 @@ impl Campaign {
     /// The campaign of a file; `settings` say how the model is run where the file says nothing.
     ///
     /// # Errors
-    /// The file cannot be read; the first thing in it that cannot be used, by name.
+    /// The file cannot be read; what cannot be used in it, by name, each on a line of its own. How it is run comes first: the rest is asked of that run.
     pub fn read(
         file: &Path,
         model: Arc<dyn Model<f64>>,
@@ -125,7 +127,7 @@ impl Campaign {
         })?;
         let folder = file.parent().unwrap_or(Path::new(""));
         Campaign::new(&written, folder, first, later)
-            .map_err(|error| Failure::Invalid(format!("{name}: {error}")))
+            .map_err(|mistakes| Failure::Invalid(mistakes.of_file(file)))
     }
 
     /// The tables of numbers that a campaign file names, as far as it can be read.
@@ -148,7 +150,7 @@ impl Campaign {
         folder: &Path,
         mut first: Phase,
         later: Vec<Phase>,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, Mistakes> {
         let (own, given) = given(written)?;
         let model = first.model.clone();
         first.settings = settings_of(own, &*model, first.settings);
@@ -172,27 +174,31 @@ impl Campaign {
             .collect();
         let scene = (model.scene(), model.layout());
         let run = ((&nominal, &settings), later.as_slice());
-        let dispersions = Dispersions::new(written, scene, run, folder)?;
-        let envelopes = written.envelopes.as_ref();
-        let envelopes = envelopes
-            .map(|written| Envelopes::new(written, (&models, &nominal), &mut content))
-            .transpose()?;
-        let metrics = Metrics::new(
-            (written.metrics.iter(), dispersions.sampling),
-            (&models, content),
-        )?;
+        let mut mistakes = Mistakes::default();
+        let dispersions = mistakes.note(Dispersions::new(written, scene, run, folder));
+        let envelopes = written.envelopes.as_ref().and_then(|written| {
+            mistakes.note(Envelopes::new(written, (&models, &nominal), &mut content))
+        });
+        // A sampling that there is not was told with the dispersions.
+        let metrics = sampling(written).ok().and_then(|sampling| {
+            let of_file = (written.metrics.iter(), sampling);
+            mistakes.note(Metrics::new(of_file, (&models, content)))
+        });
+        let block = mistakes.note(block(written));
+        let read = dispersions.zip(metrics);
+        if let Some((dispersions, metrics)) = &read {
+            mistakes.note(tell_apart(metrics, dispersions));
+        }
+        let asked = read.as_ref().and_then(|(dispersions, metrics)| {
+            mistakes.note(asked(written, metrics, dispersions.cases))
+        });
+        let ((dispersions, metrics), (asked, block)) =
+            mistakes.unless(read.zip(asked.zip(block)))?;
         let columns = models.len() > 1;
         let columns = columns.then(|| columns::joined(&models, metrics.content));
         // Work is integrated for those who ask for energy: no step with it is made in lanes.
         for plan in std::iter::once(&mut nominal).chain(&mut plans) {
             plan.options.work &= metrics.content.energy;
-        }
-        tell_apart(&metrics, &dispersions)?;
-        let asked = asked(written, &metrics, dispersions.cases)?;
-        let block = written.block.unwrap_or(BLOCK);
-        if !(1..=MOST_A_BLOCK).contains(&block) {
-            let text = format!("a file of results holds from 1 to {MOST_A_BLOCK} cases");
-            return Err(wrong("block", text));
         }
         let nominal_moved = start_moved(&*model, &nominal);
         Ok(Campaign {
@@ -227,8 +233,8 @@ impl Campaign {
     /// The metrics, as they are read from histories of the model that hold at least this content.
     ///
     /// # Errors
-    /// One cannot be read from such a history.
-    pub fn metrics_in(&self, content: Content) -> Result<Metrics, PlanError> {
+    /// Those that cannot be read from such a history.
+    pub fn metrics_in(&self, content: Content) -> Result<Metrics, Mistakes> {
         Metrics::new(
             (self.written.iter(), self.dispersions.sampling),
             (&[&*self.model], content),
@@ -531,15 +537,31 @@ fn start_moved(model: &dyn Model<f64>, plan: &RunPlan) -> Vec<Moved> {
 }
 
 /// What the file asks to be told beside the metrics.
-fn asked(written: &CampaignFile, metrics: &Metrics, last: u64) -> Result<ResultOptions, PlanError> {
+fn asked(written: &CampaignFile, metrics: &Metrics, last: u64) -> Result<ResultOptions, Mistakes> {
+    let mut mistakes = Mistakes::default();
     let histories = written.histories.clone().unwrap_or_default();
-    let footprints = written.footprint.iter().enumerate().map(|(at, footprint)| {
-        Footprint::new(footprint, &metrics.list, &format!("footprint[{at}]"))
-    });
-    Ok(ResultOptions {
-        histories: Choice::new(&histories, &metrics.list, last)?,
-        footprints: footprints.collect::<Result<_, _>>()?,
-    })
+    let histories = mistakes.note(Choice::new(&histories, &metrics.list, last));
+    let mut footprints = Vec::new();
+    for (at, footprint) in written.footprint.iter().enumerate() {
+        let footprint = Footprint::new(footprint, &metrics.list, &format!("footprint[{at}]"));
+        footprints.extend(mistakes.note(footprint));
+    }
+    mistakes.unless(histories.map(|histories| ResultOptions {
+        histories,
+        footprints,
+    }))
+}
+
+/// How many cases share a file of results.
+fn block(written: &CampaignFile) -> Result<u64, PlanError> {
+    let block = written.block.unwrap_or(BLOCK);
+    match (1..=MOST_A_BLOCK).contains(&block) {
+        true => Ok(block),
+        false => {
+            let text = format!("a file of results holds from 1 to {MOST_A_BLOCK} cases");
+            Err(wrong("block", text))
+        }
+    }
 }
 
 /// Every `file` of distributions, however deep they stand.
@@ -553,17 +575,18 @@ fn named_files(table: &Table, folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Refuses a metric that has the name of another column.
-fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), PlanError> {
+/// Refuses metrics that have the name of another column.
+fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), Mistakes> {
     let dispersed = dispersions.varied.iter();
     let mut taken: Vec<&str> = dispersed.map(|varied| varied.known.name.as_str()).collect();
     taken.extend(COLUMNS_OF_RESULTS);
-    let mut names = metrics.list.iter().map(|metric| metric.name.as_str());
-    match names.find(|name| taken.contains(name)) {
-        Some(name) => Err(wrong(
+    let names = metrics.list.iter().map(|metric| metric.name.as_str());
+    let mut mistakes = Mistakes::default();
+    for name in names.filter(|name| taken.contains(name)) {
+        mistakes.note::<()>(Err(wrong(
             format!("metrics.{name}"),
             "another column of the results has this name: give it one of its own",
-        )),
-        None => Ok(()),
+        )));
     }
+    mistakes.unless(Some(()))
 }

@@ -18,6 +18,7 @@ use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
 use crate::phases::{SharedMetric, shared_metrics};
 use crate::results::{ITS_SCENE, LARGE_ERROR, THE_RUN, counts_up_to, left_before, no_value};
+use crate::run::Mistakes;
 use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
 use crate::sampling::CaseSampling;
@@ -96,14 +97,15 @@ impl Metrics {
     /// to be, which `sampling` has a part in. Histories hold `content`, and what metrics need besides.
     ///
     /// # Errors
-    /// The first that cannot be read from a history of these models, or that two of them declare differently.
+    /// Those that cannot be read from a history of these models, or that two of them declare differently.
     pub(crate) fn new<'m>(
         (written, sampling): (
             impl Iterator<Item = (&'m String, &'m WrittenMetric)> + Clone,
             CaseSampling,
         ),
         (models, content): (&columns::Models<'_>, Content),
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, Mistakes> {
+        let mut mistakes = Mistakes::default();
         let mut metrics = Metrics {
             list: Vec::new(),
             content,
@@ -113,41 +115,37 @@ impl Metrics {
         let of_declared = all.iter().filter(|own| own.metric.output.is_some());
         for SharedMetric { metric, .. } in of_declared {
             let setting = format!("metrics.{}", metric.name);
-            columns::include(&mut metrics.content, &metric.name, (&setting, models))?;
+            let held = columns::include(&mut metrics.content, &metric.name, (&setting, models));
+            mistakes.note(held);
         }
         let is_declared = |name: &str| all.iter().any(|own| own.metric.name == name);
-        let own = written.clone().filter(|(name, _)| !is_declared(name));
-        for (name, metric) in own.clone() {
-            for column in metric.columns() {
-                let setting = format!("metrics.{name}");
-                columns::include(&mut metrics.content, column, (&setting, models))?;
-            }
+        let mut own = Vec::new();
+        for (name, metric) in written.clone().filter(|(name, _)| !is_declared(name)) {
+            let setting = format!("metrics.{name}");
+            let mut columns = metric.columns();
+            let held = columns.try_for_each(|column| {
+                columns::include(&mut metrics.content, column, (&setting, models))
+            });
+            own.extend(mistakes.note(held).map(|()| (name, metric)));
         }
         let names = columns::names(models, metrics.content);
         for shared in &all {
-            let mut declared = declared(shared, &names)?;
+            let Some(mut declared) = mistakes.note(declared(shared, &names)) else {
+                continue;
+            };
             if let Some((name, written)) = written.clone().find(|(it, _)| **it == declared.name) {
-                declared.require = MetricTextReader::new(name, written, (&names, sampling))
-                    .of_declared(&declared.unit)?;
+                let reader = MetricTextReader::new(name, written, (&names, sampling));
+                let require = mistakes.note(reader.of_declared(&declared.unit));
+                declared.require = require.flatten();
             }
             metrics.list.push(declared);
         }
         for (name, written) in own {
             let reader = MetricTextReader::new(name, written, (&names, sampling));
-            let mut own = reader.metric(models)?;
-            // Events are those of all scenes: they are told beside the time, which all have.
-            let column = match own.reader.take {
-                Take::TimeOf => 0,
-                _ => own.reader.column,
-            };
-            own.scenes = columns::models_with(models, metrics.content, column);
-            if own.scenes.is_empty() {
-                let text = "`phase` counts the scenes of a run, and is a quantity of none: take the `time_of` the event that lets one go on";
-                return Err(reader.wrong(text));
-            }
-            metrics.list.push(own);
+            let metric = reader.metric((models, metrics.content));
+            metrics.list.extend(mistakes.note(metric));
         }
-        Ok(metrics)
+        mistakes.unless(Some(metrics))
     }
 
     /// What histories have to measure.
@@ -358,7 +356,10 @@ impl<'r> MetricTextReader<'r> {
         require.map(|it| self.requirement(it, unit)).transpose()
     }
 
-    fn metric(&self, models: &columns::Models<'_>) -> Result<CampaignMetric, PlanError> {
+    fn metric(
+        &self,
+        (models, content): (&columns::Models<'_>, Content),
+    ) -> Result<CampaignMetric, PlanError> {
         let written = self.written;
         let mut given = written.takes();
         let (Some((take, of)), None) = (given.next(), given.next()) else {
@@ -411,13 +412,23 @@ impl<'r> MetricTextReader<'r> {
             event,
             window,
         };
+        // Events are those of all scenes: they are told beside the time, which all have.
+        let column = match take {
+            Take::TimeOf => 0,
+            _ => reader.column,
+        };
+        let scenes = columns::models_with(models, content, column);
+        if scenes.is_empty() {
+            let text = "`phase` counts the scenes of a run, and is a quantity of none: take the `time_of` the event that lets one go on";
+            return Err(self.wrong(text));
+        }
         Ok(CampaignMetric {
             name: self.name.to_owned(),
             unit,
             remark: remark(&reader, self.names),
             require,
             reader,
-            scenes: Vec::new(),
+            scenes,
         })
     }
 

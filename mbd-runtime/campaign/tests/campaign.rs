@@ -666,6 +666,87 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
 }
 
 #[test]
+fn all_mistakes_of_a_file_are_told_at_once_and_what_hangs_on_them_is_not() {
+    let folder = Folder::new("all_mistakes");
+    let told = |changes: &[(&str, &str)], more: &str| {
+        let mut text = format!("{FILE}{more}");
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        let file = folder.file("wrong.toml", &text);
+        let error = read(&file).err().expect("mistakes");
+        assert_eq!(error.code(), 2, "{error}");
+        let prefix = format!("{}: ", file.display());
+        let lines = error.to_string();
+        let lines = lines.lines().map(|line| {
+            let rest = line.strip_prefix(&prefix);
+            rest.unwrap_or_else(|| panic!("{line}")).to_owned()
+        });
+        lines.collect::<Vec<_>>()
+    };
+    // One is told as it is told among others, and what names it elsewhere is no mistake of its own.
+    let together =
+        "\n[[correlated]]\nnames = [\"mass\", \"stiffness\"]\nmatrix = [[1.0, 0.1], [0.1, 1.0]]\n";
+    let alone = told(&[("mass = {", "mas = {")], together);
+    assert_eq!(alone.len(), 1, "{alone:?}");
+    assert!(alone[0].starts_with("`params.mas`: this scene has no `mas`; did you mean `mass`?"));
+    let changes = [
+        ("mass = {", "mas = {"),
+        ("low = \"4 kN/m\"", "low = \"7 kN/m\""),
+        ("lamp.vx", "lamp.vvx"),
+        ("mode = \"0 m/s\"", "mode = \"9 m/s\""),
+        ("max = \"pull\"", "max = \"pul\""),
+        ("at = \"low\"", "at = \"lwo\""),
+        ("block = 6", "block = 0"),
+    ];
+    let envelopes = "\n[envelopes]\ncolumns = [\"pul\", \"lamp.z\", \"lamp.z\", \"lamp.zz\"]\nevery = \"-1 s\"\n\n[[footprint]]\nx = \"peak\"\ny = \"heigth\"\n";
+    let all = told(&changes, envelopes);
+    let begin = [
+        "`params.mas`: this scene has no `mas`; did you mean `mass`?",
+        "`params.stiffness`: `low` (7000) must be below `high` (6000)",
+        "`start.lamp.vvx`: this scene has no `start.lamp.vvx`; did you mean `start.lamp.vx`?",
+        "`inputs.wind.y`: `mode` (9) must lie between `low` (-2) and `high` (3)",
+        "`envelopes.columns`: histories have no column `pul`; did you mean `pull`?",
+        "`envelopes.columns`: `lamp.z` stands here twice",
+        "`envelopes.columns`: histories have no column `lamp.zz`",
+        "`envelopes.every`: ",
+        "`metrics.peak`: histories have no column `pul`; did you mean `pull`?",
+        "`metrics.swung`: this scene has no event `lwo`; did you mean `low`?",
+        "`block`: a file of results holds from 1 to",
+    ];
+    assert_eq!(all.len(), begin.len(), "{all:#?}");
+    for (line, begin) in all.iter().zip(begin) {
+        assert!(line.starts_with(begin), "{line}\n{begin}");
+    }
+    assert_eq!(alone[0], all[0]);
+    // A sampling that there is not says nothing about grids and confidences.
+    let sampling = told(
+        &[
+            ("seed = 7", "seed = 7\nsampling = \"gird\""),
+            (
+                "dist = \"uniform\", low = \"4 kN/m\", high = \"6 kN/m\"",
+                "dist = \"grid\", values = [\"4 kN/m\"]",
+            ),
+            ("lamp.vx", "lamp.vvx"),
+        ],
+        "",
+    );
+    assert_eq!(sampling.len(), 2, "{sampling:#?}");
+    assert!(
+        sampling[0].contains("did you mean `grid`?"),
+        "{sampling:#?}"
+    );
+    // Everything that is dispersed is there: what ties it together is told one by one, too, and what is told beside the metrics.
+    let tied = "\n[[correlated]]\nnames = [\"mass\", \"lamp\"]\nmatrix = [[1.0, 0.1], [0.1, 1.0]]\n[[constraint]]\nsum = { mass = 1 }\n[[constraint]]\nsum = { mas = 1 }\n";
+    let tied = told(&[], tied);
+    assert_eq!(tied.len(), 3, "{tied:#?}");
+    let beside = "\n[histories]\nlargest = { paek = 1 }\n[[footprint]]\nx = \"peak\"\ny = \"heigth\"\n[[footprint]]\nx = \"peak\"\ny = \"peak\"\n";
+    let beside = told(&[("height =", "end ="), ("swung =", "mass =")], beside);
+    assert_eq!(beside.len(), 5, "{beside:#?}");
+}
+
+#[test]
 fn no_cases_are_the_nominal_alone() {
     let folder = Folder::new("none");
     let campaign = campaign(&folder, &FILE.replace("cases = 40", "cases = 0"));

@@ -14,7 +14,7 @@ use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::number::number;
-use crate::run::{RunPlan, Settings};
+use crate::run::{Mistakes, RunPlan, Settings};
 use crate::sampling::{CaseSampling, Distribution, UnitSamples};
 use correlation::Correlation;
 pub use name::{Dispersible, DispersionTarget, LaterScene};
@@ -22,6 +22,7 @@ pub use written::{
     CampaignFile, WrittenEnvelopes, WrittenFootprint, WrittenHistories, WrittenMetric,
     WrittenRequirement,
 };
+use written::{WrittenConstraint, WrittenCorrelation};
 
 /// The most cases.
 const MOST_CASES: u64 = 100_000_000;
@@ -72,14 +73,15 @@ impl Dispersions {
     /// Those of a file, for a scene that is run as planned and those that go on `later`; tables lie in `folder`.
     ///
     /// # Errors
-    /// The first setting that cannot be used.
+    /// The settings that cannot be used.
     pub fn new(
         written: &CampaignFile,
         (scene, layout): (&Scene, &Layout),
         (run, later): ((&RunPlan, &Settings), &[LaterScene<'_>]),
         folder: &Path,
-    ) -> Result<Self, PlanError> {
-        let sampling = sampling(written)?;
+    ) -> Result<Self, Mistakes> {
+        let mut mistakes = Mistakes::default();
+        let sampling = mistakes.note(sampling(written));
         let known = name::known((scene, layout), run, later);
         let mut distributions = Vec::new();
         let parts = [
@@ -88,46 +90,35 @@ impl Dispersions {
             ("inputs", &written.inputs),
         ];
         for (part, table) in parts {
-            for (name, table) in read::flat(part, table)? {
+            for (name, table) in read::flat(part, table) {
                 let setting = if part.is_empty() {
                     format!("params.{name}")
                 } else {
                     name.clone()
                 };
-                let known = name::find(&known, &setting, &name)?;
-                name::is_one(known, &setting, (scene, run.0), later)?;
-                distributions.push((
-                    known.clone(),
-                    read::read(&setting, &table, known, folder)?,
-                    setting,
-                ));
+                let read = table.and_then(|table| {
+                    let known = name::find(&known, &setting, &name)?;
+                    name::is_one(known, &setting, (scene, run.0), later)?;
+                    let read = read::read(&setting, &table, known, folder)?;
+                    of_sampling(&setting, &read, sampling)?;
+                    Ok((known.clone(), read))
+                });
+                distributions.extend(mistakes.note(read));
             }
         }
-        for (_, read, setting) in &distributions {
-            if read.grid != (sampling == CaseSampling::Grid) {
-                let text =
-                    "`dist = \"grid\"` goes with `sampling = \"grid\"`, and nothing else does";
-                return Err(wrong(setting, text));
-            }
-        }
-        if let Some(most) = sampling.most().filter(|most| distributions.len() > *most) {
-            let text = format!(
-                "a Sobol sequence has up to {most} dimensions, these are {}: take `latin`",
-                distributions.len()
-            );
-            return Err(wrong("sampling", text));
-        }
-        let cases = cases(
-            written,
-            sampling,
-            distributions.iter().map(|(_, read, _)| &read.distribution),
-        )?;
+        let cases = sampling.and_then(|sampling| {
+            let read = distributions.iter().map(|(_, read)| &read.distribution);
+            let fits = fits(sampling, distributions.len());
+            mistakes.note(fits.and_then(|()| cases(written, sampling, read)))
+        });
+        // What varies together, and what sums draws keep to, is asked of all that is dispersed.
+        let (sampling, cases) = mistakes.unless(sampling.zip(cases))?;
         // Numbers of one file come from one row: they are drawn by one stream, and in one dimension.
         let mut streams: Vec<String> = Vec::new();
         let varied = distributions
             .into_iter()
             .enumerate()
-            .map(|(place, (known, read, _))| {
+            .map(|(place, (known, read))| {
                 let file = read.file;
                 let stream = file
                     .as_ref()
@@ -150,9 +141,18 @@ impl Dispersions {
             correlations: Vec::new(),
             constraints: Vec::new(),
         };
-        dispersions.read_correlations(written)?;
-        dispersions.read_constraints(written, &known)?;
-        Ok(dispersions)
+        let mut mistakes = Mistakes::default();
+        for (number, correlated) in written.correlated.iter().enumerate() {
+            let setting = format!("correlated[{number}]");
+            let read = dispersions.correlation(setting, correlated);
+            dispersions.correlations.extend(mistakes.note(read));
+        }
+        for (number, constraint) in written.constraint.iter().enumerate() {
+            let setting = format!("constraint[{number}]");
+            let read = dispersions.constraint(setting, constraint, &known);
+            dispersions.constraints.extend(mistakes.note(read));
+        }
+        mistakes.unless(Some(dispersions))
     }
 
     fn index(&self, setting: &str, name: &str) -> Result<usize, PlanError> {
@@ -167,95 +167,88 @@ impl Dispersions {
         })
     }
 
-    fn read_correlations(&mut self, written: &CampaignFile) -> Result<(), PlanError> {
-        for (number, correlated) in written.correlated.iter().enumerate() {
-            let setting = format!("correlated[{number}]");
-            if self.sampling == CaseSampling::Grid {
-                return Err(wrong(
-                    setting,
-                    "the values of a grid are combined, not drawn: leave this out",
-                ));
-            }
-            let members = correlated
-                .names
-                .iter()
-                .map(|name| self.index(&setting, name));
-            let members: Vec<usize> = members.collect::<Result<_, _>>()?;
-            let before = self.correlations.iter().flat_map(|known| &known.members);
-            let twice = members.iter().enumerate().find(|(at, member)| {
-                members[..*at].contains(member) || before.clone().any(|known| known == *member)
-            });
-            if let Some((_, member)) = twice {
-                let text = format!(
-                    "`{}` is correlated twice: write one matrix",
-                    self.varied[*member].known.name
-                );
-                return Err(wrong(setting, text));
-            }
-            self.correlations
-                .push(Correlation::new(&setting, members, &correlated.matrix)?);
+    fn correlation(
+        &self,
+        setting: String,
+        written: &WrittenCorrelation,
+    ) -> Result<Correlation, PlanError> {
+        if self.sampling == CaseSampling::Grid {
+            return Err(wrong(
+                setting,
+                "the values of a grid are combined, not drawn: leave this out",
+            ));
         }
-        Ok(())
+        let members = written.names.iter().map(|name| self.index(&setting, name));
+        let members: Vec<usize> = members.collect::<Result<_, _>>()?;
+        let before = self.correlations.iter().flat_map(|known| &known.members);
+        let twice = members.iter().enumerate().find(|(at, member)| {
+            members[..*at].contains(member) || before.clone().any(|known| known == *member)
+        });
+        if let Some((_, member)) = twice {
+            let text = format!(
+                "`{}` is correlated twice: write one matrix",
+                self.varied[*member].known.name
+            );
+            return Err(wrong(setting, text));
+        }
+        Correlation::new(&setting, members, &written.matrix)
     }
 
-    fn read_constraints(
-        &mut self,
-        written: &CampaignFile,
+    fn constraint(
+        &self,
+        setting: String,
+        written: &WrittenConstraint,
         known: &[Dispersible],
-    ) -> Result<(), PlanError> {
-        for (index, constraint) in written.constraint.iter().enumerate() {
-            let setting = format!("constraint[{index}]");
-            if self.sampling != CaseSampling::Random {
+    ) -> Result<Constraint, PlanError> {
+        if self.sampling != CaseSampling::Random {
+            return Err(wrong(
+                setting,
+                "draws that break a constraint are drawn again, which goes with `sampling = \"random\"` alone",
+            ));
+        }
+        let mut unit = None;
+        let (mut factors, mut rest) = (Vec::new(), 0.0);
+        for (name, factor) in &written.sum {
+            let known = name::find(known, &setting, name)?;
+            let first = unit.get_or_insert(known.unit.clone());
+            if *first != known.unit {
                 return Err(wrong(
                     setting,
-                    "draws that break a constraint are drawn again, which goes with `sampling = \"random\"` alone",
+                    format!(
+                        "`{name}` is in {}, the first in {first}: only what has one unit adds up",
+                        known.unit
+                    ),
                 ));
             }
-            let mut unit = None;
-            let (mut factors, mut rest) = (Vec::new(), 0.0);
-            for (name, factor) in &constraint.sum {
-                let known = name::find(known, &setting, name)?;
-                let first = unit.get_or_insert(known.unit.clone());
-                if *first != known.unit {
-                    return Err(wrong(
-                        setting,
-                        format!(
-                            "`{name}` is in {}, the first in {first}: only what has one unit adds up",
-                            known.unit
-                        ),
-                    ));
-                }
-                match self
-                    .varied
-                    .iter()
-                    .position(|varied| varied.known.name == *name)
-                {
-                    Some(at) => factors.push((at, *factor)),
-                    None => rest += factor * known.nominal,
-                }
+            match self
+                .varied
+                .iter()
+                .position(|varied| varied.known.name == *name)
+            {
+                Some(at) => factors.push((at, *factor)),
+                None => rest += factor * known.nominal,
             }
-            let Some(unit) = unit.filter(|_| !factors.is_empty()) else {
-                return Err(wrong(setting, "`sum` names nothing that is dispersed"));
-            };
-            let bound = |value: &Option<toml::Value>, free: f64| {
-                value
-                    .as_ref()
-                    .map_or(Ok(free), |value| number(&setting, value, &unit))
-            };
-            let bounds = [
-                bound(&constraint.at_least, f64::NEG_INFINITY)?,
-                bound(&constraint.at_most, f64::INFINITY)?,
-            ];
-            if constraint.at_least.is_none() && constraint.at_most.is_none() {
-                return Err(wrong(setting, "give `at_least` or `at_most`"));
-            }
-            self.constraints.push(Constraint {
-                factors,
-                rest,
-                bounds,
-            });
         }
-        Ok(())
+        let Some(unit) = unit.filter(|_| !factors.is_empty()) else {
+            return Err(wrong(setting, "`sum` names nothing that is dispersed"));
+        };
+        let bound = |value: &Option<toml::Value>, free: f64| {
+            value
+                .as_ref()
+                .map_or(Ok(free), |value| number(&setting, value, &unit))
+        };
+        let bounds = [
+            bound(&written.at_least, f64::NEG_INFINITY)?,
+            bound(&written.at_most, f64::INFINITY)?,
+        ];
+        if written.at_least.is_none() && written.at_most.is_none() {
+            return Err(wrong(setting, "give `at_least` or `at_most`"));
+        }
+        Ok(Constraint {
+            factors,
+            rest,
+            bounds,
+        })
     }
 
     /// The dispersed numbers of a case, in order [SI]; case 0 has the nominal ones.
@@ -498,7 +491,11 @@ fn place(table: &mut Table, name: &str, value: toml::Value) {
     }
 }
 
-fn sampling(written: &CampaignFile) -> Result<CaseSampling, PlanError> {
+/// How the cases of a file are spread.
+///
+/// # Errors
+/// There is no such sampling.
+pub fn sampling(written: &CampaignFile) -> Result<CaseSampling, PlanError> {
     let Some(word) = &written.sampling else {
         return Ok(CaseSampling::Random);
     };
@@ -508,6 +505,34 @@ fn sampling(written: &CampaignFile) -> Result<CaseSampling, PlanError> {
         let all = near_and_all(word, words);
         wrong("sampling", format!("there is no sampling `{word}`{all}"))
     })
+}
+
+/// Refuses a list of a grid where cases are drawn, and what is drawn in a grid; a sampling that there is not was told.
+fn of_sampling(
+    setting: &str,
+    read: &read::Read,
+    sampling: Option<CaseSampling>,
+) -> Result<(), PlanError> {
+    match sampling {
+        Some(sampling) if read.grid != (sampling == CaseSampling::Grid) => Err(wrong(
+            setting,
+            "`dist = \"grid\"` goes with `sampling = \"grid\"`, and nothing else does",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses more numbers than a sampling has dimensions.
+fn fits(sampling: CaseSampling, numbers: usize) -> Result<(), PlanError> {
+    match sampling.most().filter(|most| numbers > *most) {
+        None => Ok(()),
+        Some(most) => {
+            let text = format!(
+                "a Sobol sequence has up to {most} dimensions, these are {numbers}: take `latin`"
+            );
+            Err(wrong("sampling", text))
+        }
+    }
 }
 
 fn cases<'d>(

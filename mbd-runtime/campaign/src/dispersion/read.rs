@@ -293,8 +293,8 @@ impl DispersionReader<'_> {
     }
 }
 
-/// Distributions with their dotted names, in the order of the names.
-pub fn flat(part: &str, table: &Table) -> Result<BTreeMap<String, Table>, PlanError> {
+/// Distributions with their dotted names, in the order of the names, and what stands there and is none.
+pub fn flat(part: &str, table: &Table) -> BTreeMap<String, Result<Table, PlanError>> {
     let mut all = BTreeMap::new();
     for (name, value) in table {
         let full = match part {
@@ -303,16 +303,14 @@ pub fn flat(part: &str, table: &Table) -> Result<BTreeMap<String, Table>, PlanEr
         };
         match value {
             Value::Table(inner) if is_distribution(inner) => {
-                all.insert(full, inner.clone());
+                all.insert(full, Ok(inner.clone()));
             }
-            Value::Table(inner) => all.extend(flat(&full, inner)?),
+            Value::Table(inner) => all.extend(flat(&full, inner)),
             _ => {
-                return Err(wrong(
-                    full,
-                    "give a distribution: { dist = \"normal\", sigma = \"5 %\" }",
-                ));
+                let text = "give a distribution: { dist = \"normal\", sigma = \"5 %\" }";
+                all.insert(full.clone(), Err(wrong(full, text)));
             }
         }
     }
-    Ok(all)
+    all
 }

@@ -14,7 +14,7 @@ use crate::dispersion::WrittenEnvelopes;
 use crate::results::CaseRow;
 use crate::run::names::{column_name, wrong};
 use crate::run::number::positive;
-use crate::run::{PlanError, RunPlan};
+use crate::run::{Mistakes, RunPlan};
 
 pub use block::{CaseBlock, path};
 pub use told::{Envelope, LINES, table, told};
@@ -41,31 +41,34 @@ impl Envelopes {
     /// As they are written, for a run as planned that comes to these models; `content` comes to hold the columns.
     ///
     /// # Errors
-    /// The first setting that cannot be used.
+    /// The settings that cannot be used.
     pub(crate) fn new(
         written: &WrittenEnvelopes,
         (models, plan): (&columns::Models<'_>, &RunPlan),
         content: &mut Content,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, Mistakes> {
         if written.columns.is_empty() {
             let text = "names no column: columns = [\"riser.tension\"]";
-            return Err(wrong("envelopes.columns", text));
+            return Err(wrong("envelopes.columns", text).into());
         }
+        let mut mistakes = Mistakes::default();
         let named = written.columns.iter().map(|column| column_name(column));
         let named: Vec<String> = named.collect();
         for (at, column) in written.columns.iter().enumerate() {
-            if named[..at].contains(&named[at]) {
-                return Err(wrong(
+            let held = match named[..at].contains(&named[at]) {
+                true => Err(wrong(
                     "envelopes.columns",
                     format!("`{column}` stands here twice"),
-                ));
-            }
-            columns::include(content, column, ("envelopes.columns", models))?;
+                )),
+                false => columns::include(content, column, ("envelopes.columns", models)),
+            };
+            mistakes.note(held);
         }
         let every = match &written.every {
-            Some(value) => positive("envelopes.every", value, "s")?,
-            None => plan.until / INSTANTS,
+            Some(value) => mistakes.note(positive("envelopes.every", value, "s")),
+            None => Some(plan.until / INSTANTS),
         };
+        let every = mistakes.unless(every)?;
         // The end is an instant, whatever rounding makes of the quotient.
         let last = (plan.until / every * (1.0 + 1e-12)).floor();
         let numbers = (last + 1.0) * written.columns.len() as f64;
@@ -74,7 +77,7 @@ impl Envelopes {
                 "{} columns every {every} s are {numbers:.0} numbers of each case; at most {NUMBERS} are kept: write a longer distance",
                 written.columns.len()
             );
-            return Err(wrong("envelopes.every", text));
+            return Err(wrong("envelopes.every", text).into());
         }
         let known = columns::names(models, *content);
         let unit = |column: &String| {

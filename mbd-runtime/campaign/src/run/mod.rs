@@ -1,5 +1,6 @@
 //! How a scene is run: the settings as they are written, and what they mean for a scene.
 
+mod mistakes;
 pub(crate) mod names;
 pub(crate) mod number;
 mod phases;
@@ -8,6 +9,7 @@ mod scales;
 mod settings;
 mod words;
 
+pub use mistakes::Mistakes;
 pub use names::PlanError;
 pub(crate) use phases::always_mapped;
 pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};

@@ -17,7 +17,7 @@ use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 use crate::describe::warnings_of_reactions;
 use crate::run::{
-    Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
+    Mistakes, Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
     cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
     publish_gltf, publish_phases, short_of_digits, summary_json, warning,
 };
@@ -356,10 +356,10 @@ fn case_of(
 ) -> Result<(RunPlan, Metrics), CommandFailure> {
     let model = super::campaign::nominal(file)?;
     let all = Campaign::read(campaign, model, settings)?;
-    let both = all
-        .plan(case)
-        .and_then(|plan| Ok((plan, all.metrics_in(Content::ALL)?)));
-    both.map_err(|error| CommandFailure::Invalid(format!("{}: {error}", campaign.display())))
+    let invalid = |mistakes: Mistakes| CommandFailure::Invalid(mistakes.of_file(campaign));
+    let plan = all.plan(case).map_err(|error| invalid(error.into()))?;
+    let metrics = all.metrics_in(Content::ALL).map_err(invalid)?;
+    Ok((plan, metrics))
 }
 
 /// Whether a method of this name has a fixed step.

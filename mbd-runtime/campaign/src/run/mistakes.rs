@@ -1,0 +1,44 @@
+//! All that is wrong with a file: what does not depend on each other is told in one go.
+
+use std::path::Path;
+
+use super::names::PlanError;
+
+/// Settings that cannot be used, in the order in which they were found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mistakes {
+    list: Vec<PlanError>,
+}
+
+impl Mistakes {
+    /// What was made; `None` of what was not, which is noted.
+    pub(crate) fn note<T>(&mut self, made: Result<T, impl Into<Mistakes>>) -> Option<T> {
+        made.map_err(|wrong| self.list.extend(wrong.into().list))
+            .ok()
+    }
+
+    /// What was made where nothing was noted.
+    ///
+    /// # Errors
+    /// All that was noted.
+    pub(crate) fn unless<T>(self, made: Option<T>) -> Result<T, Mistakes> {
+        match made {
+            Some(made) if self.list.is_empty() => Ok(made),
+            _ => Err(self),
+        }
+    }
+
+    /// Each on a line of its own, behind the name of the file.
+    #[must_use]
+    pub fn of_file(&self, file: &Path) -> String {
+        let file = file.display();
+        let lines = self.list.iter().map(|wrong| format!("{file}: {wrong}"));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+}
+
+impl From<PlanError> for Mistakes {
+    fn from(wrong: PlanError) -> Self {
+        Mistakes { list: vec![wrong] }
+    }
+}
