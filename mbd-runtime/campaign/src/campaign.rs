@@ -10,7 +10,7 @@ use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
 use mbd_runtime::scene::{Packed, fingerprint};
 use mbd_runtime::{
     Batch, Case, Content, Ended, FailedCase, Finished, Joined, Model, Moved, Onward, RunError,
-    Sampling, Simulation, StepError, Trajectory,
+    Sampling, Simulation, StepError, Trajectory, switch_names, untold_switch,
 };
 use toml::{Table, Value};
 
@@ -275,7 +275,8 @@ impl Campaign {
             name: metric.name.clone(),
             unit: metric.unit.clone(),
             require: metric.require,
-            waits_for: metric.waits_for(locates),
+            waits_for: metric
+                .waits_for(locates, metric.event().and_then(|event| self.untold(event))),
             remark: metric.remark.clone(),
             from: metric.counts_from(),
             to: metric.counts_up_to(),
@@ -297,6 +298,19 @@ impl Campaign {
             envelopes: self.envelopes.clone(),
             told: self.asked.clone(),
         }
+    }
+
+    /// Why no scene of the nominal case tells a switch of its lines.
+    fn untold(&self, switch: &str) -> Option<String> {
+        let plans = std::iter::once(&self.nominal).chain(&self.later);
+        let models = self.phases.iter().zip(plans).filter_map(|(phase, plan)| {
+            let model = phase.model.with_params(&plan.params).ok()?;
+            let has = switch_names(&*model).iter().any(|name| name == switch);
+            has.then_some(model)
+        });
+        let whys = models.map(|model| untold_switch(&*model, switch));
+        let whys: Option<Vec<String>> = whys.collect();
+        whys?.into_iter().next()
     }
 
     fn check(&self, case: u64) -> Result<(), PlanError> {

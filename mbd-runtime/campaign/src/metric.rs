@@ -517,14 +517,25 @@ impl<'r> MetricTextReader<'r> {
 }
 
 impl CampaignMetric {
-    /// What did not happen in a run that came to its scene and has no value of it; empty where there always is one. `locates`: whether runs locate events.
-    pub(crate) fn waits_for(&self, locates: bool) -> String {
+    /// The event that it waits for, as histories name it.
+    pub(crate) fn event(&self) -> Option<&str> {
+        let waits = matches!(self.reader.take, Take::Value | Take::TimeOf);
+        waits.then_some(self.reader.event.as_str())
+    }
+
+    /// What did not happen in a run that came to its scene and has no value of it; empty where there always is one. `locates`: whether runs locate events;
+    /// `untold`: why they do not tell its event.
+    pub(crate) fn waits_for(&self, locates: bool, untold: Option<String>) -> String {
         match self.reader.take {
             Take::Value | Take::TimeOf if !locates => {
                 format!("`{}` is not located (`locate = false`)", self.reader.event)
             }
             Take::Value | Take::TimeOf => {
-                format!("`{}` did not happen{}", self.reader.event, self.outside())
+                let event = &self.reader.event;
+                match untold {
+                    Some(why) => format!("`{event}` is not told ({why})"),
+                    None => format!("`{event}` did not happen{}", self.outside()),
+                }
             }
             Take::FirstAbove => format!("the level was not passed{}", self.outside()),
             _ => String::new(),

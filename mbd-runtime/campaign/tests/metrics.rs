@@ -425,6 +425,50 @@ fn an_event_that_no_run_locates_is_not_told_as_one_that_did_not_happen() {
     assert_eq!(reason.as_deref(), Some(expected));
 }
 
+/// A bob that is thrown up from where a cord just carries it, and falls into the cord again.
+const THROWN: &str = "model Thrown {
+    gravity: [0.0, 0.0, -10.0] m/s^2;
+    param damping = 0 N*s/m in 0 N*s/m ..= 100 N*s/m;
+    point bob { mass: 1 kg, start at [0.0, 0.0, -1.01] m velocity [0.0, 0.0, 2.0] m/s }
+    line cord from world to bob { free_length: 1 m, stiffness: 1 kN/m, damping: damping }
+    event loose = cord.stretch falls 0 m;
+}";
+
+#[test]
+fn a_switch_that_a_line_does_not_tell_is_named_with_what_tells_it() {
+    let scene = read_text(THROWN).scene.expect("a scene");
+    let metrics = "[metrics]\nslack = { time_of = \"cord: slack\" }\nidle = { time_of = \"cord: idle\" }\nloose = { time_of = \"loose\" }\n";
+    let told = |damping: &str| {
+        let model = Interpreted::<f64>::new(scene.clone(), &[0.0]).expect("defaults");
+        let folder = Folder::new(&format!("metrics_untold_{}", damping.len()));
+        let text = format!(
+            "cases = 2\n{metrics}[run]\nuntil = \"1 s\"\ntolerance = 1e-8\nparams = {{ damping = \"{damping}\" }}\n"
+        );
+        let campaign = campaign_of(&folder, model.share(), &text).expect("valid");
+        let (_, results) = flown(&campaign, &folder.0.join("out"));
+        let summary = CampaignSummary::of(&results);
+        let reasons = summary.metrics.iter();
+        let reasons = reasons.filter_map(|told| Some((told.name.clone(), told.reason()?)));
+        reasons.collect::<Vec<_>>()
+    };
+    // The damping is that of the nominal case, not that of the declaration.
+    let untold = [
+        (
+            "0 N*s/m",
+            "idle",
+            "`cord: idle` is not told (a line without damping pulls until it is `cord: slack`) in 2 runs",
+        ),
+        (
+            "20 N*s/m",
+            "slack",
+            "`cord: slack` is not told (a damped line between bodies is `cord: idle` before; when it gets shorter than its free length is told by `event loose = cord.stretch falls 0 m`) in 2 runs",
+        ),
+    ];
+    for (damping, name, why) in untold {
+        assert_eq!(told(damping), [(name.to_owned(), why.to_owned())]);
+    }
+}
+
 /// √h √h/h is one up to its last bits, whatever the height.
 const ROUNDED: &str = "model Stone {
     gravity: [0.0, 0.0, -10.0] m/s^2;

@@ -140,7 +140,7 @@ pub use event::{Happening, Occurrence};
 pub use metric::{MetricReader, MetricValue, MissingMetric, NoMetric};
 pub use node::NodeMemory;
 pub use trajectory::{Joined, NotFinite, Sampling, Trajectory};
-pub use unilateral::{Mode, switch_names};
+pub use unilateral::{Mode, switch_names, untold_switch};
 pub use watch::Instability;
 
 // Derivatives, and what is found by them.

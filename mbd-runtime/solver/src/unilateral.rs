@@ -146,6 +146,45 @@ pub fn switch_names(model: &dyn Model<f64>) -> Vec<String> {
     names
 }
 
+/// Why a run of a model with these params does not tell one of its [switches](switch_names), and what to ask for in its place; `None` where it tells it.
+///
+/// ```
+/// use mbd_runtime::{model, untold_switch};
+///
+/// model! {
+///     /// A bob on a damped cord.
+///     model Hung {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         point bob { mass: 1 kg }
+///         line cord from world to bob { free_length: 1 m, stiffness: 2 kN/m, damping: 5 N*s/m }
+///     }
+/// }
+///
+/// let hung = Hung::new(HungParams::default()).expect("a model without params");
+/// let why = untold_switch(&hung, "cord: slack").expect("it is idle before");
+/// assert!(why.contains("`event loose = cord.stretch falls 0 m`"));
+/// assert_eq!(untold_switch(&hung, "cord: idle"), None);
+/// ```
+#[must_use]
+pub fn untold_switch(model: &dyn Model<f64>, switch: &str) -> Option<String> {
+    let (scene, layout) = (model.scene(), model.layout());
+    let named = |element: usize, mode| report(scene, layout, element, mode);
+    let mut lines = (0..layout.lines.len()).filter(|line| switches(model, *line));
+    lines.find_map(|line| {
+        let damped = model.lines().get(line)?.damping > 0.0;
+        if named(line, Mode::Slack) == switch && damped && !is_node_line(layout, line) {
+            let (idle, name) = (named(line, Mode::Idle), name(scene, layout, line));
+            return Some(format!(
+                "a damped line between bodies is `{idle}` before; when it gets shorter than its free length is told by `event loose = {name}.stretch falls 0 m`"
+            ));
+        }
+        (named(line, Mode::Idle) == switch && !damped).then(|| {
+            let slack = named(line, Mode::Slack);
+            format!("a line without damping pulls until it is `{slack}`")
+        })
+    })
+}
+
 /// What an element became, in words: `riser: taut`, `elbow.angle high stop: touched`.
 pub(crate) fn report(scene: &Scene, layout: &Layout, element: usize, mode: Mode) -> String {
     let is_stop = element >= layout.lines.len();
