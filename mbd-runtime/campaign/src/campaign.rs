@@ -26,7 +26,7 @@ use crate::results::CaseRow;
 use crate::run::always_mapped;
 use crate::run::names::wrong;
 use crate::run::{
-    GoingRun, Mistakes, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, go_on,
+    CampaignMistakes, GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, go_on,
 };
 use settled::{given, planned, settings_of};
 
@@ -150,7 +150,7 @@ impl Campaign {
         folder: &Path,
         mut first: Phase,
         later: Vec<Phase>,
-    ) -> Result<Self, Mistakes> {
+    ) -> Result<Self, CampaignMistakes> {
         let (own, given) = given(written)?;
         let model = first.model.clone();
         first.settings = settings_of(own, &*model, first.settings);
@@ -174,7 +174,7 @@ impl Campaign {
             .collect();
         let scene = (model.scene(), model.layout());
         let run = ((&nominal, &settings), later.as_slice());
-        let mut mistakes = Mistakes::default();
+        let mut mistakes = CampaignMistakes::default();
         let dispersions = mistakes.note(Dispersions::new(written, scene, run, folder));
         let envelopes = written.envelopes.as_ref().and_then(|written| {
             mistakes.note(Envelopes::new(written, (&models, &nominal), &mut content))
@@ -234,7 +234,7 @@ impl Campaign {
     ///
     /// # Errors
     /// Those that cannot be read from such a history.
-    pub fn metrics_in(&self, content: Content) -> Result<Metrics, Mistakes> {
+    pub fn metrics_in(&self, content: Content) -> Result<Metrics, CampaignMistakes> {
         Metrics::new(
             (self.written.iter(), self.dispersions.sampling),
             (&[&*self.model], content),
@@ -551,8 +551,12 @@ fn start_moved(model: &dyn Model<f64>, plan: &RunPlan) -> Vec<Moved> {
 }
 
 /// What the file asks to be told beside the metrics.
-fn asked(written: &CampaignFile, metrics: &Metrics, last: u64) -> Result<ResultOptions, Mistakes> {
-    let mut mistakes = Mistakes::default();
+fn asked(
+    written: &CampaignFile,
+    metrics: &Metrics,
+    last: u64,
+) -> Result<ResultOptions, CampaignMistakes> {
+    let mut mistakes = CampaignMistakes::default();
     let histories = written.histories.clone().unwrap_or_default();
     let histories = mistakes.note(Choice::new(&histories, &metrics.list, last));
     let mut footprints = Vec::new();
@@ -590,12 +594,12 @@ fn named_files(table: &Table, folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Refuses metrics that have the name of another column.
-fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), Mistakes> {
+fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), CampaignMistakes> {
     let dispersed = dispersions.varied.iter();
     let mut taken: Vec<&str> = dispersed.map(|varied| varied.known.name.as_str()).collect();
     taken.extend(COLUMNS_OF_RESULTS);
     let names = metrics.list.iter().map(|metric| metric.name.as_str());
-    let mut mistakes = Mistakes::default();
+    let mut mistakes = CampaignMistakes::default();
     for name in names.filter(|name| taken.contains(name)) {
         mistakes.note::<()>(Err(wrong(
             format!("metrics.{name}"),

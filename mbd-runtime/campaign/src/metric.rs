@@ -18,7 +18,7 @@ use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
 use crate::phases::{SharedMetric, shared_metrics};
 use crate::results::{ITS_SCENE, LARGE_ERROR, THE_RUN, counts_up_to, left_before, no_value};
-use crate::run::Mistakes;
+use crate::run::CampaignMistakes;
 use crate::run::names::{PlanError, column_name, wrong};
 use crate::run::number::number;
 use crate::sampling::CaseSampling;
@@ -104,8 +104,8 @@ impl Metrics {
             CaseSampling,
         ),
         (models, content): (&columns::Models<'_>, Content),
-    ) -> Result<Self, Mistakes> {
-        let mut mistakes = Mistakes::default();
+    ) -> Result<Self, CampaignMistakes> {
+        let mut mistakes = CampaignMistakes::default();
         let mut metrics = Metrics {
             list: Vec::new(),
             content,

@@ -14,7 +14,7 @@ use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::number::number;
-use crate::run::{Mistakes, RunPlan, Settings};
+use crate::run::{CampaignMistakes, RunPlan, Settings};
 use crate::sampling::{CaseSampling, Distribution, UnitSamples};
 use correlation::Correlation;
 pub use name::{Dispersible, DispersionTarget, LaterScene};
@@ -79,8 +79,8 @@ impl Dispersions {
         (scene, layout): (&Scene, &Layout),
         (run, later): ((&RunPlan, &Settings), &[LaterScene<'_>]),
         folder: &Path,
-    ) -> Result<Self, Mistakes> {
-        let mut mistakes = Mistakes::default();
+    ) -> Result<Self, CampaignMistakes> {
+        let mut mistakes = CampaignMistakes::default();
         let sampling = mistakes.note(sampling(written));
         let known = name::known((scene, layout), run, later);
         let mut distributions = Vec::new();
@@ -141,7 +141,7 @@ impl Dispersions {
             correlations: Vec::new(),
             constraints: Vec::new(),
         };
-        let mut mistakes = Mistakes::default();
+        let mut mistakes = CampaignMistakes::default();
         for (number, correlated) in written.correlated.iter().enumerate() {
             let setting = format!("correlated[{number}]");
             let read = dispersions.correlation(setting, correlated);

@@ -14,7 +14,7 @@ use crate::dispersion::WrittenEnvelopes;
 use crate::results::CaseRow;
 use crate::run::names::{column_name, wrong};
 use crate::run::number::positive;
-use crate::run::{Mistakes, RunPlan};
+use crate::run::{CampaignMistakes, RunPlan};
 
 pub use block::{CaseBlock, path};
 pub use told::{Envelope, LINES, table, told};
@@ -46,12 +46,12 @@ impl Envelopes {
         written: &WrittenEnvelopes,
         (models, plan): (&columns::Models<'_>, &RunPlan),
         content: &mut Content,
-    ) -> Result<Self, Mistakes> {
+    ) -> Result<Self, CampaignMistakes> {
         if written.columns.is_empty() {
             let text = "names no column: columns = [\"riser.tension\"]";
             return Err(wrong("envelopes.columns", text).into());
         }
-        let mut mistakes = Mistakes::default();
+        let mut mistakes = CampaignMistakes::default();
         let named = written.columns.iter().map(|column| column_name(column));
         let named: Vec<String> = named.collect();
         for (at, column) in written.columns.iter().enumerate() {

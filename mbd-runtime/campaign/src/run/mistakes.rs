@@ -6,13 +6,13 @@ use super::names::PlanError;
 
 /// Settings that cannot be used, in the order in which they were found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Mistakes {
+pub struct CampaignMistakes {
     list: Vec<PlanError>,
 }
 
-impl Mistakes {
+impl CampaignMistakes {
     /// What was made; `None` of what was not, which is noted.
-    pub(crate) fn note<T>(&mut self, made: Result<T, impl Into<Mistakes>>) -> Option<T> {
+    pub(crate) fn note<T>(&mut self, made: Result<T, impl Into<CampaignMistakes>>) -> Option<T> {
         made.map_err(|wrong| self.list.extend(wrong.into().list))
             .ok()
     }
@@ -21,7 +21,7 @@ impl Mistakes {
     ///
     /// # Errors
     /// All that was noted.
-    pub(crate) fn unless<T>(self, made: Option<T>) -> Result<T, Mistakes> {
+    pub(crate) fn unless<T>(self, made: Option<T>) -> Result<T, CampaignMistakes> {
         match made {
             Some(made) if self.list.is_empty() => Ok(made),
             _ => Err(self),
@@ -37,8 +37,8 @@ impl Mistakes {
     }
 }
 
-impl From<PlanError> for Mistakes {
+impl From<PlanError> for CampaignMistakes {
     fn from(wrong: PlanError) -> Self {
-        Mistakes { list: vec![wrong] }
+        CampaignMistakes { list: vec![wrong] }
     }
 }

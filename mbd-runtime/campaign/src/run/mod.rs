@@ -9,7 +9,7 @@ mod scales;
 mod settings;
 mod words;
 
-pub use mistakes::Mistakes;
+pub use mistakes::CampaignMistakes;
 pub use names::PlanError;
 pub(crate) use phases::always_mapped;
 pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};

@@ -17,7 +17,7 @@ use super::phases::{MOST, Phases};
 use super::scene_file::SceneFile;
 use crate::describe::warnings_of_reactions;
 use crate::run::{
-    Mistakes, Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
+    CampaignMistakes, Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
     cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
     publish_gltf, publish_phases, short_of_digits, summary_json, warning,
 };
@@ -356,7 +356,7 @@ fn case_of(
 ) -> Result<(RunPlan, Metrics), CommandFailure> {
     let model = super::campaign::nominal(file)?;
     let all = Campaign::read(campaign, model, settings)?;
-    let invalid = |mistakes: Mistakes| CommandFailure::Invalid(mistakes.of_file(campaign));
+    let invalid = |mistakes: CampaignMistakes| CommandFailure::Invalid(mistakes.of_file(campaign));
     let plan = all.plan(case).map_err(|error| invalid(error.into()))?;
     let metrics = all.metrics_in(Content::ALL).map_err(invalid)?;
     Ok((plan, metrics))

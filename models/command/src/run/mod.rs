@@ -12,7 +12,8 @@ mod summary;
 
 pub use estimate::{Estimate, doubt, short_of_digits};
 pub use mbd_campaign::run::{
-    Mistakes, Phase, PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table, split,
+    CampaignMistakes, Phase, PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table,
+    split,
 };
 pub use metrics::{cut_of_campaign, cut_windows, metrics, windows};
 pub use outcome::{RunOutcome, fly, fly_measuring, fly_model};
