@@ -239,14 +239,14 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// | function | numbers | operations |
 /// |---|---|---|
 /// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
-/// | [`derivative`](Self::derivative) | 29 of 29 | 589 |
-/// | [`rates`](Self::rates) | 64 of 64 | 812 |
+/// | [`derivative`](Self::derivative) | 29 of 29 | 593 |
+/// | [`rates`](Self::rates) | 64 of 64 | 816 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
 /// | [`energy`](Self::energy) | 6 of 6 | 490 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
-/// | [`bias_force`](Self::bias_force) | 12 of 12 | 54 |
+/// | [`bias_force`](Self::bias_force) | 12 of 12 | 58 |
 /// | [`forces`](Self::forces) | 12 of 12 | 460 |
 #[derive(Clone, Debug)]
 pub struct Parachute<T = f64> {
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 2 operations (0 additions, 1 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 589 operations (255 additions, 287 multiplications, 8 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 812 operations (335 additions, 384 multiplications, 9 divisions, 7 roots, 0 trigonometric, 77 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 490 operations (210 additions, 225 multiplications, 8 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 54 operations (13 additions, 35 multiplications, 4 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 589 operations as declared, 589 with every param a const, 589 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 2 operations (0 additions, 1 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 593 operations (255 additions, 293 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 816 operations (335 additions, 390 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 490 operations (210 additions, 225 multiplications, 8 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 58 operations (13 additions, 41 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 593 operations as declared, 593 with every param a const, 593 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -336,7 +336,7 @@ const _: () = {
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
         ///
         /// 29 = \[14 q̇ | 12 v̇ | 3 ż\]; SI units.
-        /// 589 operations (255 additions, 287 multiplications, 8 divisions, 7 roots, 0 trigonometric, 32 selections).
+        /// 593 operations (255 additions, 293 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
         #[must_use]
         #[inline]
         pub fn derivative(
@@ -434,7 +434,7 @@ const _: () = {
         /// Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.
         ///
         /// 12 \[N, N m\].
-        /// 54 operations (13 additions, 35 multiplications, 4 divisions, 2 roots, 0 trigonometric, 0 selections).
+        /// 58 operations (13 additions, 41 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
         #[must_use]
         #[inline]
         pub fn bias_force(
@@ -491,7 +491,7 @@ const _: () = {
         /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
         ///
         /// 29 ẋ, then 4 anchors × 6 \[m, m/s\], 1 nodes × 3 loads \[N\], per node `det D − 1e-5 (tr D)³` \[N³ s³/m³\], the largest term of a pull and the largest pull \[N\], whether its lines do what was held of them (> 0), per line stretch \[m\].
-        /// 812 operations (335 additions, 384 multiplications, 9 divisions, 7 roots, 0 trigonometric, 77 selections).
+        /// 816 operations (335 additions, 390 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -675,8 +675,8 @@ const _: () = {
                     "derivative",
                     ::mbd_runtime::Cost {
                         adds: 255,
-                        muls: 287,
-                        divs: 8,
+                        muls: 293,
+                        divs: 6,
                         sqrts: 7,
                         trigs: 0,
                         selects: 32,
@@ -686,8 +686,8 @@ const _: () = {
                     "rates",
                     ::mbd_runtime::Cost {
                         adds: 335,
-                        muls: 384,
-                        divs: 9,
+                        muls: 390,
+                        divs: 7,
                         sqrts: 7,
                         trigs: 0,
                         selects: 77,
@@ -752,8 +752,8 @@ const _: () = {
                     "bias_force",
                     ::mbd_runtime::Cost {
                         adds: 13,
-                        muls: 35,
-                        divs: 4,
+                        muls: 41,
+                        divs: 2,
                         sqrts: 2,
                         trigs: 0,
                         selects: 0,
@@ -1256,7 +1256,7 @@ const _: () = {
     }
     /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
     /// 29 = [14 q̇ | 12 v̇ | 3 ż]; SI units.
-    /// 589 operations (255 additions, 287 multiplications, 8 divisions, 7 roots, 0 trigonometric, 32 selections).
+    /// 593 operations (255 additions, 293 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
     #[inline(never)]
     fn derivative<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1618,7 +1618,8 @@ const _: () = {
         let canopy_d_squared = canopy_d_z * canopy_d_z
             + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_gravity = c_6 / canopy_d_squared / canopy_distance;
+        let canopy_inverse = one / canopy_distance;
+        let canopy_gravity = canopy_inverse * (canopy_inverse * (c_6 * canopy_inverse));
         let canopy_vx_rate = c_0_0625 * (riser_force_x + drag_t_2)
             - canopy_x * canopy_gravity;
         let canopy_vy_rate = c_0_0625 * (riser_force_y + drag_t_3)
@@ -1652,7 +1653,9 @@ const _: () = {
         let capsule_d_squared = capsule_d_z * capsule_d_z
             + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_gravity = c_6 / capsule_d_squared / capsule_distance;
+        let capsule_inverse = one / capsule_distance;
+        let capsule_gravity = capsule_inverse
+            * (capsule_inverse * (c_6 * capsule_inverse));
         let capsule_vx_rate = capsule_inverse_mass
             * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
             - capsule_x * capsule_gravity;
@@ -1720,7 +1723,7 @@ const _: () = {
     }
     /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
     /// 29 ẋ, then 4 anchors × 6 [m, m/s], 1 nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³], the largest term of a pull and the largest pull [N], whether its lines do what was held of them (> 0), per line stretch [m].
-    /// 812 operations (335 additions, 384 multiplications, 9 divisions, 7 roots, 0 trigonometric, 77 selections).
+    /// 816 operations (335 additions, 390 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
     #[inline(never)]
     fn rates<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2196,7 +2199,8 @@ const _: () = {
         let canopy_d_squared = canopy_d_z * canopy_d_z
             + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_gravity = c_6 / canopy_d_squared / canopy_distance;
+        let canopy_inverse = one / canopy_distance;
+        let canopy_gravity = canopy_inverse * (canopy_inverse * (c_6 * canopy_inverse));
         let canopy_vx_rate = c_0_0625 * (drag_t_2 + riser_force_x)
             - canopy_x * canopy_gravity;
         let canopy_vy_rate = c_0_0625 * (drag_t_3 + riser_force_y)
@@ -2230,7 +2234,9 @@ const _: () = {
         let capsule_d_squared = capsule_d_z * capsule_d_z
             + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_gravity = c_6 / capsule_d_squared / capsule_distance;
+        let capsule_inverse = one / capsule_distance;
+        let capsule_gravity = capsule_inverse
+            * (capsule_inverse * (c_6 * capsule_inverse));
         let capsule_vx_rate = capsule_inverse_mass
             * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
             - capsule_x * capsule_gravity;
@@ -3388,7 +3394,7 @@ const _: () = {
     }
     /// Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.
     /// 12 [N, N m].
-    /// 54 operations (13 additions, 35 multiplications, 4 divisions, 2 roots, 0 trigonometric, 0 selections).
+    /// 58 operations (13 additions, 41 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
     #[inline(never)]
     fn bias_force<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -3402,6 +3408,7 @@ const _: () = {
         capsule_wz] = *v;
         let [_, m_cap, _] = *params;
         let c = T::from_f64(-3404590.0);
+        let one = T::from_f64(1.0);
         let c_2 = T::from_f64(4.2828e13);
         let c_16 = T::from_f64(16.0);
         let c_30 = T::from_f64(30.0);
@@ -3417,7 +3424,8 @@ const _: () = {
         let canopy_d_squared = canopy_d_z * canopy_d_z
             + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_gravity = c_2 / canopy_d_squared / canopy_distance;
+        let canopy_inverse = one / canopy_distance;
+        let canopy_gravity = canopy_inverse * (canopy_inverse * (c_2 * canopy_inverse));
         let canopy_vx_bias = canopy_x * canopy_gravity * c_16;
         let canopy_vy_bias = canopy_y * canopy_gravity * c_16;
         let canopy_vz_bias = canopy_d_z * canopy_gravity * c_16;
@@ -3428,7 +3436,9 @@ const _: () = {
         let capsule_d_squared = capsule_d_z * capsule_d_z
             + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_gravity = c_2 / capsule_d_squared / capsule_distance;
+        let capsule_inverse = one / capsule_distance;
+        let capsule_gravity = capsule_inverse
+            * (capsule_inverse * (c_2 * capsule_inverse));
         let capsule_vx_bias = m_cap * (capsule_x * capsule_gravity);
         let capsule_vy_bias = m_cap * (capsule_y * capsule_gravity);
         let capsule_vz_bias = m_cap * (capsule_d_z * capsule_gravity);
