@@ -36,8 +36,8 @@ pub(crate) fn by_bodies(
         let between = to? - from?;
         let along = along_normal((scene, layout), numbers, (joint, coordinate))?;
         let value = next_to(measured((joint, coordinate)), along.signum() * between);
-        let turned = [from?, to?].iter().any(|angle| angle.abs() > PI);
-        (turned && between.abs() > PI && along != 0.0).then_some(JointStart {
+        let counts_turns = [from?, to?].iter().any(|angle| angle.abs() > PI);
+        (counts_turns && between.abs() > PI && along != 0.0).then_some(JointStart {
             joint,
             coordinate,
             value: Some(value),
