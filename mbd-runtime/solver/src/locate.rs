@@ -455,8 +455,10 @@ impl<T: Float> Simulation<T> {
         let switched = self.switch(&switches);
         self.switches = switches;
         switched?;
+        self.inside.copy_from_slice(self.method.first());
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.limit_stiff_pace();
         self.begin_noting()?;
         self.begin_behind()
     }

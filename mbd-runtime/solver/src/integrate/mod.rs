@@ -14,6 +14,7 @@ mod shifted;
 mod stepper;
 mod stiffness_test;
 mod tableau;
+mod tiles;
 mod trees;
 mod tsit5;
 mod vern7;

@@ -132,10 +132,29 @@ impl<const S: usize, const D: usize> RosenbrockTableau<S, D> {
         end[S - 1] = 1.0;
         end
     }
+
+    /// The estimate of the error of a step of size one on ẏ = −z y, y = 1.
+    fn error_of_decay(&self, z: f64) -> f64 {
+        let mut stages = [0.0; S];
+        for i in 0..S {
+            let (mut y, mut sum) = (1.0, 0.0);
+            let weights = self.a[i].iter().zip(&self.c[i]);
+            for (stage, (a, c)) in stages.iter().zip(weights).take(i) {
+                y += a * stage;
+                sum += c * stage;
+            }
+            stages[i] = (sum - z * y) / (1.0 / self.gamma + z);
+        }
+        stages[S - 1].abs()
+    }
 }
 
+/// A step on ẏ = −y that is small, and not so small that its error is one of rounding.
+const SMALL: f64 = 0.1;
 /// The most powers of θ in an interpolant.
 const POWERS: usize = 5;
+/// The most stages of a method.
+const MOST_STAGES: usize = 8;
 
 /// The inverse of a lower triangular matrix.
 const fn inverted<const S: usize>(lower: &[[f64; S]; S]) -> [[f64; S]; S] {
@@ -187,10 +206,12 @@ pub(crate) struct Rosenbrock<T> {
     gamma: f64,
     /// Per stage α_i, γ_i, a_ij and c_ij.
     rows: Vec<([f64; 2], [Vec<T>; 2])>,
-    /// m, then d_1, d_2, ….
+    /// m, then d_1, d_2, …, of which the interpolant is made.
     inside: Vec<Vec<T>>,
     /// Order of the error estimate plus one.
     pub exponent: f64,
+    /// The estimate of the error of a step on ẏ = −y over that power of its size.
+    pub error_constant: f64,
     matrix: Shifted<T>,
     by_state: Vec<T>,
     by_time: Vec<T>,
@@ -198,6 +219,8 @@ pub(crate) struct Rosenbrock<T> {
     known: bool,
     /// U_i, one after the other.
     stages: Vec<T>,
+    /// Σ m_j U_j, then Σ d_1j U_j, …, one after the other.
+    sums: Vec<T>,
     /// The size of the step that they are of [s]; no number where they are of none from the accepted state.
     made: f64,
     first: Vec<T>,
@@ -215,12 +238,14 @@ impl<T: Float> Rosenbrock<T> {
         attached: Vec<Attached>,
         behind: usize,
     ) -> Self {
+        const { assert!(S <= MOST_STAGES, "a stage has a weight") };
         let list = |row: &[f64]| -> Vec<T> { row.iter().map(|x| T::from_f64(*x)).collect() };
         let row = |i: usize| {
             let times = [tableau.times[i], tableau.by_time[i]];
             (times, [list(&tableau.a[i][..i]), list(&tableau.c[i][..i])])
         };
         let inside = std::iter::once(list(&tableau.end()));
+        let exponent = (tableau.embedded + 1) as f64;
         let room = || vec![T::zero(); length];
         Rosenbrock {
             length,
@@ -229,12 +254,14 @@ impl<T: Float> Rosenbrock<T> {
             inside: inside
                 .chain(tableau.dense.iter().map(|row| list(row)))
                 .collect(),
-            exponent: (tableau.embedded + 1) as f64,
+            exponent,
+            error_constant: tableau.error_of_decay(SMALL) / SMALL.powf(exponent),
             matrix: Shifted::new(length, attached, behind),
             by_state: vec![T::zero(); length * length],
             by_time: room(),
             known: false,
             stages: vec![T::zero(); S * length],
+            sums: vec![T::zero(); (D + 1) * length],
             made: f64::NAN,
             first: room(),
             last: room(),
@@ -290,7 +317,7 @@ impl<T: Float> Rosenbrock<T> {
         system.enter();
         self.made = f64::NAN;
         self.differentiate(system, time, state)?;
-        let h = T::from_f64(step);
+        let rate = T::from_f64(1.0 / step);
         let shift = T::from_f64(1.0 / (self.gamma * step));
         if self.matrix.factor(shift, &self.by_state) {
             system.factored();
@@ -302,13 +329,17 @@ impl<T: Float> Rosenbrock<T> {
                 stage.copy_from_slice(&self.first);
             } else {
                 self.trial.copy_from_slice(state);
-                add(a.iter().copied(), done, &mut self.trial);
+                add(a, done, &mut self.trial);
                 let span = c * step;
                 self.matrix.shorten(&mut self.trial);
                 system.rates(time + span, span, &self.trial, stage)?;
                 self.matrix.lengthen(stage);
             }
-            add(terms.iter().map(|term| *term / h), done, stage);
+            let mut weights = [T::zero(); MOST_STAGES];
+            for (weight, term) in weights.iter_mut().zip(terms) {
+                *weight = *term * rate;
+            }
+            add(&weights[..i], done, stage);
             let weight = T::from_f64(d * step);
             for (sum, slope) in stage.iter_mut().zip(&self.by_time) {
                 *sum += weight * *slope;
@@ -316,9 +347,14 @@ impl<T: Float> Rosenbrock<T> {
             self.matrix.solve(&self.by_state, stage);
         }
         self.made = step;
-        self.next.copy_from_slice(state);
-        if let Some(end) = self.inside.first() {
-            add(end.iter().copied(), &self.stages, &mut self.next);
+        self.sums.fill(T::zero());
+        let sums = self.sums.chunks_exact_mut(self.length.max(1));
+        for (weights, sum) in self.inside.iter().zip(sums) {
+            add(weights, &self.stages, sum);
+        }
+        let moved = state.iter().zip(&self.sums);
+        for (next, (x, change)) in self.next.iter_mut().zip(moved) {
+            *next = *x + *change;
         }
         system.project_end(time + step, &mut self.next)?;
         system.rates(time + step, step, &self.next, &mut self.last)
@@ -368,22 +404,30 @@ impl<T: Float> Rosenbrock<T> {
         let theta = theta * (step / self.made);
         let (t, left) = (T::from_f64(theta), T::from_f64(1.0 - theta));
         out.copy_from_slice(state);
-        let Some((end, inner)) = self.inside.split_first() else {
-            return;
-        };
-        let weights = end.iter().enumerate().map(|(j, end)| {
-            let inner = inner.iter().rev();
-            let sum = inner.fold(T::zero(), |sum, row| {
-                sum * t + row.get(j).copied().unwrap_or_default()
-            });
-            t * (*end + left * sum)
-        });
-        add(weights, &self.stages, out);
+        let mut weights = [T::zero(); POWERS];
+        let mut weight = t;
+        for (number, to) in weights.iter_mut().take(self.inside.len()).enumerate() {
+            *to = weight;
+            weight *= if number == 0 { left } else { t };
+        }
+        add(&weights, &self.sums, out);
     }
 
     /// The largest rate of the system at the start of the last attempt, as powers of its Jacobian show it. |x|² = Σ weight x².
     pub(crate) fn fastest(&mut self, weights: &[T]) -> f64 {
         fastest(&self.by_state, weights, &mut self.trial, &mut self.room)
+    }
+
+    /// A x, A at the start of the step.
+    pub(crate) fn slope_along(&mut self, x: &[T]) -> &[T] {
+        let rows = self.by_state.chunks_exact(self.length.max(1));
+        for (to, row) in self.room.iter_mut().zip(rows) {
+            *to = row
+                .iter()
+                .zip(x)
+                .fold(T::zero(), |sum, (a, x)| sum + *a * *x);
+        }
+        &self.room
     }
 
     /// When a stage of a step is, in parts of it.
@@ -403,13 +447,32 @@ impl<T: Float> Rosenbrock<T> {
 }
 
 /// out += Σ w_i U_i, stages one after the other.
-fn add<T: Float>(weights: impl Iterator<Item = T>, stages: &[T], out: &mut [T]) {
-    for (weight, stage) in weights.zip(stages.chunks_exact(out.len().max(1))) {
-        if weight == T::zero() {
-            continue;
+fn add<T: Float>(weights: &[T], stages: &[T], out: &mut [T]) {
+    let done = add_by::<16, T>(weights, stages, out, 0);
+    let done = add_by::<4, T>(weights, stages, out, done);
+    add_by::<1, T>(weights, stages, out, done);
+}
+
+/// The same from a number on, N numbers at a time, whose sums stay in registers; how far it came.
+fn add_by<const N: usize, T: Float>(
+    weights: &[T],
+    stages: &[T],
+    out: &mut [T],
+    from: usize,
+) -> usize {
+    let length = out.len().max(1);
+    let (blocks, rest) = out.split_at_mut(from).1.as_chunks_mut::<N>();
+    for (number, block) in blocks.iter_mut().enumerate() {
+        let mut sum = *block;
+        for (weight, stage) in weights.iter().zip(stages.chunks_exact(length)) {
+            let own = stage.get(from + N * number..);
+            if let Some(x) = own.and_then(<[T]>::first_chunk::<N>) {
+                for (sum, x) in sum.iter_mut().zip(x) {
+                    *sum += *weight * *x;
+                }
+            }
         }
-        for (sum, x) in out.iter_mut().zip(stage) {
-            *sum += weight * *x;
-        }
+        *block = sum;
     }
+    length - rest.len()
 }

@@ -6,22 +6,20 @@
 //! (w − A_rr − A_rq D⁻¹ N) U_r = b_r + A_rq D⁻¹ b_q      r = [v | z | s]: what is left to factor                              (3)
 //! ```
 //!
-//! Integrals behind the state, on which nothing depends, follow row by row. Factors by rows with row exchange; solutions take four rows at a time, whose sums
-//! do not wait for each other.
+//! Integrals behind the state, on which nothing depends, follow row by row.
 
 use std::ops::Range;
 
 use mbd_scene::Float;
 
-/// How many rows are taken at a time.
-const ROWS: usize = 4;
+use super::tiles::{Four, SIDE, Tile, Tiles, Triangles, add_tile, fours};
 
 /// Coordinates whose rates are those of their own speeds.
 #[derive(Clone, Debug)]
 pub(crate) struct Attached {
     /// A position, an angle or a quaternion, in the state.
     pub at: Range<usize>,
-    /// Its speeds.
+    /// Its speeds, three at most.
     pub speeds: Range<usize>,
 }
 
@@ -29,6 +27,58 @@ impl Attached {
     /// Whether it is a quaternion.
     fn turns(&self) -> bool {
         self.at.len() == 4 && self.speeds.len() == 3
+    }
+}
+
+/// What takes coordinates out.
+#[derive(Clone, Copy, Debug)]
+struct Eliminated<T> {
+    /// D⁻¹.
+    inverse: Tile<T>,
+    /// D⁻¹ N, a column a speed.
+    along: Tile<T>,
+}
+
+impl<T: Float> Eliminated<T> {
+    fn none() -> Self {
+        let none = [[T::zero(); SIDE]; SIDE];
+        Eliminated {
+            inverse: none,
+            along: none,
+        }
+    }
+
+    /// By (2), for A with rows of a length.
+    fn new(one: &Attached, shift: T, (matrix, length): (&[T], usize)) -> Self {
+        let mut eliminated = Self::none();
+        let own = |row: usize, column: usize| {
+            let row = line(matrix, length, one.at.start + row);
+            row.get(column).copied().unwrap_or_default()
+        };
+        let mut part = T::one() / shift;
+        if one.turns() {
+            // The first row of ½Ω is −½ω.
+            let halves = (1..SIDE).map(|axis| own(0, one.at.start + axis));
+            let square = halves.fold(shift * shift, |sum, half| sum + half * half);
+            let over = T::one() / square;
+            for (number, column) in eliminated.inverse.iter_mut().enumerate() {
+                for (row, to) in column.iter_mut().enumerate() {
+                    *to = own(row, one.at.start + number) * over;
+                }
+            }
+            part = shift * over;
+        }
+        for number in 0..one.at.len() {
+            eliminated.inverse[number][number] += part;
+        }
+        for (speed, to) in one.speeds.clone().zip(&mut eliminated.along) {
+            let mut rates = [T::zero(); SIDE];
+            for (row, rate) in rates.iter_mut().enumerate().take(one.at.len()) {
+                *rate = own(row, speed);
+            }
+            add_tile(to, &eliminated.inverse, &rates);
+        }
+        eliminated
     }
 }
 
@@ -40,19 +90,16 @@ pub(crate) struct Shifted<T> {
     /// Where what is factored starts and ends.
     left: Range<usize>,
     shift: T,
-    /// D⁻¹ N of every one of `attached`, row by row.
-    carried: Vec<T>,
-    /// L and U.
-    factor: Vec<T>,
-    /// A_rq, four rows at a time, filled up with zeros.
-    by_coordinates: Vec<[T; ROWS]>,
-    /// The same of L and U, but for the diagonal, and what its elements are divided by.
-    triangles: Vec<[T; ROWS]>,
-    inverse: Vec<T>,
-    /// Which row was taken for each pivot.
-    exchanges: Vec<usize>,
+    /// How every one of `attached` is eliminated.
+    eliminated: Vec<Eliminated<T>>,
+    /// A_rq.
+    by_coordinates: Tiles<T>,
+    /// L and U of A_rr + A_rq D⁻¹ N − w.
+    factor: Tiles<T>,
+    triangles: Triangles<T>,
     made: bool,
-    room: Vec<T>,
+    /// The coordinates and the rest of a right-hand side, in fours.
+    right: [Vec<Four<T>>; 2],
     /// Lengths of the quaternions of a stage.
     lengths: Vec<T>,
 }
@@ -62,18 +109,16 @@ impl<T: Float> Shifted<T> {
     pub(crate) fn new(length: usize, attached: Vec<Attached>, behind: usize) -> Self {
         let first = attached.iter().map(|one| one.at.end).max().unwrap_or(0);
         let left = first..length - behind;
-        let carried = attached.iter().map(|one| one.at.len() * one.speeds.len());
+        let n = left.len();
         Shifted {
             length,
             shift: T::zero(),
-            carried: vec![T::zero(); carried.sum()],
-            factor: vec![T::zero(); left.len() * left.len()],
-            by_coordinates: vec![[T::zero(); ROWS]; left.len().div_ceil(ROWS) * left.start],
-            triangles: vec![[T::zero(); ROWS]; left.len().div_ceil(ROWS) * left.len()],
-            inverse: vec![T::zero(); left.len()],
-            exchanges: vec![0; left.len()],
+            eliminated: vec![Eliminated::none(); attached.len()],
+            by_coordinates: Tiles::new(n, first),
+            factor: Tiles::new(n, n),
+            triangles: Triangles::new(n),
             made: false,
-            room: vec![T::zero(); left.len().max(4)],
+            right: [fours(first), fours(n)],
             lengths: vec![T::one(); attached.len()],
             attached,
             left,
@@ -126,98 +171,67 @@ impl<T: Float> Shifted<T> {
             return false;
         }
         let (first, n) = (self.left.start, self.left.len());
+        let rows = || matrix.chunks_exact(self.length.max(1)).skip(first).take(n);
         if !self.made {
-            let own = matrix.chunks_exact(self.length.max(1)).skip(first).take(n);
-            let own = own.map(|row| row.get(..first).unwrap_or_default());
-            by_rows(own, &mut self.by_coordinates);
+            for (number, row) in rows().enumerate() {
+                let by_coordinates = row.get(..first).unwrap_or_default();
+                self.by_coordinates.set_row(number, by_coordinates);
+            }
         }
+        for (number, row) in rows().enumerate() {
+            let own = row.get(self.left.clone()).unwrap_or_default();
+            self.factor.set_row(number, own);
+        }
+        self.factor.take_from_diagonal(n, shift);
+        for (one, eliminated) in self.attached.iter().zip(&mut self.eliminated) {
+            *eliminated = Eliminated::new(one, shift, (matrix, self.length));
+            for (speed, along) in one.speeds.clone().zip(&eliminated.along) {
+                for (coordinate, part) in one.at.clone().zip(along) {
+                    let by = (&self.by_coordinates, coordinate, *part);
+                    self.factor.add_column(speed - first, by);
+                }
+            }
+        }
+        self.factor.decompose(&mut self.triangles);
         (self.made, self.shift) = (true, shift);
-        self.carry(matrix);
-        for (row, out) in self.factor.chunks_exact_mut(n.max(1)).enumerate() {
-            let whole = line(matrix, self.length, first + row);
-            let own = whole.get(self.left.clone()).unwrap_or_default();
-            for (to, from) in out.iter_mut().zip(own) {
-                *to = -*from;
-            }
-            if let Some(diagonal) = out.get_mut(row) {
-                *diagonal += shift;
-            }
-            let mut carried = self.carried.as_slice();
-            for one in &self.attached {
-                let (rows, rest) = carried.split_at(one.at.len() * one.speeds.len());
-                carried = rest;
-                let speeds = one.speeds.start - first..one.speeds.end - first;
-                let by_coordinates = whole.get(one.at.clone()).unwrap_or_default();
-                for (slope, along) in by_coordinates
-                    .iter()
-                    .zip(rows.chunks_exact(one.speeds.len().max(1)))
-                {
-                    if *slope == T::zero() {
-                        continue;
-                    }
-                    let to = out.get_mut(speeds.clone()).unwrap_or_default();
-                    for (to, along) in to.iter_mut().zip(along) {
-                        *to -= *slope * *along;
-                    }
-                }
-            }
-        }
-        decompose(n, &mut self.factor, &mut self.exchanges);
-        by_rows(self.factor.chunks_exact(n.max(1)), &mut self.triangles);
-        for (row, inverse) in self.inverse.iter_mut().enumerate() {
-            let diagonal = self.factor.get(row * n + row);
-            *inverse = T::one() / diagonal.copied().unwrap_or_default();
-        }
         true
-    }
-
-    /// D⁻¹ N of all coordinates.
-    fn carry(&mut self, matrix: &[T]) {
-        let mut carried = self.carried.as_mut_slice();
-        for one in &self.attached {
-            let (own, rest) = carried.split_at_mut(one.at.len() * one.speeds.len());
-            carried = rest;
-            for (column, speed) in one.speeds.clone().enumerate() {
-                let room = self.room.get_mut(..one.at.len()).unwrap_or_default();
-                for (to, row) in room.iter_mut().zip(one.at.clone()) {
-                    *to = at(matrix, self.length, row, speed);
-                }
-                unturn(one, self.shift, matrix, self.length, room);
-                let rows = own.chunks_exact_mut(one.speeds.len().max(1));
-                for (row, x) in rows.zip(room) {
-                    row[column] = *x;
-                }
-            }
-        }
     }
 
     /// Solves in place for the matrix that was factored, which is given again.
     pub(crate) fn solve(&mut self, matrix: &[T], right: &mut [T]) {
-        for one in &self.attached {
-            let own = right.get_mut(one.at.clone()).unwrap_or_default();
-            unturn(one, self.shift, matrix, self.length, own);
-        }
         let (coordinates, rest) = right.split_at_mut(self.left.start);
         let (left, behind) = rest.split_at_mut(self.left.len());
-        let blocks = self.by_coordinates.chunks_exact(coordinates.len().max(1));
-        for (block, own) in blocks.zip(left.chunks_mut(ROWS)) {
-            let sums = products(block, coordinates);
-            own.iter_mut().zip(sums).for_each(|(x, sum)| *x += sum);
-        }
-        for (pivot, exchange) in self.exchanges.iter().enumerate() {
-            left.swap(pivot, *exchange);
-        }
-        substitute(&self.triangles, &self.inverse, left);
-        let mut carried = self.carried.as_slice();
-        for one in &self.attached {
-            let (rows, others) = carried.split_at(one.at.len() * one.speeds.len());
-            carried = others;
-            let first = one.speeds.start - self.left.start;
-            let speeds = left.get(first..first + one.speeds.len()).unwrap_or(&[]);
+        let [by, solved] = &mut self.right;
+        let part = T::one() / self.shift;
+        for (one, eliminated) in self.attached.iter().zip(&self.eliminated) {
             let own = coordinates.get_mut(one.at.clone()).unwrap_or_default();
-            let rows = rows.chunks_exact(one.speeds.len().max(1));
-            for (x, row) in own.iter_mut().zip(rows) {
-                *x += dot(row, speeds);
+            if let (Ok(own), true) = (<&mut Four<T>>::try_from(&mut *own), one.turns()) {
+                let turned = *own;
+                *own = [T::zero(); SIDE];
+                add_tile(own, &eliminated.inverse, &turned);
+            } else {
+                own.iter_mut().for_each(|x| *x *= part);
+            }
+        }
+        write(by, coordinates);
+        write(solved, left);
+        self.by_coordinates.add_product(by, solved);
+        self.factor.substitute(&self.triangles, solved);
+        for (x, solved) in left.iter_mut().zip(solved.as_flattened()) {
+            *x = -*solved;
+        }
+        for (one, eliminated) in self.attached.iter().zip(&self.eliminated) {
+            let own = coordinates.get_mut(one.at.clone()).unwrap_or_default();
+            let speeds = left.get(one.speeds.start - self.left.start..);
+            for (speed, column) in speeds
+                .unwrap_or_default()
+                .iter()
+                .zip(&eliminated.along)
+                .take(one.speeds.len())
+            {
+                for (x, along) in own.iter_mut().zip(column) {
+                    *x += *along * *speed;
+                }
             }
         }
         for (row, x) in behind.iter_mut().enumerate() {
@@ -228,28 +242,10 @@ impl<T: Float> Shifted<T> {
     }
 }
 
-/// x ← D⁻¹ x, by (2).
-fn unturn<T: Float>(one: &Attached, shift: T, matrix: &[T], length: usize, x: &mut [T]) {
-    let first = one.at.start;
-    let ([w, i, j, k], true) = (&mut *x, one.turns()) else {
-        let part = T::one() / shift;
-        x.iter_mut().for_each(|x| *x *= part);
-        return;
-    };
-    let own = [*w, *i, *j, *k];
-    let rows = |row: usize| {
-        let block = line(matrix, length, first + row).get(first..);
-        block.and_then(<[T]>::first_chunk::<4>)
-    };
-    let Some([_, x, y, z]) = rows(0) else {
-        return;
-    };
-    let part = T::one() / (shift * shift + *x * *x + *y * *y + *z * *z);
-    for (row, to) in [w, i, j, k].into_iter().enumerate() {
-        if let Some(elements) = rows(row) {
-            *to = part * (shift * own[row] + dot(elements, &own));
-        }
-    }
+/// Writes a list in fours.
+fn write<T: Float>(to: &mut [Four<T>], list: &[T]) {
+    let to = to.as_flattened_mut().iter_mut();
+    to.zip(list).for_each(|(to, x)| *to = *x);
 }
 
 fn line<T>(matrix: &[T], length: usize, row: usize) -> &[T] {
@@ -258,102 +254,9 @@ fn line<T>(matrix: &[T], length: usize, row: usize) -> &[T] {
         .unwrap_or_default()
 }
 
-fn at<T: Float>(matrix: &[T], length: usize, row: usize, column: usize) -> T {
-    line(matrix, length, row)
-        .get(column)
-        .copied()
-        .unwrap_or_default()
-}
-
 /// Σ a b over the shorter list.
 fn dot<T: Float>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::zero(), |sum, (a, b)| sum + *a * *b)
-}
-
-/// L U = P M in place, row by row, for a matrix of n rows; `exchanges` are the rows taken for the pivots.
-fn decompose<T: Float>(n: usize, matrix: &mut [T], exchanges: &mut [usize]) {
-    for (pivot, exchange) in exchanges.iter_mut().enumerate().take(n) {
-        let size = |row: usize| matrix[row * n + pivot].abs();
-        let mut most = pivot;
-        for row in pivot + 1..n {
-            if size(row) > size(most) {
-                most = row;
-            }
-        }
-        *exchange = most;
-        if most != pivot {
-            for column in 0..n {
-                matrix.swap(pivot * n + column, most * n + column);
-            }
-        }
-        let (above, below) = matrix.split_at_mut((pivot + 1) * n);
-        let own = &above[pivot * n..];
-        for row in below.chunks_exact_mut(n) {
-            // Most bodies do not see each other.
-            if row[pivot] == T::zero() {
-                continue;
-            }
-            let part = row[pivot] / own[pivot];
-            row[pivot] = part;
-            for (x, y) in row[pivot + 1..].iter_mut().zip(&own[pivot + 1..]) {
-                *x -= part * *y;
-            }
-        }
-    }
-}
-
-/// x ← U⁻¹ L⁻¹ x, by blocks of rows: what is behind or before a block at once, its own triangle one by one.
-fn substitute<T: Float>(triangles: &[[T; ROWS]], inverse: &[T], x: &mut [T]) {
-    let n = x.len();
-    for (number, block) in triangles.chunks_exact(n.max(1)).enumerate() {
-        let first = number * ROWS;
-        let (done, rest) = x.split_at_mut(first);
-        let (before, own) = block.split_at(first);
-        let mut sums = products(before, done);
-        for k in 0..ROWS.min(rest.len()) {
-            let solved = rest[k] - sums[k];
-            rest[k] = solved;
-            add_column(&mut sums, &own[k], solved);
-        }
-    }
-    for (number, block) in triangles.chunks_exact(n.max(1)).enumerate().rev() {
-        let first = number * ROWS;
-        let (_, rest) = x.split_at_mut(first);
-        let (own, done) = rest.split_at_mut(ROWS.min(rest.len()));
-        let (before, behind) = block.split_at(first + own.len());
-        let mut sums = products(behind, done);
-        for k in (0..own.len()).rev() {
-            let solved = (own[k] - sums[k]) * inverse[first + k];
-            own[k] = solved;
-            add_column(&mut sums, &before[first + k], solved);
-        }
-    }
-}
-
-/// Writes rows of one length four at a time, column by column.
-fn by_rows<'a, T: Float>(rows: impl Iterator<Item = &'a [T]>, out: &mut [[T; ROWS]]) {
-    for (index, row) in rows.enumerate() {
-        let block = out.get_mut(index / ROWS * row.len()..);
-        let block = block.unwrap_or_default();
-        for (to, x) in block.iter_mut().zip(row) {
-            to[index % ROWS] = *x;
-        }
-    }
-}
-
-/// The products of four rows by a vector.
-fn products<T: Float>(rows: &[[T; ROWS]], x: &[T]) -> [T; ROWS] {
-    let mut sums = [T::zero(); ROWS];
-    for (column, x) in rows.iter().zip(x) {
-        add_column(&mut sums, column, *x);
-    }
-    sums
-}
-
-fn add_column<T: Float>(sums: &mut [T; ROWS], column: &[T; ROWS], x: T) {
-    for (sum, element) in sums.iter_mut().zip(column) {
-        *sum += *element * x;
-    }
 }
 
 #[cfg(test)]

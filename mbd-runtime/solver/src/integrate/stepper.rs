@@ -82,6 +82,28 @@ impl<T: Float> Stepper<T> {
         }
     }
 
+    /// The error of a step of a stiff method on ẏ = −y by the power of its size; `None` of other methods.
+    pub(crate) fn error_constant(&self) -> Option<f64> {
+        match &self.method {
+            Family::Implicit(method) => Some(method.error_constant),
+            _ => None,
+        }
+    }
+
+    /// ∂f/∂x · `change` at the start of the next step of a stiff method; `None` of other methods, and where there is no derivative.
+    pub(crate) fn slope_along(
+        &mut self,
+        system: &mut impl Rates<T>,
+        (time, state): (f64, &[T]),
+        change: &[T],
+    ) -> Option<&[T]> {
+        let Family::Implicit(method) = &mut self.method else {
+            return None;
+        };
+        method.differentiate(system, time, state).ok()?;
+        Some(method.slope_along(change))
+    }
+
     /// Tries a step from `state`; the result is [`Stepper::next`], and `state` is untouched.
     #[inline]
     pub(crate) fn attempt(

@@ -212,4 +212,35 @@ impl<T: Float> Simulation<T> {
             control.step = control.step.min(0.01 / speed);
         }
     }
+
+    /// The same for a stiff method, which knows how fast a jump g of the rates dies away: of y = −a e^(−λt) its first step makes an error that is no more
+    /// than the tolerance,
+    ///
+    /// ```text
+    /// c a (hλ)^k ≤ 1,   λ = |A g|/|g|,   a = |g|/λ in tolerances                    c: the error of a step on ẏ = −y over h^k
+    /// ```
+    ///
+    /// where four rejected steps found that out.
+    pub(crate) fn limit_stiff_pace(&mut self) {
+        let (Pace::Adaptive(control, norm), Some(constant)) =
+            (&mut self.pace, self.method.error_constant())
+        else {
+            return;
+        };
+        for (jump, now) in self.inside.iter_mut().zip(self.method.first()) {
+            *jump = *now - *jump;
+        }
+        let at = (self.time, self.state.as_slice());
+        let Some(slope) = self.method.slope_along(&mut self.system, at, &self.inside) else {
+            return;
+        };
+        let [jump, change] =
+            [&self.inside, slope].map(|list| norm.size(list, &self.state, &self.state));
+        let rate = change / jump;
+        let amplitude = jump / rate;
+        if amplitude > 1.0 {
+            let part = (constant * amplitude).powf(-1.0 / self.method.exponent());
+            control.step = control.step.min(part / rate);
+        }
+    }
 }
