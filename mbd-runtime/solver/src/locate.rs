@@ -21,8 +21,6 @@ const BEHIND: f64 = 1e-9;
 const FINE_LOOKS: u32 = 16;
 /// Where a guard at its value goes from rest is seen after this [s].
 pub(crate) const AT_REST: f64 = 1e-6;
-/// How much later the first stage is evaluated where an event starts at its value, the shortest at which it is behind [s].
-const AHEAD: [f64; 3] = [1e-12, 1e-9, AT_REST];
 /// An event that would pass within this part of another step is close to the end of one.
 const CLOSE: f64 = 0.1;
 /// Events closer than this happen together [s].
@@ -628,24 +626,6 @@ impl<T: Float> Simulation<T> {
         declared
             .filter(|index| self.margins.is_clock(*index))
             .collect()
-    }
-
-    /// Evaluates the first stage a little later, where events start at their value, or a step ended on it to the last digit: what jumps there,
-    /// `if(v < 0 m/s, …)` from rest, is what it is on the side that the motion goes to.
-    pub(crate) fn begin_behind(&mut self) -> Result<(), StepError> {
-        if !self.system.may_jump() {
-            return Ok(());
-        }
-        for ahead in AHEAD {
-            if !self.margins.are_at_value() {
-                break;
-            }
-            self.look_ahead(ahead)?;
-            let (from, inside) = (self.time + ahead, &self.inside);
-            self.method.begin(&mut self.system, from, ahead, inside)?;
-        }
-        self.inside.copy_from_slice(&self.state);
-        self.read_margins(self.time, 0.0)
     }
 
     /// Reads the margins where the rates of now lead in a time [s].

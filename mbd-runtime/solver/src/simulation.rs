@@ -27,6 +27,7 @@ use crate::watch::Watch;
 
 mod act;
 mod attempt;
+mod behind;
 pub(crate) mod beside;
 mod beyond_stops;
 mod control;

@@ -297,6 +297,35 @@ fn they_keep_them_in_single_precision() {
     }
 }
 
+/// A place 100 m from the origin, where numbers of single precision are 7.6e-6 m apart: a step that ends on it goes on from its far side, as does its energy.
+#[test]
+fn a_force_that_jumps_far_from_the_origin_keeps_the_energy_in_single_precision() {
+    let model = Interpreted::<f32>::new(
+        read(
+            "model Far { gravity: none;
+                point mass { mass: 1 kg, start at [99, 0, 0] m velocity [0.25, 0, 0] m/s }
+                let x = mass.position.x;
+                load push on mass = [if(x < 100 m, 2 N, -1 N), 0 N, 0 N];
+                event passed = x crosses 100 m; }",
+        ),
+        &[],
+    )
+    .expect("no params");
+    for step in [0.5, 0.25, 0.1, 0.05, 0.03, 0.0123, 0.01] {
+        let mut run = Simulation::new(&model, Options::rk4(step)).expect("a model that runs");
+        run.run(40.0).expect("a run that ends");
+        let [x, v] = [0, 3].map(|at| f64::from(run.state()[at]));
+        // E = v²/2 − 2 (x − 100), or v²/2 + (x − 100).
+        let energy = 0.5 * v * v + (x - 100.0).max(-2.0 * (x - 100.0));
+        let off = energy - (0.5 * 0.25 * 0.25 + 2.0);
+        println!(
+            "{step} {off:e} {}",
+            run.imbalance().map_or(0.0, |it| it.relative())
+        );
+        assert!(off.abs() < 1e-3, "{step}: {off}");
+    }
+}
+
 /// Halves of seconds and metres are met to the last digit: x = ½ − t²/2 = 0 at 1 s, then −t + t².
 #[test]
 fn a_place_that_is_met_to_the_last_digit_has_the_force_behind_it() {

@@ -60,9 +60,7 @@ impl<T: Float> Simulation<T> {
     /// Begins to follow the energy of a run, once its first stage is evaluated.
     pub(super) fn begin_balance(&mut self) {
         self.meter = self.find_meter();
-        let start = self
-            .system
-            .energy_and_power(self.meter, self.time, &self.state);
+        let start = self.energy_behind();
         let places = moving(self.system.model.layout()).flat_map(|part| part.position);
         let places = places.filter_map(|place| self.state.get(place));
         let reach = places.fold(self.sizes.length(), |most, x| most.max(x.to_f64().abs()));
@@ -119,13 +117,10 @@ impl<T: Float> Simulation<T> {
     /// Takes up the energy anew after something jumped.
     pub(crate) fn rebase(&mut self) {
         self.jumped = true;
-        let Some(balance) = &mut self.balance else {
+        if self.balance.is_none() {
             return;
-        };
-        if let Some(now) = self
-            .system
-            .energy_and_power(self.meter, self.time, &self.state)
-        {
+        }
+        if let (Some(now), Some(balance)) = (self.energy_behind(), &mut self.balance) {
             balance.take_up(now);
         }
     }

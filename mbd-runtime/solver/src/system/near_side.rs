@@ -21,6 +21,8 @@ use crate::integrate::Rates;
 /// says a stage is moved.
 const PROBE: f64 = 1e-6;
 const BEYOND: f64 = 1.01;
+/// By how much the next look is further, where the last one moved nothing.
+const GROWTH: f64 = 4.0;
 /// Most looks for τ, and the largest part of the time since the start of the step that it may be: what is further behind is not behind by an error.
 const MOST_LOOKS: u32 = 12;
 const LARGEST: f64 = 0.5;
@@ -175,16 +177,21 @@ impl<T: Float> System<T> {
         self.guards_at(near, time, state, 0.0);
         let (mut side, mut behind) = near.behind()?;
         let mut earlier = 0.0;
+        let mut probe = PROBE.max(T::EPSILON.to_f64().sqrt()) * span;
+        // What a guard says of far places moves in steps of their numbers: less than one of them moves nothing.
+        let mut least = 4.0 * f64::EPSILON * (time.abs() + span) + T::EPSILON.to_f64() * span;
         for _ in 0..MOST_LOOKS {
-            let probe = PROBE.max(T::EPSILON.to_f64().sqrt()) * span;
             self.guards_at(near, time, state, earlier + probe);
+            while near.guard(side) == behind && probe < LARGEST * span {
+                probe *= GROWTH;
+                self.guards_at(near, time, state, earlier + probe);
+            }
             let slope = (behind - near.guard(side)) / probe;
             if slope.is_nan() || slope <= 0.0 {
                 return None;
             }
-            earlier += BEYOND * behind / slope
-                + 4.0 * f64::EPSILON * (time.abs() + span)
-                + T::EPSILON.to_f64() * span;
+            earlier += BEYOND * behind / slope + least;
+            least *= GROWTH;
             if earlier > LARGEST * span {
                 return None;
             }
