@@ -108,6 +108,10 @@ pub(crate) struct EnergyBalance {
     /// ½ ΣK L² of lines, whose ends have places as large as L [J]: what of it rounding of places makes is no change.
     #[serde(default)]
     lines: f64,
+    /// What the works of the steps, together, may be off by through numbers that grow, as phases, and are rounded [J]: always to the same side, where the pattern of
+    /// rounding beats with the motion.
+    #[serde(default)]
+    unsure: f64,
 }
 
 impl EnergyBalance {
@@ -138,6 +142,11 @@ impl EnergyBalance {
     /// A step ends with works of these sizes, together [J].
     pub(crate) fn add_up(&mut self, works: f64) {
         self.sums += works;
+    }
+
+    /// A step ends with a work that differs by so much between two numbers next to each other [J].
+    pub(crate) fn doubt(&mut self, work: f64) {
+        self.unsure += 0.5 * work.abs();
     }
 
     /// Whether the next step needs the power in its middle.
@@ -214,7 +223,7 @@ impl EnergyBalance {
         let unstretched = by_stretches(ROUNDING).powi(2);
         let stretched = by_stretches(ROUNDED_ENDS) * self.moved().sqrt();
         let summed = 0.5 * precision * self.sums;
-        ROUNDING * precision * self.size + summed + unstretched + stretched
+        ROUNDING * precision * self.size + summed + unstretched + stretched + self.unsure
     }
 
     /// What moved so far [J]. Lines whose equilibrium points turn with a load keep their energy: where there is no kinetic one, all of it counts.

@@ -198,6 +198,16 @@ pub(crate) fn stop_name(scene: &Scene, layout: &Layout, stop: usize) -> String {
     named.unwrap_or_else(|| format!("stop {stop}"))
 }
 
+/// The output that a column of all outputs belongs to.
+pub(crate) fn output_name(scene: &Scene, column: usize) -> &str {
+    let mut columns = 0;
+    let own = scene.outputs.iter().find(|output| {
+        columns += output.components;
+        column < columns
+    });
+    own.map_or("", |output| &output.name)
+}
+
 /// The name of the input slot at an index of the list of inputs.
 pub(crate) fn input_name(scene: &Scene, layout: &Layout, index: usize) -> String {
     let slots = layout

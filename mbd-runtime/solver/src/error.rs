@@ -357,6 +357,25 @@ step_errors! {
     format!("at {time:.9} s formulas know the time to {apart} s, which alone makes {:.0} % of what follows it", 100.0 * share.min(1.0), apart = plain(*apart, 2)),
     "let time begin near zero, or run in double precision";
 
+    /// An angle or a declared state that has grown until it has no digits left of what it is read for, or a number whose steps are lost to rounding.
+    LargeState {
+        /// The number of the state.
+        state: String,
+        /// Its unit; empty for a pure number.
+        unit: String,
+        /// Its value.
+        value: f64,
+        /// How far apart numbers are there, or what rounding took from it by many steps, if that is more.
+        apart: f64,
+        /// What suffers by it.
+        affected: String,
+        /// What that makes, as a part of what suffers.
+        share: f64,
+    }
+    "large_state",
+    format!("`{state}` is {value}, known to {apart} there, which alone makes {:.0} % of {affected}", 100.0 * share.min(1.0), value = format!("{} {unit}", plain(*value, 3)).trim_end(), apart = plain(*apart, 2)),
+    "let it stay small: an event may set a phase back (`set: phase = phase - 2 * pi`), or two states be its sine and cosine; take longer steps where those are lost; or run in double precision";
+
     /// A history has no room for the rows that are asked for; the state is the last accepted step, and the rows so far are kept.
     LongHistory {
         /// The rows that were asked for, as far as that is known: of every step, those that there are.

@@ -135,7 +135,7 @@ impl StepRounding {
 pub(crate) struct Rounding {
     parts: Vec<HeldBody>,
     /// The least that an acceleration is measured against [m/s²].
-    acceleration: f64,
+    pub acceleration: f64,
     /// The longest arm of the joints [m]; `None` without rows.
     arm: Option<f64>,
     directions: Directions,

@@ -19,6 +19,7 @@ use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::rounding::{StepRounding, TimeRounding};
+use crate::state_rounding::StateRounding;
 use crate::step_sizes::StepSizes;
 use crate::supply::Sampler;
 use crate::system::System;
@@ -209,8 +210,10 @@ pub struct Simulation<T: Float> {
     time_rounding: TimeRounding,
     /// What rounding of positions makes of the errors of adaptive steps.
     step_rounding: StepRounding,
-    /// Room for its looks.
-    digit_room: [Vec<T>; 3],
+    /// What rounding of angles and declared states makes of what follows them.
+    state_rounding: StateRounding,
+    /// Room for the looks of both.
+    digit_room: [Vec<T>; 5],
     reads_time: OnceCell<bool>,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,

@@ -8,6 +8,7 @@ mod conservation;
 mod everywhere;
 mod far_away;
 mod fast_outputs;
+mod growing;
 mod invariance;
 mod long_runs;
 mod measures;

@@ -1,13 +1,15 @@
 //! One step of an explicit Runge–Kutta method.
 //!
-//! In single precision what a step adds may be no more than the distance of two numbers next to each other: h f vanishes below ε |x|. What rounding takes
-//! from the sum is then added in the next step, so that the state is off by one rounding and not by one a step:
+//! In single precision what a step adds may be no more than the distance of two numbers next to each other: h f vanishes below ε |x|. A number that grows
+//! evenly, as the angle of a wheel, is rounded to the same side at every step. What rounding takes from the sum is therefore added in the next step,
+//! so that the state is off by one rounding and not by one a step:
 //!
 //! ```text
 //! d = c + h Σ b k,   x⁺ = x + d,   c⁺ = d − (x⁺ − x)                                                                   (1)
 //! ```
 //!
 //! Source: Kahan, Further remarks on reducing truncation errors (1965). In double precision c is not kept: no step is so short.
+//! What it would be of the steps of a run is estimated instead ([`crate::rounding`]).
 
 use mbd_scene::{Float, Real};
 
@@ -62,6 +64,7 @@ pub(crate) struct Explicit<T> {
 }
 
 /// x⁺ and c⁺ of (1), from d where x⁺ will be.
+#[inline]
 fn add_keeping<T: Real>(state: &[T], next: &mut [T], loses: &mut [T]) {
     for ((x, next), lost) in state.iter().zip(next).zip(loses) {
         let added = *next;
@@ -267,6 +270,12 @@ impl<T: Float> Explicit<T> {
         &self.lost
     }
 
+    /// The weights by which rates are added to the state over a step, one after the other.
+    pub(crate) fn weights(&self) -> &[T] {
+        let last = self.rows.get(self.steps - 1);
+        last.map_or(&[], |row| &row.weights)
+    }
+
     /// Goes on with what rounding took from another accepted state, by itself nothing.
     pub(crate) fn set_lost(&mut self, lost: &[T]) {
         self.lost.fill(T::zero());
@@ -347,9 +356,17 @@ impl<T: Float> Explicit<T> {
         span: [f64; 2],
         state: &[T],
     ) -> bool {
-        self.at_once
-            && self.lost.is_empty()
-            && system.inner_stages(span, state, &mut self.stages, &mut self.next)
+        let made =
+            self.at_once && system.inner_stages(span, state, &mut self.stages, &mut self.next);
+        if made
+            && !self.lost.is_empty()
+            && let Some(row) = self.rows.get(self.steps - 1)
+        {
+            let h = T::from_f64(span[1]);
+            row.sum.add(&self.lost, h, &self.stages, &mut self.next);
+            add_keeping(state, &mut self.next, &mut self.loses);
+        }
+        made
     }
 
     /// The last stage of a step, whose state is known.

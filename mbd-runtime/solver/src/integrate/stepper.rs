@@ -160,6 +160,11 @@ impl<T: Float> Stepper<T> {
         self.explicit().map_or(&[], Explicit::lost)
     }
 
+    /// The weights by which an explicit method adds rates to the state over a step, one after the other; empty for others.
+    pub(crate) fn weights(&self) -> &[T] {
+        self.explicit().map_or(&[], Explicit::weights)
+    }
+
     /// Goes on with what rounding took from another accepted state.
     pub(crate) fn set_lost(&mut self, lost: &[T]) {
         if let Some(method) = self.explicit_mut() {

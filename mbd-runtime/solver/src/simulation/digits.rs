@@ -1,16 +1,23 @@
-//! Whether positions have the digits that the tolerance of a run asks for.
+//! Whether positions have the digits that the tolerance of a run asks for, and angles and declared states those that they are read for.
 
 use mbd_scene::random::SplitMix64;
 use mbd_scene::{Float, Part, Quantity};
 
+use super::stability::OFTEN;
 use super::{Pace, Simulation};
+use crate::columns::{output_name, state_names};
+use crate::error::StepError;
 use crate::integrate::ErrorNorm;
 use crate::moving::moving;
 use crate::rounding::{CoarseLook, CoarsePositions, ENOUGH};
+use crate::state_rounding::{CoarseState, LookedStep, NumberKind, Suffers, WorstState};
 use crate::system::System;
 
 /// By so many numbers at most positions are moved where digits are looked at: two that are rounded to one each differ by about as much in the rates of all stages.
 const NUMBERS: f64 = 2.5;
+/// From this part on what rounding of a state makes is told.
+const TOLD: f64 = 1e-3;
+
 impl<T: Float> Simulation<T> {
     /// Looks at what rounding of positions makes of the error of the next step.
     pub(super) fn watch_digits(&mut self) {
@@ -33,6 +40,145 @@ impl<T: Float> Simulation<T> {
         let known = (model.scene(), model.layout());
         self.step_rounding.told::<T>(known, self.sizes.length())
     }
+
+    /// Begins to look at the digits of what grows.
+    pub(super) fn begin_state_digits(&mut self) {
+        let model = self.system.model.clone();
+        let (scene, layout) = (model.scene(), model.layout());
+        let from_world = scene.runs.origin.is_none();
+        let parts = moving(layout).flat_map(|part| {
+            let turns = !part.has_quaternion();
+            let angles = part.attitude.zip(part.spin).filter(move |_| turns);
+            let angles = angles.map(|(angle, rate)| (angle, NumberKind::Angle(rate)));
+            let lengths = part.position.filter(move |_| from_world);
+            angles.chain(lengths.map(|at| (at, NumberKind::Length)))
+        });
+        let declared = (layout.states()..layout.nx()).map(|at| (at, NumberKind::Declared));
+        let numbers = parts.chain(declared);
+        let state = &self.state;
+        let numbers = numbers.filter_map(|(at, kind)| Some((at, kind, state.get(at)?.to_f64())));
+        self.state_rounding.begin(numbers);
+    }
+
+    /// Looks at what rounding of angles and declared states makes of what follows them.
+    ///
+    /// # Errors
+    /// A number that has no digits left of what it is read for.
+    pub(super) fn watch_state_digits(&mut self) -> Result<(), StepError> {
+        let looked = LookedStep {
+            state: &self.state,
+            rates: self.method.first(),
+            step: self.attempted,
+            weights: self.method.weights(),
+            steps: OFTEN as f64,
+            keeps: !self.method.lost().is_empty(),
+        };
+        if let Some((at, apart)) = self.state_rounding.see(looked) {
+            self.move_number(at, apart);
+        }
+        match self.state_rounding.is_refused() {
+            Some(worst) => {
+                let told = self.in_words(worst);
+                Err(StepError::LargeState {
+                    state: told.state,
+                    unit: told.unit,
+                    value: told.value,
+                    apart: told.apart,
+                    affected: told.affected,
+                    share: told.share,
+                })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Compares rates and outputs where a number of the state is and where it is moved by what rounding makes of it.
+    #[cold]
+    fn move_number(&mut self, at: usize, apart: f64) {
+        let model = self.system.model.clone();
+        let layout = model.layout();
+        let tells = layout.columns > 0 && model.emits(Quantity::Outputs);
+        let columns = if tells {
+            layout.len(Quantity::Outputs)
+        } else {
+            0
+        };
+        let lengths = [layout.len(Quantity::Derivative), columns];
+        let [moved, rates, rates_there, outputs, outputs_there] = &mut self.digit_room;
+        moved.clear();
+        moved.extend_from_slice(&self.state);
+        let Some(x) = moved.get_mut(at) else {
+            return;
+        };
+        let value = x.to_f64();
+        *x += T::from_f64(apart.copysign(value));
+        let lists = [
+            (&self.state, [&mut *rates, &mut *outputs]),
+            (&*moved, [&mut *rates_there, &mut *outputs_there]),
+        ];
+        for (state, lists) in lists {
+            let asked = [Quantity::Derivative, Quantity::Outputs]
+                .into_iter()
+                .zip(lengths);
+            for ((what, length), list) in asked.zip(lists) {
+                list.clear();
+                list.resize(length, T::zero());
+                if length > 0 {
+                    self.system.at_another_time(what, self.time, state, list);
+                }
+            }
+        }
+        let speeds = layout.nq..layout.nq + layout.nv;
+        let acceleration = self.sizes.rounding.acceleration;
+        self.state_rounding.compare(
+            (at, value, apart),
+            [
+                [rates.as_slice(), rates_there],
+                [outputs.as_slice(), outputs_there],
+            ],
+            |rate| {
+                if speeds.contains(&rate) {
+                    acceleration
+                } else {
+                    0.0
+                }
+            },
+        );
+    }
+
+    /// The angle of a joint or the declared state whose rounding makes most of what follows it, from a thousandth on: numbers that grow have ever fewer digits
+    /// behind the point, and a sine of 1e7 rad has none in single precision.
+    #[must_use]
+    pub fn coarse_state(&self) -> Option<CoarseState> {
+        let worst = self
+            .state_rounding
+            .told()
+            .filter(|worst| worst.share >= TOLD)?;
+        Some(self.in_words(worst))
+    }
+
+    /// What is worst, by names.
+    fn in_words(&self, worst: WorstState) -> CoarseState {
+        let model = &self.system.model;
+        let (scene, layout) = (model.scene(), model.layout());
+        let names = state_names(scene, layout);
+        let name = |at: usize| names.get(at).map_or("", |name| &name.name);
+        let affected = match worst.suffers {
+            Suffers::Itself => "what it tells by itself".to_owned(),
+            Suffers::Rate(at) => format!("the rate of `{}`", name(at)),
+            Suffers::Output(column) => format!("the output `{}`", output_name(scene, column)),
+        };
+        CoarseState {
+            state: name(worst.at).to_owned(),
+            unit: names
+                .get(worst.at)
+                .map_or_else(String::new, |name| name.unit.clone()),
+            affected,
+            value: worst.value,
+            apart: worst.apart,
+            share: worst.share,
+        }
+    }
 }
 
 /// What rounding of positions at a state makes of the error of a step; `None` where they have more digits than its norm asks for.
@@ -40,7 +186,7 @@ fn coarse_look<T: Float>(
     system: &mut System<T>,
     (time, state): (f64, &[T]),
     (norm, step): (&ErrorNorm, f64),
-    [moved, here, there]: &mut [Vec<T>; 3],
+    [moved, here, there, ..]: &mut [Vec<T>; 5],
 ) -> Option<CoarseLook> {
     let model = system.model.clone();
     let layout = model.layout();

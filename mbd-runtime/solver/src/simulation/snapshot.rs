@@ -14,6 +14,7 @@ use crate::node::NodeMemory;
 use crate::origin::MovingOrigin;
 use crate::rearm::Rearmed;
 use crate::rounding::{StepRounding, TimeRounding};
+use crate::state_rounding::StateRounding;
 use crate::supply::{Sampler, check_numbers};
 use crate::trajectory::resolution;
 use crate::watch::Watch;
@@ -64,6 +65,8 @@ pub struct Snapshot<T> {
     time_rounding: TimeRounding,
     #[serde(default)]
     step_rounding: StepRounding,
+    #[serde(default)]
+    state_rounding: StateRounding,
     drift: f64,
     rows: SavedStrategy,
     /// The inputs that are held, and whether that is nobody's gift.
@@ -144,6 +147,7 @@ impl<T: Float> Simulation<T> {
         to.rounded = self.rounded;
         to.time_rounding.copy_from(&self.time_rounding);
         to.step_rounding = self.step_rounding;
+        to.state_rounding.copy_from(&self.state_rounding);
         to.drift = self.system.drift;
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
@@ -320,6 +324,7 @@ impl<T: Float> Simulation<T> {
         self.rounded = snapshot.rounded;
         self.time_rounding.copy_from(&snapshot.time_rounding);
         self.step_rounding = snapshot.step_rounding;
+        self.state_rounding.copy_from(&snapshot.state_rounding);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             control.resume(saved);
         }

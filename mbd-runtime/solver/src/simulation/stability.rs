@@ -250,6 +250,7 @@ impl<T: Float> Simulation<T> {
         let jumped = self.energy_jumps(step, [balance.energy(), now.total()]);
         balance.jump(jumped);
         balance.add_up(self.works(self.method.next()).map(f64::abs).sum());
+        balance.doubt(work * self.state_rounding.share_of_rates());
         balance.take(step, work, now);
         let excess = self.excess(&balance);
         let steps = if self.meter == Meter::Laws { SELDOM } else { 1 };
@@ -317,6 +318,7 @@ impl<T: Float> Simulation<T> {
     fn look_back_now(&mut self) -> Result<(), StepError> {
         self.watch_rounding()?;
         self.watch_digits();
+        self.watch_state_digits()?;
         self.watch_time()?;
         self.judge_time()?;
         self.remember_good();
@@ -326,10 +328,13 @@ impl<T: Float> Simulation<T> {
     /// The most that rounding of positions made so far of what accelerates a body or a point through lines, springs and stops, or of an arm of the
     /// joints, at the start and at every tenth step: far from the origin of the world differences of positions have few digits. A run
     /// does not go beyond a tenth; from a thousandth on its forces have less than three digits. So it is with what rounding of time makes of accelerations
-    /// where formulas read time: late in a run of single precision.
+    /// where formulas read time: late in a run of single precision; and with what rounding of angles and declared states that grow makes of what follows
+    /// them ([`Simulation::coarse_state`] names it).
     #[must_use]
     pub fn rounding(&self) -> f64 {
-        self.rounded.max(self.time_rounding.share())
+        let of_state = self.state_rounding.told();
+        let of_state = of_state.map_or(0.0, |worst| worst.share);
+        self.rounded.max(self.time_rounding.share()).max(of_state)
     }
 
     /// How far apart times are that formulas tell apart [s]; `None` where that is close enough, or nothing reads time.

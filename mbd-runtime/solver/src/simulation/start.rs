@@ -28,6 +28,7 @@ use crate::moving::moving;
 use crate::options::{Method, Options};
 use crate::rearm::Rearmed;
 use crate::rounding::{StepRounding, TimeRounding};
+use crate::state_rounding::StateRounding;
 use crate::step_sizes::StepSizes;
 use crate::supply::Law;
 use crate::system::System;
@@ -37,8 +38,6 @@ use crate::watch::Watch;
 const SINGULAR: f64 = 1e-14;
 /// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
 const LOOSE: f64 = 1e-5;
-/// Steps that are never longer keep what rounding takes from their sums, where the scalar is short [s].
-const SHORT_STEP: f64 = 1e-5;
 
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::new`] and [`Simulation::with_loads`] do.
@@ -65,12 +64,7 @@ impl<T: Float> Simulation<T> {
         let layout = model.layout();
         let noisy = fixed && options.guard_tolerance.is_none();
         let behind = length - system.nx;
-        let longest = options.method.fixed_step();
-        let longest = longest.or(options.method.tolerance().map(|[_, longest]| longest));
-        let explicit = |method: Explicit<T>| match longest.is_some_and(|step| step <= SHORT_STEP) {
-            true => Family::Explicit(method.keeping_digits()),
-            false => Family::Explicit(method),
-        };
+        let explicit = |method: Explicit<T>| Family::Explicit(method.keeping_digits());
         let implicit = |system: &mut System<T>| {
             system.provide_derivatives();
             Family::Implicit(Rosenbrock::new(&RODAS5P, length, attached(layout), behind))
@@ -174,6 +168,7 @@ impl<T: Float> Simulation<T> {
             steps_elsewhere: 0,
             time_rounding: TimeRounding::default(),
             step_rounding: StepRounding::default(),
+            state_rounding: StateRounding::default(),
             digit_room: std::array::from_fn(|_| Vec::with_capacity(length)),
             reads_time: OnceCell::new(),
             bodies: vec![T::zero(); bodies],
@@ -360,6 +355,7 @@ impl<T: Float> Simulation<T> {
         self.rounded = 0.0;
         self.time_rounding = TimeRounding::default();
         self.step_rounding = StepRounding::default();
+        self.begin_state_digits();
         self.watch_rounding()?;
         self.watch_time()?;
         self.begin_balance();

@@ -269,7 +269,9 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         .as_ref()
         .filter(|it| it.relative > LARGE_ERROR);
     let rough = unresolved(scene, &outcome.trajectory);
-    let by_rounding = Some(outcome.rounding).filter(|part| *part > 1e-3);
+    let of_state = outcome.coarse_state.as_ref();
+    let told = of_state.map_or(1e-3, |state| state.share.max(1e-3));
+    let by_rounding = Some(outcome.rounding).filter(|part| *part > told);
     let doubts = [
         by_estimate.map(|it| {
             let of = it.measure();
@@ -307,6 +309,16 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         by_momentum.map(|part| format!("the run made or lost {:.1} % of the momentum that moved: {change}", 100.0 * part)),
         by_rounding.map(|part| {
             format!("rounding of positions makes {:.1} % of the forces: put the origin of the world near what moves", 100.0 * part)
+        }),
+        of_state.map(|it| {
+            format!(
+                "`{}` is {}, known to {} there, which makes {:.1} % of {}: let it stay small, set back by an event (`set: phase = phase - 2 * pi`), or take longer steps",
+                it.state,
+                format!("{} {}", plain(it.value, 3), it.unit).trim_end(),
+                plain(it.apart, 2),
+                100.0 * it.share,
+                it.affected
+            )
         }),
     ];
     let doubts: Vec<String> = doubts.into_iter().flatten().collect();

@@ -8,8 +8,8 @@ use mbd_campaign::run::RunPlan;
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::{Scene, plain};
 use mbd_runtime::{
-    CoarsePositions, Content, Imbalance, MetricValue, Model, MomentumImbalance, Moved, Options,
-    ParamError, PassedStop, RunError, Sampling, Simulation, Stop, Trajectory,
+    CoarsePositions, CoarseState, Content, Imbalance, MetricValue, Model, MomentumImbalance, Moved,
+    Options, ParamError, PassedStop, RunError, Sampling, Simulation, Stop, Trajectory,
 };
 
 use super::estimate::{Estimate, estimate};
@@ -44,6 +44,8 @@ pub struct RunOutcome {
     pub rounding: f64,
     /// Positions with fewer digits than the tolerance asks for.
     pub coarse: Option<CoarsePositions>,
+    /// The angle or the declared state that has few digits left of what is read of it.
+    pub coarse_state: Option<CoarseState>,
     /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
     pub estimate: Option<Estimate>,
     /// Metrics of a campaign file that the scene does not declare itself.
@@ -161,7 +163,7 @@ pub(super) fn fly_on(
     let (mut time, mut moved, mut singular_start) = (0.0, Vec::new(), false);
     let mut passed_stops = Vec::new();
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
-    let (mut hidden, mut coarse) = (None, None);
+    let (mut hidden, mut coarse, mut coarse_state) = (None, None, None);
     let mut fly = |mut simulation: Simulation<f64>| {
         let mut steps = 0;
         let mut watch = |now: f64| {
@@ -183,6 +185,7 @@ pub(super) fn fly_on(
         (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
         hidden = simulation.hidden_from_steps();
         coarse = simulation.coarse_positions();
+        coarse_state = simulation.coarse_state();
         momentum = simulation.momentum_imbalance();
         stop.map(|stop| (simulation, stop))
     };
@@ -201,6 +204,7 @@ pub(super) fn fly_on(
         momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,
         coarse,
+        coarse_state,
         hidden,
         estimate: None,
         besides: Vec::new(),
