@@ -460,11 +460,12 @@ impl Margins {
         }
     }
 
-    /// When a declared event was armed again by its own action last [s].
-    pub(crate) fn rearmed_at(&self, event: usize) -> Option<f64> {
+    /// When a declared event was armed again by its own action last, and how long its guard takes to leave its value [s].
+    pub(crate) fn rearmed_at(&self, event: usize) -> Option<[f64; 2]> {
         let own = (0..self.watched.len()).find(|&index| self.event_of(index) == Some(event));
         let rearmed = self.rearmed.get(own?)?;
-        rearmed.time.filter(|_| !rearmed.beyond)
+        let armed = rearmed.time.filter(|_| !rearmed.beyond);
+        armed.map(|time| [time, rearmed.instant])
     }
 
     /// Whether the joints hold the guard of a declared event at its value.
@@ -487,6 +488,7 @@ impl Margins {
                 time: Some(time),
                 rounding,
                 value: guard,
+                instant: 0.0,
                 beyond: false,
             };
         }

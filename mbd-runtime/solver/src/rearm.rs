@@ -22,6 +22,13 @@ use crate::simulation::Simulation;
 /// Below this part of the rate before the action a rate is none; a guard within this time [s] of its value, by that rate, is at its value.
 const NONE: f64 = 1e-9;
 
+/// A guard that changes by so many times what rounding makes of it has a rate; it is looked for so much further each time, up to a time [s].
+const RESOLVED: f64 = 64.0;
+const FURTHER: f64 = 8.0;
+const FURTHEST: f64 = 0.03;
+/// Within so many roundings of its value a guard is at it.
+const AT_VALUE: f64 = 4.0;
+
 /// When an event was armed again by its own action, and where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rearmed {
@@ -31,19 +38,37 @@ pub(crate) struct Rearmed {
     pub rounding: f64,
     /// The guard there, which counts as its value until an action lets it pass.
     pub value: f64,
+    /// Within this its guard leaves its value by no more than rounding [s].
+    #[serde(default)]
+    pub instant: f64,
     /// Whether it went on beyond, and was back by rounding alone.
     #[serde(default)]
     pub beyond: bool,
 }
 
 impl<T: Float> Simulation<T> {
-    /// The guards here, and their rates.
-    pub(crate) fn guards_and_rates(&mut self) -> Result<[Vec<f64>; 2], StepError> {
+    /// The guards here, their rates, and how far each is off where the numbers of the state are the next ones.
+    pub(crate) fn guards_and_rates(&mut self) -> Result<[Vec<f64>; 3], StepError> {
         let state = self.state.clone();
         let here = self.guards_at(self.time, &state).unwrap_or_default();
-        self.look_ahead(AT_REST)?;
-        let rates = self.off(&here).iter().map(|off| off / AT_REST).collect();
-        Ok([here, rates])
+        self.look_at_neighbours(0.0)?;
+        let rounding: Vec<f64> = self.off(&here).iter().map(|off| off.abs()).collect();
+        let (mut rates, mut ahead) = (vec![0.0; here.len()], AT_REST);
+        loop {
+            self.look_ahead(ahead)?;
+            let mut resolved = true;
+            for ((rate, off), rounding) in rates.iter_mut().zip(self.off(&here)).zip(&rounding) {
+                // What is known already is not looked at from further away.
+                if (*rate * ahead).abs() <= RESOLVED * rounding {
+                    *rate = off / ahead;
+                    resolved &= off.abs() >= RESOLVED * rounding;
+                }
+            }
+            if resolved || ahead >= FURTHEST {
+                return Ok([here, rates, rounding]);
+            }
+            ahead *= FURTHER;
+        }
     }
 
     /// How far the guards of the last look are from some.
@@ -56,7 +81,7 @@ impl<T: Float> Simulation<T> {
     /// Events that have acted, whose guards had these rates before: those for which (1) holds are on the side that they came from.
     pub(crate) fn rearm(&mut self, acting: &[usize], before: &[f64]) -> Result<(), StepError> {
         let declared: Vec<(usize, usize)> = self.margins.declared().collect();
-        let [here, after] = self.guards_and_rates()?;
+        let [here, after, rounded] = self.guards_and_rates()?;
         self.look_along(AT_REST)?;
         let along = self.off(&here);
         let instant = self.one_instant(0.0);
@@ -74,15 +99,22 @@ impl<T: Float> Simulation<T> {
             let none = NONE * of(before).abs();
             let returns = back > none || back.abs() <= none && goes_on > none * AT_REST;
             let guard = of(&here);
+            // An event is located no closer than times inside its step are told apart.
+            let located = self.one_instant(self.step_ahead()) * of(before).abs();
+            let near = none.max(AT_VALUE * of(&rounded)).max(located);
             let last = self.margins.rearmed.get_mut(index);
             let Some(last) = last else { continue };
             let at = Rearmed {
                 time: Some(self.time),
-                rounding: none,
+                rounding: near,
                 value: guard,
+                instant: match of(&rounded) > 0.0 {
+                    true => AT_VALUE * of(&rounded) / back.abs(),
+                    false => 0.0,
+                },
                 beyond: false,
             };
-            if (guard - last.value).abs() > none || !returns {
+            if (guard - last.value).abs() > near || !returns {
                 let rounding = instant * of(before).abs();
                 let is_back = !returns && (guard > 0.0) != beyond && guard.abs() <= rounding;
                 *last = match is_back {
@@ -104,9 +136,22 @@ impl<T: Float> Simulation<T> {
         self.read_margins(self.time, 0.0)
     }
 
-    /// Whether an event that its action armed again happens again within what is one time with that.
+    /// Whether an event that its action armed again happens again while its guard moves back by these rates: it has not left its value by more than rounding, and an
+    /// action that took it for a passage would send a ball that rises through the floor.
+    pub(crate) fn moves_back(&self, event: usize, rates: &[f64]) -> bool {
+        let mut declared = self.margins.declared();
+        let own = declared.find(|(index, _)| self.margins.event_of(*index) == Some(event));
+        let rate = own.and_then(|(_, at)| rates.get(at).copied());
+        let beyond = self.margins.sides.get(event).copied().unwrap_or(false);
+        let back = rate.is_some_and(|rate| if beyond { rate < 0.0 } else { rate > 0.0 });
+        back && self.margins.rearmed_at(event).is_some()
+    }
+
+    /// Whether an event that its action armed again happens again within what is one time with that: in single precision that is a part of the step in which it
+    /// would be located, and far from the origin what the guard takes to leave its value by more than rounding.
     pub(crate) fn happens_at_once(&self, event: usize) -> bool {
+        let instant = TOGETHER.max(self.one_instant(self.step_ahead()));
         let since = self.margins.rearmed_at(event);
-        since.is_some_and(|since| self.time - since <= TOGETHER.max(self.resolved(0.0)))
+        since.is_some_and(|[since, own]| self.time - since <= instant.max(own))
     }
 }

@@ -114,7 +114,10 @@ impl<T: Float> Simulation<T> {
     fn change_together(&mut self, acting: &[usize]) -> Result<(), StepError> {
         self.count_actions(acting)?;
         let before = self.energies();
-        let [_, rates] = self.guards_and_rates()?;
+        let [_, rates, _] = self.guards_and_rates()?;
+        if let Some(&event) = acting.iter().find(|event| self.moves_back(**event, &rates)) {
+            return Err(self.acts_at_once(event));
+        }
         let speeds = self.apply(acting)?;
         self.settle(acting, &speeds)?;
         self.rearm(acting, &rates)?;
@@ -133,12 +136,7 @@ impl<T: Float> Simulation<T> {
     fn count_actions(&mut self, acting: &[usize]) -> Result<(), StepError> {
         for &event in acting {
             if self.happens_at_once(event) {
-                return Err(StepError::EventChatter {
-                    line: self.event_names(&[event]),
-                    is_event: true,
-                    count: 2,
-                    window: self.time - self.margins.rearmed_at(event).unwrap_or(self.time),
-                });
+                return Err(self.acts_at_once(event));
             }
             if self.chatter.sees(self.time) {
                 return Err(StepError::EventChatter {
@@ -150,6 +148,17 @@ impl<T: Float> Simulation<T> {
             }
         }
         Ok(())
+    }
+
+    /// An event that its action armed again acts once more in no time.
+    fn acts_at_once(&self, event: usize) -> StepError {
+        let since = self.margins.rearmed_at(event);
+        StepError::EventChatter {
+            line: self.event_names(&[event]),
+            is_event: true,
+            count: 2,
+            window: since.map_or(0.0, |[since, _]| self.time - since),
+        }
     }
 
     /// `a`, or `a`, `b` for several.

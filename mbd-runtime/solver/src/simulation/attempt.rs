@@ -52,10 +52,9 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// The size of the next step, and whether it ends at `until`.
-    pub(super) fn propose(&self, until: f64) -> (f64, bool) {
-        let left = until - self.time;
-        let step = match &self.pace {
+    /// The size of a step that lands on nothing [s].
+    pub(crate) fn step_ahead(&self) -> f64 {
+        match &self.pace {
             Pace::Fixed(step) => *step,
             Pace::Adaptive(control, _) => {
                 let step = control.step.min(control.largest).min(LONGEST);
@@ -64,7 +63,13 @@ impl<T: Float> Simulation<T> {
                     None => step,
                 }
             }
-        };
+        }
+    }
+
+    /// The size of the next step, and whether it ends at `until`.
+    pub(super) fn propose(&self, until: f64) -> (f64, bool) {
+        let left = until - self.time;
+        let step = self.step_ahead();
         if step >= left * (1.0 - 1e-9) {
             (left, true)
         } else {

@@ -63,7 +63,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Reads the margins where the rates of now lead in a time [s], and at least to the next number: what is far from zero moves by less than numbers tell apart.
-    fn look_at_neighbours(&mut self, ahead: f64) -> Result<(), StepError> {
+    pub(crate) fn look_at_neighbours(&mut self, ahead: f64) -> Result<(), StepError> {
         let step = T::from_f64(ahead);
         for ((x, from), rate) in self
             .inside
