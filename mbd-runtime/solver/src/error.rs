@@ -513,6 +513,9 @@ step_errors! {
     "unsupported", format!("{what} is not supported"), instead.as_str();
 }
 
+/// The largest | |q| − 1 | of a quaternion that is given.
+const LARGEST_DEVIATION: f64 = 1e-3;
+
 impl StepError {
     /// A list of a wrong length.
     pub(crate) fn length(list: &str, found: usize, expected: usize) -> Self {
@@ -522,6 +525,13 @@ impl StepError {
             expected,
             found,
         }
+    }
+
+    /// A quaternion that is given with this | |q| − 1 |, if that is more than rounding and a few digits.
+    pub(crate) fn quaternion(deviation: f64) -> Option<Self> {
+        let slot = "deviation of a quaternion from unit length".into();
+        let value = deviation;
+        (deviation > LARGEST_DEVIATION).then_some(StepError::InvalidInput { slot, value })
     }
 }
 

@@ -30,6 +30,7 @@ use serde::{Deserialize, Serialize};
 use crate::columns::part_name;
 use crate::integrate::Scales;
 use crate::moving::{Moving, Owners, moving};
+use crate::options::Method;
 use crate::stiffness::Stiffness;
 
 /// Below this what is between two times that formulas tell apart is not looked at [s].
@@ -62,8 +63,8 @@ pub struct CoarsePositions {
     pub distance: f64,
     /// How far apart positions there are that numbers tell apart [m].
     pub apart: f64,
-    /// A relative tolerance that they have the digits for.
-    pub tolerance: f64,
+    /// A relative tolerance that they have the digits for; `None` where it is looser than a run takes.
+    pub tolerance: Option<f64>,
 }
 
 /// (4) so far.
@@ -125,7 +126,7 @@ impl StepRounding {
             to_follow: is_far.then(|| name.to_owned()),
             distance: look.distance,
             apart: T::EPSILON.to_f64() * look.distance,
-            tolerance,
+            tolerance: (tolerance <= Method::LOOSEST).then_some(tolerance),
         })
     }
 }

@@ -133,7 +133,7 @@ fn a_tolerance_below_the_digits_of_positions_is_told_where_rounding_takes_more_s
         assert!((told.apart / 1.42e-9 - 1.0).abs() < 0.01, "{told:?}");
         assert!(told.distance > 6.39e6 && told.distance < 6.41e6);
         // At the tolerance that is told nothing is left to tell.
-        for (steps, told) in at(6.4e6, "", told.tolerance) {
+        for (steps, told) in at(6.4e6, "", told.tolerance.expect("one that a run takes")) {
             assert_eq!(told, None, "{steps}");
         }
     }
@@ -194,4 +194,21 @@ fn an_orbit_whose_speed_has_too_few_digits_for_the_tolerance_is_told() {
     for tolerance in [1e-10, 1e-8] {
         assert_eq!(flown("", tolerance).1, None, "{tolerance}");
     }
+}
+
+/// In single precision positions of an orbit are half a metre apart, and no tolerance that a run takes is as loose: none is told.
+#[test]
+fn no_tolerance_is_told_that_a_run_would_refuse() {
+    let scene = read(
+        "model Orbit { gravity: point_mass { mu: 3.986e14 m^3/s^2, center: [0, 0, 0] m };
+         point a { mass: 1 kg, start at [7e6, 0, 0] m velocity [0, 7546, 0] m/s } }",
+    );
+    let model = Generic::<f32>::with_defaults(scene).expect("defaults");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-3)).expect("options");
+    run.run(100.0).expect("a run");
+    let told = run.coarse_positions().expect("few digits");
+    assert_eq!(
+        (told.tolerance, told.to_follow.as_deref()),
+        (None, Some("a"))
+    );
 }

@@ -86,7 +86,7 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
     /// Steps [s] from a state at time zero; `rates` writes ẋ at a time [s] and a state.
     ///
     /// # Errors
-    /// A step that is not positive; a state of another length; a scene in which something happens or is solved.
+    /// A step that is not positive; a state of another length, or with a quaternion that is none; a scene in which something happens or is solved.
     pub fn new(layout: &Layout, step: f64, start: Vec<L>, rates: F) -> Result<Self, StepError> {
         if !(step > 0.0 && step.is_finite()) {
             let slot = "step".into();
@@ -108,9 +108,19 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
                 });
             }
         }
+        let (mut start, quaternions) = (start, layout.quaternions().collect::<Vec<_>>());
+        // As at the start of a run; a lane that is no number disturbs no other.
+        let drift = normalise(&quaternions, &mut start);
+        let refused = drift
+            .numbers()
+            .iter()
+            .find_map(|drift| StepError::quaternion(*drift));
+        if let Some(refused) = refused {
+            return Err(refused);
+        }
         let mut this = LockStep {
             rates,
-            quaternions: layout.quaternions().collect(),
+            quaternions,
             step,
             time: 0.0,
             origin: 0.0,

@@ -67,11 +67,8 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), RunError> {
         let mut fresh = self.system.set_down(time, origin, state);
         let drift = self.system.normalise(&mut fresh);
-        if drift > 1e-3 {
-            return Err(self.failed(StepError::InvalidInput {
-                slot: "deviation of a quaternion from unit length".into(),
-                value: drift,
-            }));
+        if let Some(refused) = StepError::quaternion(drift) {
+            return Err(self.failed(refused));
         }
         self.shown.forget();
         self.system.drift = drift;

@@ -330,17 +330,21 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
 pub fn short_of_digits(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
     let coarse = outcome.coarse.as_ref()?;
     let [rtol, _] = plan.options.method.tolerance()?;
-    let follows = match &coarse.to_follow {
-        Some(name) => format!("declare `origin: follows {name};`, or take "),
-        None => "take ".to_owned(),
-    };
+    let follows = coarse.to_follow.as_ref();
+    let follows = follows.map(|name| format!("declare `origin: follows {name};`"));
+    // A tolerance that is looser than runs take is none.
+    let looser = coarse.tolerance.map_or_else(
+        || "take a fixed step".to_owned(),
+        |tolerance| format!("take `--tol {}` or a larger one", plain(tolerance, 1)),
+    );
+    let remedy = follows.into_iter().chain([looser]).collect::<Vec<_>>();
     Some(format!(
-        "warning: {}: a tolerance of {} asks for more digits than the positions of `{}` have, which are {} m apart at {} m from the origin: rounding decides how short steps are, and nothing is gained by them; {follows}`--tol {}` or a larger one",
+        "warning: {}: a tolerance of {} asks for more digits than the positions of `{}` have, which are {} m apart at {} m from the origin: rounding decides how short steps are, and nothing is gained by them; {}",
         scene.name,
         plain(rtol, 3),
         coarse.part,
         plain(coarse.apart, 2),
         plain(coarse.distance, 3),
-        plain(coarse.tolerance, 1),
+        remedy.join(", or "),
     ))
 }
