@@ -208,8 +208,11 @@ fn reactions<'a>(scene: &Scene, trajectory: &Trajectory) -> Option<PlotGroup<'a>
     if all > JOINTS {
         caption += &format!(" The {JOINTS} largest of {all}.");
     }
-    let redundancy = Layout::new(scene).redundancy;
-    if (0..scene.joints.len()).any(|joint| !redundancy.is_unique(joint)) {
+    let ambiguous = Layout::new(scene).redundancy.ambiguous;
+    if ambiguous
+        .iter()
+        .any(|of| of.components[..3].contains(&true))
+    {
         caption += " Rows repeat each other, so some of these forces are one choice of many; `mbd check` marks them.";
     }
     Some(PlotGroup {

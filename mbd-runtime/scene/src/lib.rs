@@ -54,9 +54,9 @@ pub use joints::{
     Universal,
 };
 pub use layout::{
-    Anchor, Below, Carrying, Dependent, Elimination, EliminationStep, FromSolution, Grouped,
-    HeldMotor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Link, LinkAxes,
-    Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots, StopSlots, Tree,
+    Ambiguous, Anchor, Below, Carrying, Dependent, Elimination, EliminationStep, FromSolution,
+    Grouped, HeldMotor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Link,
+    LinkAxes, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, StageInputs, StepStages, Work};

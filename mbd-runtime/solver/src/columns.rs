@@ -3,7 +3,12 @@
 use mbd_scene::{AngularVelocity, InputSource, Layout, Part, Plane, PointSlots, Scene};
 
 /// The remark of a reaction of which there are many, and of what is made of it.
-pub(crate) const NOT_UNIQUE: &str = "not unique";
+const NOT_UNIQUE: &str = "not unique";
+
+/// What to know of a number that is a component of a reaction, or made of some.
+pub(crate) fn remark(ambiguous: bool) -> String {
+    if ambiguous { NOT_UNIQUE } else { "" }.to_owned()
+}
 
 /// A named quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]

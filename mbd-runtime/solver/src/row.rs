@@ -2,9 +2,7 @@
 
 use mbd_scene::{Float, LINE_NUMBERS, Layout, Model, Quantity, Scene};
 
-use crate::columns::{
-    NOT_UNIQUE, Name, carried_names, joint_name, line_name, node_name, state_names,
-};
+use crate::columns::{Name, carried_names, joint_name, line_name, node_name, remark, state_names};
 use crate::content::Content;
 use crate::error::StepError;
 use crate::linearise::output_names;
@@ -267,15 +265,14 @@ pub(crate) fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Nam
     }
     if content.reactions && layout.len(Quantity::Reactions) > 0 {
         for joint in 0..scene.joints.len() {
-            for (kind, unit) in [("force", "N"), ("torque", "N*m")] {
+            let ambiguous = layout.redundancy.ambiguous_components(joint);
+            let vectors = [("force", "N"), ("torque", "N*m")].into_iter();
+            for ((kind, unit), ambiguous) in vectors.zip(ambiguous.chunks(3)) {
                 let owner = format!("{}.{kind}", joint_name(scene, joint));
-                let remark = match layout.redundancy.is_unique(joint) {
-                    true => "",
-                    false => NOT_UNIQUE,
-                };
-                names.extend(["x", "y", "z"].map(|c| Name {
-                    remark: remark.to_owned(),
-                    ..Name::new(&owner, c, unit)
+                let axes = ["x", "y", "z"].iter().zip(ambiguous);
+                names.extend(axes.map(|(axis, ambiguous)| Name {
+                    remark: remark(*ambiguous),
+                    ..Name::new(&owner, axis, unit)
                 }));
             }
         }

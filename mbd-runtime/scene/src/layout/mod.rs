@@ -10,7 +10,7 @@ mod tree;
 mod turns;
 
 pub use elimination::{Below, Carrying, Dependent, Elimination, EliminationStep, Order};
-pub use repeats::{HeldMotor, Redundancy, Repeat};
+pub use repeats::{Ambiguous, HeldMotor, Redundancy, Repeat};
 pub use slots::{
     Anchor, DetachableJoint, FromSolution, InputSlots, InputSource, JointSlots, LineEnd, LineSlots,
     Network, Node, PointSlots, Slots, StopSlots,

@@ -28,6 +28,46 @@ pub struct HeldMotor {
     pub of: Vec<usize>,
 }
 
+/// A joint of whose reaction not all is determined by the motion.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Ambiguous {
+    /// The joint, by index.
+    pub joint: usize,
+    /// Which components are one choice of many: three of the force, three of the torque, world axes.
+    pub components: [bool; 6],
+}
+
+impl Ambiguous {
+    /// Adds components of the reaction of a joint to a list.
+    pub(crate) fn add(all: &mut Vec<Ambiguous>, joint: usize, components: [bool; 6]) {
+        match all.iter_mut().find(|of| of.joint == joint) {
+            Some(of) => {
+                (of.components.iter_mut().zip(components)).for_each(|(own, more)| *own |= more)
+            }
+            None => all.push(Ambiguous { joint, components }),
+        }
+    }
+
+    /// Its components as they are asked for behind the name of a joint: `force.y`, `torque.x`.
+    #[must_use]
+    pub fn named(&self) -> Vec<&'static str> {
+        const NAMES: [&str; 6] = [
+            "force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z",
+        ];
+        let named = NAMES.into_iter().zip(self.components);
+        named
+            .filter_map(|(name, of_many)| of_many.then_some(name))
+            .collect()
+    }
+
+    /// Takes all three components of a vector for ambiguous where one is.
+    pub(crate) fn widen(&mut self) {
+        for vector in self.components.chunks_mut(3) {
+            vector.fill(vector.contains(&true));
+        }
+    }
+}
+
 /// What repeats what in a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Redundancy {
@@ -35,6 +75,8 @@ pub struct Redundancy {
     pub repeats: Vec<Repeat>,
     /// The motors on loops that have nothing to drive. Only by parameters at their defaults.
     pub held: Vec<HeldMotor>,
+    /// The joints whose reactions are not unique, in order of declaration.
+    pub ambiguous: Vec<Ambiguous>,
     /// Independent loops of the joints, the world being one of the parts.
     pub loops: usize,
     /// Whether every loop was closed at some state. Where not, nothing is known of its rows, and all are kept.
@@ -42,11 +84,17 @@ pub struct Redundancy {
 }
 
 impl Redundancy {
-    /// Whether the reaction of a joint is determined by the motion: it takes part in no redundancy.
+    /// Whether the reaction of a joint is determined by the motion: no self-stress changes any component of it.
     #[must_use]
     pub fn is_unique(&self, joint: usize) -> bool {
-        let mut repeats = self.repeats.iter();
-        !repeats.any(|repeat| repeat.joint == joint || repeat.of.contains(&joint))
+        !self.ambiguous_components(joint).contains(&true)
+    }
+
+    /// Which components of the reaction of a joint are one choice of many: three of the force, three of the torque, world axes.
+    #[must_use]
+    pub fn ambiguous_components(&self, joint: usize) -> [bool; 6] {
+        let found = self.ambiguous.iter().find(|of| of.joint == joint);
+        found.map_or([false; 6], |of| of.components)
     }
 
     /// Number of rows that are left out.

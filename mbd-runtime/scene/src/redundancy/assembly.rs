@@ -1,9 +1,10 @@
 //! Consistent random states of a group of parts, and what the speeds of its tree do to the rows that close its loops.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
 use crate::joints::JointLaw;
 use crate::random::SplitMix64;
+use crate::redundancy::choice::SpanRow;
 use crate::redundancy::configuration::Configuration;
 use crate::redundancy::length;
 use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
@@ -14,6 +15,8 @@ use crate::{Detachable, Layout, Part, Pose, Relative, Scene, Twist};
 
 /// States looked for in a group.
 const STATES: usize = 5;
+/// States looked for with other params.
+const STATES_ELSEWHERE: usize = 2;
 /// Attempts at them.
 const ATTEMPTS: usize = 24;
 /// Iterations that close the loops of one.
@@ -33,6 +36,8 @@ pub struct JointRow {
     pub size: f64,
     /// Each part with its columns.
     pub parts: Vec<(Part, PartMotion)>,
+    /// What a unit multiplier adds to the reaction: a force on the child, a torque about the origin of frame 2, world axes.
+    pub on_child: [Vector3<f64>; 2],
 }
 
 impl JointRow {
@@ -69,6 +74,18 @@ pub struct LinearisedState {
     pub freedoms: usize,
     /// Rank of the rows of the closing joints.
     pub rank: usize,
+    /// The length that angles are weighed with.
+    pub length: f64,
+}
+
+impl LinearisedState {
+    /// A row over the speeds of the tree, divided by its size.
+    pub fn line(&self, row: SpanRow) -> Option<&DVector<f64>> {
+        match row {
+            SpanRow::Closing(place, row) => self.closing.get(place)?.get(row),
+            SpanRow::Motor(index) => Some(&self.motors.get(index)?.line),
+        }
+    }
 }
 
 /// A group in a configuration.
@@ -77,6 +94,8 @@ struct Assembly<'a> {
     layout: &'a Layout,
     group: &'a LoopGroup,
     configuration: Configuration<'a>,
+    /// How parts that move freely are turned.
+    turn: Matrix3<f64>,
     length: f64,
     rows: Rows<f64>,
     spare: Rows<f64>,
@@ -89,11 +108,42 @@ pub fn states(
     group: &LoopGroup,
     begun: Option<&[f64]>,
 ) -> Vec<LinearisedState> {
-    let configuration = Configuration::new(scene, layout);
-    let joints = group.links.iter().map(|link| link.joint);
-    let arms = joints
-        .chain(group.closing.iter().copied())
-        .flat_map(|joint| {
+    let mut assembly = Assembly::new(Configuration::new(scene, layout), group);
+    let mut found = Vec::new();
+    if let Some(begun) = begun {
+        let closed = assembly.place_beside(begun);
+        found.extend(closed.and_then(|()| assembly.linearise()));
+    }
+    assembly.look(STATES, &mut found);
+    found
+}
+
+/// The same with other params, at another time, and with the parts that move freely turned: what is zero at these states, too, is no accident of where
+/// things are. `None` where nothing of this changes a group.
+pub fn states_elsewhere(
+    (scene, layout): (&Scene, &Layout),
+    group: &LoopGroup,
+) -> Option<Vec<LinearisedState>> {
+    let moves = scene.world_frames.iter().any(|frame| frame.moves(scene));
+    if scene.params.is_empty() && group.roots.is_empty() && !moves {
+        return None;
+    }
+    let mut random = SplitMix64(0x5851_f42d_4c95_7f2d);
+    let turn = Vector3::from_fn(|_, _| random.number());
+    let configuration = Configuration::elsewhere(scene, layout, &mut random);
+    let mut assembly = Assembly::new(configuration, group);
+    assembly.turn = Rotation3::new(turn).into_inner();
+    let mut found = Vec::new();
+    assembly.look(STATES_ELSEWHERE, &mut found);
+    Some(found)
+}
+
+impl<'a> Assembly<'a> {
+    fn new(configuration: Configuration<'a>, group: &'a LoopGroup) -> Self {
+        let (scene, layout) = (configuration.scene, configuration.layout);
+        let joints = group.links.iter().map(|link| link.joint);
+        let joints = joints.chain(group.closing.iter().copied());
+        let arms = joints.flat_map(|joint| {
             let joint = scene.joints.get(joint);
             let numbers = joint.map_or([0.0; 2], |joint| {
                 [joint.parent, joint.child].map(|place| match place {
@@ -103,38 +153,37 @@ pub fn states(
             });
             numbers.into_iter()
         });
-    let mut assembly = Assembly {
-        length: length(arms),
-        scene,
-        layout,
-        group,
-        configuration,
-        rows: Rows::default(),
-        spare: Rows::default(),
-        random: SplitMix64(0x9e37_79b9_7f4a_7c15),
-    };
-    let mut found = Vec::new();
-    if let Some(begun) = begun {
-        let closed = assembly.place_beside(begun);
-        found.extend(closed.and_then(|()| assembly.linearise()));
-    }
-    for attempt in 0..ATTEMPTS {
-        if found.len() == STATES {
-            break;
+        Assembly {
+            length: length(arms),
+            scene,
+            layout,
+            group,
+            configuration,
+            turn: Matrix3::identity(),
+            rows: Rows::default(),
+            spare: Rows::default(),
+            random: SplitMix64(0x9e37_79b9_7f4a_7c15),
         }
-        let reach = [1.0, 3.1, 0.3][attempt % 3];
-        let closed = assembly.place_tree(reach).and_then(|()| assembly.close());
-        found.extend(closed.and_then(|()| assembly.linearise()));
     }
-    found
+
+    /// Adds states at random joint coordinates until there are as many as `wanted`.
+    fn look(&mut self, wanted: usize, found: &mut Vec<LinearisedState>) {
+        for attempt in 0..ATTEMPTS {
+            if found.len() == wanted {
+                break;
+            }
+            let reach = [1.0, 3.1, 0.3][attempt % 3];
+            let closed = self.place_tree(reach).and_then(|()| self.close());
+            found.extend(closed.and_then(|()| self.linearise()));
+        }
+    }
 }
 
 impl Assembly<'_> {
     /// Hangs every part of the tree at random joint coordinates.
     fn place_tree(&mut self, reach: f64) -> Option<()> {
         for &root in &self.group.roots {
-            self.configuration
-                .place(root, Vector3::zeros(), &Matrix3::identity());
+            self.configuration.place(root, Vector3::zeros(), &self.turn);
         }
         for link in &self.group.links {
             let joint = self.scene.joints.get(link.joint)?;
@@ -481,6 +530,7 @@ impl Assembly<'_> {
             links,
             freedoms: count.saturating_sub(always + as_a_whole),
             rank,
+            length: self.length,
         })
     }
 }
@@ -494,9 +544,14 @@ fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> V
         let on = |(part, of)| (part, columns(&of, part, layout.directions, length));
         let parts: Vec<(Part, PartMotion)> = parts.map(on).collect();
         let size = parts.iter().map(|(_, c)| dot(c, c)).sum::<f64>().sqrt();
+        let (force, couple) = (row.child().linear, row.couple);
         JointRow {
             size: if size > 0.0 { size } else { 1.0 },
             parts,
+            on_child: [
+                layout.directions.in_plane(force),
+                layout.directions.about_normal(couple),
+            ],
         }
     };
     rows.whole().map(row).collect()

@@ -2,18 +2,16 @@
 
 use nalgebra::DVector;
 
-use crate::redundancy::assembly::{JointRow, LinearisedState, MotorRow};
-use crate::redundancy::local::PartMotion;
+use crate::redundancy::assembly::LinearisedState;
+use crate::redundancy::stress::SelfStress;
 use crate::redundancy::tree::LoopGroup;
-use crate::scalar::orthogonal::{dot, subtract, take_out};
-use crate::{HeldMotor, Part, Repeat, RowSet};
+use crate::scalar::orthogonal::{subtract, take_out};
+use crate::{HeldMotor, Repeat, RowSet};
 
 /// What is left of a row below this part of it is rounding: repeated rows leave 1e-12, others rarely less than 1e-3.
 const NEW: f64 = 1e-8;
 /// Rows whose new parts differ by less than this factor are equally good; the first is taken.
 const AS_GOOD: f64 = 0.8;
-/// Part of a self-stress from which on a joint takes part in it.
-const INVOLVED: f64 = 1e-6;
 
 /// Directions of the rows so far, each with the kept rows it is made of.
 #[derive(Clone, Default)]
@@ -54,24 +52,38 @@ pub fn rank<'a>(rows: impl Iterator<Item = &'a DVector<f64>>) -> usize {
 
 /// What a row of a span is.
 #[derive(Clone, Copy)]
-enum SpanRow {
+pub enum SpanRow {
     /// A row of a closing joint, by place and number.
     Closing(usize, usize),
     /// The row of a motor.
     Motor(usize),
 }
 
+/// What of the rows of a group stays, and what does not.
+#[derive(Default)]
+pub struct Choice {
+    /// The joints that lose rows.
+    pub repeats: Vec<Repeat>,
+    /// The motors that have nothing to drive.
+    pub held: Vec<HeldMotor>,
+    /// The kept rows, in the order in which they were taken.
+    kept: Vec<SpanRow>,
+    /// The rows that are left out.
+    lost: Vec<SpanRow>,
+}
+
+/// The states that count: assemblies that move before those that do not, then those that hold most.
+pub fn that_count(states: &[LinearisedState]) -> Vec<&LinearisedState> {
+    let sort = |state: &LinearisedState| (state.freedoms > 0, state.rank);
+    let best = states.iter().map(sort).max();
+    let states = states.iter();
+    states.filter(|state| Some(sort(state)) == best).collect()
+}
+
 /// The joints of a group that lose rows, and its motors that have nothing to drive.
-pub fn repeats(group: &LoopGroup, states: &[LinearisedState]) -> (Vec<Repeat>, Vec<HeldMotor>) {
-    // Assemblies that move count before those that do not, then those that hold most.
-    let best = states.iter().map(|s| (s.freedoms > 0, s.rank)).max();
-    let states: Vec<&LinearisedState> = states
-        .iter()
-        .filter(|s| Some((s.freedoms > 0, s.rank)) == best)
-        .collect();
+pub fn choose(group: &LoopGroup, states: &[&LinearisedState]) -> Choice {
     let mut spans = vec![Span::default(); states.len()];
-    // The kept rows, in the order of the spans.
-    let mut kept: Vec<SpanRow> = Vec::new();
+    let (mut kept, mut all_lost): (Vec<SpanRow>, Vec<SpanRow>) = Default::default();
     let mut repeats = Vec::new();
     for (place, &joint) in group.closing.iter().enumerate() {
         let rows = states
@@ -99,16 +111,28 @@ pub fn repeats(group: &LoopGroup, states: &[LinearisedState]) -> (Vec<Repeat>, V
                 span.add(&state.closing[place][row]);
             }
         }
+        let lost = (0..rows).filter(|&row| !set.contains(row));
+        let lost: Vec<SpanRow> = lost.map(|row| SpanRow::Closing(place, row)).collect();
         if let (Some(state), Some(span)) = (states.first(), spans.first())
-            && set.len() < rows
+            && !lost.is_empty()
         {
+            let stresses = lost.iter().filter_map(|&row| {
+                let (_, made) = span.rest(state.line(row)?);
+                Some(SelfStress::new(group, state, row, kept.iter().zip(&made)).joints)
+            });
+            let mut of: Vec<usize> = stresses.flatten().collect();
+            of.sort_unstable();
+            of.dedup();
+            of.retain(|&partner| partner != joint);
+            let kept = set;
             repeats.push(Repeat {
                 joint,
                 rows,
-                kept: set,
-                of: partners(group, state, span, &kept, place, set),
+                kept,
+                of,
             });
         }
+        all_lost.extend(lost);
     }
     let mut held = Vec::new();
     for (index, motor) in states
@@ -122,7 +146,17 @@ pub fn repeats(group: &LoopGroup, states: &[LinearisedState]) -> (Vec<Repeat>, V
         let news: Vec<f64> = news.map(|(row, span)| span.rest(row).0.norm()).collect();
         // At some states a coordinate can stand still for an instant: it is held where it is at all of them.
         if news.iter().all(|new| *new <= NEW) {
-            held.extend(held_motor(group, &states, &spans, &kept, motor));
+            if let (Some(state), Some(span)) = (states.first(), spans.first()) {
+                let (row, (_, made)) = (SpanRow::Motor(index), span.rest(&motor.line));
+                let mut of = SelfStress::new(group, state, row, kept.iter().zip(&made)).joints;
+                of.retain(|&joint| joint != motor.joint);
+                held.push(HeldMotor {
+                    joint: motor.joint,
+                    coordinate: motor.coordinate,
+                    of,
+                });
+                all_lost.push(row);
+            }
         } else if news.iter().all(|new| *new > NEW) {
             kept.push(SpanRow::Motor(index));
             for (row, span) in rows.iter().zip(&mut spans) {
@@ -130,146 +164,28 @@ pub fn repeats(group: &LoopGroup, states: &[LinearisedState]) -> (Vec<Repeat>, V
             }
         }
     }
-    (repeats, held)
+    Choice {
+        repeats,
+        held,
+        kept,
+        lost: all_lost,
+    }
 }
 
-/// A motor whose row is made of others, and the joints that hold its coordinate.
-fn held_motor(
-    group: &LoopGroup,
-    states: &[&LinearisedState],
-    spans: &[Span],
-    kept: &[SpanRow],
-    motor: &MotorRow,
-) -> Option<HeldMotor> {
-    let (state, span) = (states.first()?, spans.first()?);
-    let (_, made) = span.rest(&motor.line);
-    let mut forces = Forces::new(group);
-    forces.put(&motor.row, 1.0, None);
-    let mut of = forces.balance(group, state, kept, &made);
-    of.retain(|&joint| joint != motor.joint);
-    Some(HeldMotor {
-        joint: motor.joint,
-        coordinate: motor.coordinate,
-        of,
-    })
-}
-
-/// The joints whose rows the lost rows of a closing joint repeat: those that carry the self-stress.
-fn partners(
+/// The self-stresses of a group at a state, one a row that is left out: all others are sums of these. `None` where such a row repeats none there.
+pub fn self_stresses(
     group: &LoopGroup,
     state: &LinearisedState,
-    span: &Span,
-    kept: &[SpanRow],
-    place: usize,
-    set: RowSet,
-) -> Vec<usize> {
-    let mut partners = Vec::new();
-    let Some(rows) = state.closing.get(place) else {
-        return partners;
+    choice: &Choice,
+) -> Option<Vec<SelfStress>> {
+    let mut span = Span::default();
+    for &row in &choice.kept {
+        span.add(state.line(row)?);
+    }
+    let stress = |&row: &SpanRow| {
+        let (rest, made) = span.rest(state.line(row)?);
+        let parts = choice.kept.iter().zip(&made);
+        (rest.norm() <= NEW).then(|| SelfStress::new(group, state, row, parts))
     };
-    for lost in (0..rows.len()).filter(|&row| !set.contains(row)) {
-        // Forces of the closing joints: one unit of the lost row, and what of the kept ones balances it.
-        let (_, made) = span.rest(&rows[lost]);
-        let mut forces = Forces::new(group);
-        let rows = state.closing_rows.get(place);
-        if let Some(row) = rows.and_then(|rows| rows.get(lost)) {
-            forces.put(row, 1.0, Some(place));
-        }
-        partners.extend(forces.balance(group, state, kept, &made));
-    }
-    partners.sort_unstable();
-    partners.dedup();
-    partners.retain(|&joint| Some(&joint) != group.closing.get(place));
-    partners
-}
-
-/// Forces on the parts of a group, and on the joints.
-struct Forces {
-    parts: Vec<(Part, PartMotion)>,
-    closing: Vec<f64>,
-}
-
-impl Forces {
-    fn new(group: &LoopGroup) -> Self {
-        let links = group.links.iter().map(|link| link.to);
-        let parts = group.roots.iter().copied().chain(links);
-        Forces {
-            parts: parts.map(|part| (part, [0.0; 6])).collect(),
-            closing: vec![0.0; group.closing.len()],
-        }
-    }
-
-    fn push(&mut self, part: Part, times: f64, columns: &PartMotion) {
-        let own = self.parts.iter_mut().find(|(own, _)| *own == part);
-        if let Some((_, force)) = own {
-            force
-                .iter_mut()
-                .zip(columns)
-                .for_each(|(f, c)| *f += times * c);
-        }
-    }
-
-    /// Lets a row, divided by its size, push with a multiplier; of the closing joint at `place`, if of any.
-    fn put(&mut self, row: &JointRow, times: f64, place: Option<usize>) {
-        let each = times / row.size;
-        for (part, columns) in &row.parts {
-            self.push(*part, each, columns);
-        }
-        if let Some(force) = place.and_then(|place| self.closing.get_mut(place)) {
-            *force = force.max(times.abs());
-        }
-    }
-
-    /// Adds the rows of a span in these parts; the joints that carry what is in balance then, those of motors among them, in order.
-    fn balance(
-        mut self,
-        group: &LoopGroup,
-        state: &LinearisedState,
-        kept: &[SpanRow],
-        made: &[f64],
-    ) -> Vec<usize> {
-        let mut carried = Vec::new();
-        for (&source, &part) in kept.iter().zip(made) {
-            match source {
-                SpanRow::Closing(place, row) => {
-                    let rows = state.closing_rows.get(place);
-                    if let Some(row) = rows.and_then(|rows| rows.get(row)) {
-                        self.put(row, part, Some(place));
-                    }
-                }
-                SpanRow::Motor(index) => {
-                    if let Some(motor) = state.motors.get(index) {
-                        self.put(&motor.row, part, None);
-                        carried.push((motor.joint, part.abs()));
-                    }
-                }
-            }
-        }
-        carried.extend(self.carry(group, state));
-        let sizes = carried.iter().map(|(_, force)| *force);
-        let most = sizes.fold(0.0, f64::max);
-        carried.retain(|(_, force)| *force > INVOLVED * most);
-        let mut joints: Vec<usize> = carried.into_iter().map(|(joint, _)| joint).collect();
-        joints.sort_unstable();
-        joints.dedup();
-        joints
-    }
-
-    /// Lets the joints of the tree carry the forces, from the outermost inwards. Every joint and the size of the force in it.
-    fn carry(mut self, group: &LoopGroup, state: &LinearisedState) -> Vec<(usize, f64)> {
-        let mut carried: Vec<(usize, f64)> = Vec::new();
-        for (link, (rows, hold)) in group.links.iter().zip(&state.links).rev() {
-            let on = self.parts.iter().find(|(part, _)| *part == link.to);
-            let force = on.map_or([0.0; 6], |(_, force)| *force);
-            carried.push((link.joint, dot(&force, &force).sqrt()));
-            let multipliers = hold.multipliers(&force);
-            let Some(from) = link.from else { continue };
-            for (row, times) in rows.iter().zip(multipliers) {
-                self.push(from, -times, &row.on(link.from));
-            }
-        }
-        let closing = group.closing.iter().copied().zip(self.closing);
-        carried.extend(closing);
-        carried
-    }
+    choice.lost.iter().map(stress).collect()
 }

@@ -6,18 +6,24 @@ use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::evaluation::Evaluation;
 use crate::laws::ground;
 use crate::laws::numbers::Numbers;
+use crate::random::SplitMix64;
 use crate::rows::{Row, Rows};
 use crate::{
     AngularVelocity, At, FrameMotion, Jet, Layout, Part, Place, PointSlots, RowSet, Scene,
 };
 
-/// A configuration of a scene with its parameters at their defaults, at time zero and at rest.
+/// By which part of their defaults params differ elsewhere.
+const ELSEWHERE: f64 = 0.05;
+
+/// A configuration of a scene at rest; mostly with its parameters at their defaults, at time zero.
 pub(crate) struct Configuration<'a> {
-    scene: &'a Scene,
-    layout: &'a Layout,
+    pub scene: &'a Scene,
+    pub layout: &'a Layout,
     pub numbers: Numbers<f64>,
     state: Vec<f64>,
     inputs: Vec<f64>,
+    /// [s]
+    time: f64,
     motions: Vec<BodyMotion<f64>>,
     ground: Vec<Option<FrameMotion<f64>>>,
 }
@@ -26,9 +32,29 @@ impl<'a> Configuration<'a> {
     /// Every part at the origin.
     pub fn new(scene: &'a Scene, layout: &'a Layout) -> Self {
         let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
-        let numbers = Numbers::new(scene, &defaults);
+        Self::at(scene, layout, &defaults, 0.0)
+    }
+
+    /// The same with parameters that differ from their defaults, within their ranges, and at another time.
+    pub fn elsewhere(scene: &'a Scene, layout: &'a Layout, random: &mut SplitMix64) -> Self {
+        let params = scene.params.iter().map(|param| {
+            let wide = if param.default == 0.0 {
+                1.0
+            } else {
+                param.default
+            };
+            let [low, high] = param.range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            let moved = param.default + ELSEWHERE * wide * random.number();
+            moved.min(high).max(low)
+        });
+        let params: Vec<f64> = params.collect();
+        Self::at(scene, layout, &params, random.number().abs())
+    }
+
+    fn at(scene: &'a Scene, layout: &'a Layout, params: &[f64], time: f64) -> Self {
+        let numbers = Numbers::new(scene, params);
         let mut moving = Vec::new();
-        ground(scene, &numbers, 0.0, &mut moving);
+        ground(scene, &numbers, time, &mut moving);
         let mut configuration = Configuration {
             scene,
             layout,
@@ -36,6 +62,7 @@ impl<'a> Configuration<'a> {
             ground: moving,
             state: vec![0.0; layout.nx()],
             inputs: vec![0.0; layout.ni],
+            time,
             motions: vec![BodyMotion::unknown(); layout.bodies.len()],
         };
         for body in 0..layout.bodies.len() {
@@ -141,7 +168,7 @@ impl<'a> Configuration<'a> {
 
     /// Calls `look` with the evaluation of this configuration.
     fn look<R>(&self, look: impl FnOnce(&Evaluation<'_, f64>) -> R) -> R {
-        let at = At::of_state(0.0, &self.state, &self.inputs);
+        let at = At::of_state(self.time, &self.state, &self.inputs);
         look(&Evaluation {
             scene: self.scene,
             layout: self.layout,

@@ -11,8 +11,10 @@
 //!
 //! and what repeats the tree and earlier joints is what adds nothing to its rank. Rows are kept greedily: joints in the order of declaration,
 //! so that the last one of a loop loses rows; inside a joint the row with most that is new, at its worst over the states. The joints of the
-//! tree never lose any. A joint that loses rows and those whose rows they repeat carry a self-stress: forces in balance that move nothing,
-//! so their reactions are not unique.
+//! tree never lose any. A joint that loses rows and those whose rows they repeat carry a self-stress: forces in balance that move nothing.
+//! A component of a reaction is unique where no self-stress changes it: those of a planar four-bar push across its plane only, and its
+//! reactions in the plane are what they are. That is asked at several states, and where params, time or the motion of the whole may turn what is
+//! zero there into something else, also with these changed; where no such state closes, all three components count as changed.
 //!
 //! Assemblies of one scene can differ in rank (a parallelogram with a third bar moves; crossed, it is a truss): those that move count. Of these the ones
 //! that hold most do (a Peaucellier linkage whose arms lie on each other has one freedom more): one is looked for beside the declared start.
@@ -23,11 +25,16 @@ mod choice;
 mod configuration;
 mod local;
 mod planar;
+mod stress;
 mod tree;
 
 pub use planar::{Apart, in_plane};
 
-use crate::{Layout, Redundancy, Scene, Tree};
+use crate::{Ambiguous, Layout, Redundancy, Scene, Tree};
+
+use self::assembly::LinearisedState;
+use self::choice::{Choice, choose, self_stresses, that_count};
+use self::tree::LoopGroup;
 
 /// Finds the repeated rows of a scene laid out in absolute coordinates. Without a loop there are none, and nothing is searched. The joints of a
 /// tree, where one is given, lose none. `begun` is asked for a state at which the declaration starts, where there are loops.
@@ -48,12 +55,55 @@ pub(crate) fn find(
     for group in &groups {
         let states = assembly::states((scene, layout), group, begun.as_deref());
         found.closed &= !states.is_empty();
-        let (repeats, held) = choice::repeats(group, &states);
-        found.repeats.extend(repeats);
-        found.held.extend(held);
+        let states = that_count(&states);
+        let choice = choose(group, &states);
+        let ambiguous = ambiguous((scene, layout), group, &choice, &states);
+        found.ambiguous.extend(ambiguous);
+        found.repeats.extend(choice.repeats);
+        found.held.extend(choice.held);
     }
     found.repeats.sort_by_key(|repeat| repeat.joint);
+    found.ambiguous.sort_by_key(|of| of.joint);
     found.held.sort_by_key(|held| (held.joint, held.coordinate));
+    found
+}
+
+/// The components of reactions that self-stresses change.
+fn ambiguous(
+    (scene, layout): (&Scene, &Layout),
+    group: &LoopGroup,
+    choice: &Choice,
+    states: &[&LinearisedState],
+) -> Vec<Ambiguous> {
+    if choice.repeats.is_empty() && choice.held.is_empty() {
+        return Vec::new();
+    }
+    let mut found: Vec<Ambiguous> = Vec::new();
+    // Whether every state told: where one did not, zeros may be accidents.
+    let mut sure = true;
+    let mut take = |state: &LinearisedState| match self_stresses(group, state, choice) {
+        Some(stresses) => {
+            let changed = stresses.into_iter().flat_map(|stress| stress.changed);
+            changed.for_each(|(joint, components)| Ambiguous::add(&mut found, joint, components));
+        }
+        None => sure = false,
+    };
+    states.iter().for_each(|state| take(state));
+    if let Some(elsewhere) = assembly::states_elsewhere((scene, layout), group) {
+        let same = |state: &&LinearisedState| {
+            let first = states.first();
+            first.is_some_and(|first| {
+                (first.freedoms > 0, first.rank) == (state.freedoms > 0, state.rank)
+            })
+        };
+        let elsewhere: Vec<&LinearisedState> = elsewhere.iter().filter(same).collect();
+        elsewhere.iter().for_each(|state| take(state));
+        sure &= !elsewhere.is_empty();
+    }
+    if !sure {
+        found.iter_mut().for_each(Ambiguous::widen);
+    }
+    found.retain(|of| of.components.contains(&true));
     found
 }
 

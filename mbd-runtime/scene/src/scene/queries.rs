@@ -3,7 +3,7 @@
 use super::{Coordinates, Joint, Line, LoadKind, NodeModel, PointKind, Scene};
 use crate::event::{Detachable, Event, Settable};
 use crate::joints::{Fold, JointForces, JointLaw, Side};
-use crate::{Coordinate, Directions, Formula, Function, Layout, Part, Place};
+use crate::{Ambiguous, Coordinate, Directions, Formula, Function, Layout, Part, Place};
 
 impl Scene {
     /// The same scene in a family of coordinates.
@@ -230,19 +230,74 @@ impl Scene {
         !self.contains(formula, |part| !known(part))
     }
 
-    /// The joints whose reactions a formula asks for and that are not unique, because rows of joints repeat each other there.
+    /// The joints whose reactions a formula asks for and that are not unique, because rows of joints repeat each other there, with the components of
+    /// these that it asks for and that are not: three of the force, three of the torque. Of a vector one component can be asked for.
     #[must_use]
-    pub fn ambiguous_reactions(&self, layout: &Layout, formula: &Formula) -> Vec<usize> {
+    pub fn ambiguous_reactions(
+        &self,
+        layout: &Layout,
+        formula: &Formula,
+        component: Option<usize>,
+    ) -> Vec<Ambiguous> {
         let mut found = Vec::new();
-        self.walk(formula, &mut |part| {
-            if let Formula::ReactionForce(joint) | Formula::ReactionTorque(joint) = part
-                && !layout.redundancy.is_unique(*joint)
-                && !found.contains(joint)
-            {
-                found.push(*joint);
+        let mut named = Vec::new();
+        self.walk_reactions(formula, component, &mut named, &mut |joint, asked| {
+            let ambiguous = layout.redundancy.ambiguous_components(joint);
+            let both = std::array::from_fn(|k| ambiguous[k] && asked[k]);
+            if both.contains(&true) {
+                Ambiguous::add(&mut found, joint, both);
             }
         });
         found
+    }
+
+    /// Calls `visit` with every reaction in a formula and which of its six components count; `named`: the lets that have been looked at.
+    fn walk_reactions(
+        &self,
+        formula: &Formula,
+        component: Option<usize>,
+        named: &mut Vec<(usize, Option<usize>)>,
+        visit: &mut impl FnMut(usize, [bool; 6]),
+    ) {
+        use Function::{Add, Div, IfAtMost, IfLess, Mul, Neg, Sub};
+        let of = |first: usize| {
+            std::array::from_fn(|k| k / 3 == first && component.is_none_or(|c| k % 3 == c))
+        };
+        match formula {
+            Formula::ReactionForce(joint) => visit(*joint, of(0)),
+            Formula::ReactionTorque(joint) => visit(*joint, of(1)),
+            Formula::Component(parts, index) => {
+                for part in parts {
+                    self.walk_reactions(part, Some(*index), named, visit);
+                }
+            }
+            Formula::Vector(parts) => {
+                let asked = |index: usize| component.is_none_or(|c| c == index);
+                for (_, part) in parts.iter().enumerate().filter(|(index, _)| asked(*index)) {
+                    self.walk_reactions(part, None, named, visit);
+                }
+            }
+            Formula::Let(index) if !named.contains(&(*index, component)) => {
+                named.push((*index, component));
+                if let Some(declared) = self.lets.get(*index) {
+                    self.walk_reactions(&declared.value, component, named, visit);
+                }
+            }
+            Formula::Apply(function, parts) => {
+                // These work on each component by itself.
+                let apart = matches!(function, Add | Sub | Mul | Div | Neg | IfLess | IfAtMost);
+                let component = component.filter(|_| apart);
+                for part in parts {
+                    self.walk_reactions(part, component, named, visit);
+                }
+            }
+            Formula::Lookup(_, parts) => {
+                for part in parts {
+                    self.walk_reactions(part, None, named, visit);
+                }
+            }
+            _ => (),
+        }
     }
 
     /// Whether the work of loads on equilibrium points is told: these have a velocity of their own, or the loads change with time alone.

@@ -16,7 +16,7 @@ use super::LinearisationError;
 use super::chart::{Chart, ChartOrder, MinimalCoordinate, input_names};
 use super::kinks::{Kink, kinks};
 use super::moment::{SceneMoment, dense};
-use crate::columns::{NOT_UNIQUE, Name, state_names};
+use crate::columns::{Name, remark, state_names};
 use crate::system::Remembered;
 
 /// A, B, C, D of a scene at a state in minimal coordinates, with names.
@@ -321,16 +321,16 @@ pub(crate) fn motors_follow(scene: &Scene) -> bool {
 pub(crate) fn output_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     let outputs = scene.outputs.iter();
     let each = outputs.flat_map(|output| {
-        let axes: &[&str] = if output.components == 1 {
-            &[""]
-        } else {
-            &["x", "y", "z"]
+        let axes: &[(&str, Option<usize>)] = match output.components {
+            1 => &[("", None)],
+            _ => &[("x", Some(0)), ("y", Some(1)), ("z", Some(2))],
         };
-        let ambiguous = !scene.ambiguous_reactions(layout, &output.value).is_empty();
-        let remark = if ambiguous { NOT_UNIQUE } else { "" };
-        axes.iter().map(move |axis| Name {
-            remark: remark.to_owned(),
-            ..Name::new(&output.name, axis, &output.unit.text)
+        axes.iter().map(|&(axis, component)| {
+            let ambiguous = scene.ambiguous_reactions(layout, &output.value, component);
+            Name {
+                remark: remark(!ambiguous.is_empty()),
+                ..Name::new(&output.name, axis, &output.unit.text)
+            }
         })
     });
     each.collect()

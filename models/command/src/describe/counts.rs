@@ -126,12 +126,13 @@ fn ambiguous(scene: &Scene, layout: &Layout) -> Vec<String> {
     let events = events.map(|event| ("event", &event.name, &event.guard));
     let mut told = Vec::new();
     for (kind, name, formula) in outputs.chain(events) {
-        let joints = scene.ambiguous_reactions(layout, formula).into_iter();
-        let joints = joints.filter_map(|joint| scene.joints.get(joint));
-        told.extend(joints.map(|joint| {
+        let reactions = scene.ambiguous_reactions(layout, formula, None).into_iter();
+        let reactions = reactions.filter_map(|of| Some((scene.joints.get(of.joint)?, of)));
+        told.extend(reactions.map(|(joint, of)| {
             format!(
-                "{kind} `{name}` asks for the reaction of `{}`, which is not unique: rows of joints repeat each other, and what it shows is one choice of many",
-                joint.name
+                "{kind} `{name}` asks for the reaction of `{}`, which is not unique in its {}: rows of joints repeat each other, and what it shows is one choice of many",
+                joint.name,
+                of.named().join(", ")
             )
         }));
     }

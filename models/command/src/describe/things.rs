@@ -127,9 +127,10 @@ fn joints(scene: &Scene) -> ReportTable {
         };
         let kept = slots.kept.len();
         let counts = [joint.law.freedoms(), slots.len, motors, kept];
-        let reaction = match layout.redundancy.is_unique(index) {
-            true => "",
-            false => "not unique",
+        let mut ambiguous = layout.redundancy.ambiguous.iter();
+        let reaction = match ambiguous.find(|of| of.joint == index) {
+            Some(of) => format!("not unique: {}", of.named().join(", ")),
+            None => String::new(),
         };
         let cells = counts.map(Cell::from).into_iter().chain([reaction.into()]);
         table.push(words.map(Cell::from).into_iter().chain(cells));

@@ -99,11 +99,11 @@ pub fn publish_gltf(
 /// Which reactions of `history.csv` are one choice of many.
 fn not_unique(scene: &Scene) -> Option<String> {
     let redundancy = Layout::new(scene).redundancy;
-    let joints = scene.joints.iter().enumerate();
-    let names: Vec<String> = joints
-        .filter(|(joint, _)| !redundancy.is_unique(*joint))
-        .map(|(_, joint)| format!("`{}`", joint.name))
-        .collect();
+    let names = redundancy.ambiguous.iter().filter_map(|of| {
+        let joint = scene.joints.get(of.joint)?;
+        Some(format!("`{}` ({})", joint.name, of.named().join(", ")))
+    });
+    let names: Vec<String> = names.collect();
     (!names.is_empty()).then(|| {
         format!(
             "The reactions of {} are not unique, because rows of these joints repeat each other: those in the history belong to rows left out carrying nothing. The motion does not depend on it.",

@@ -16,3 +16,4 @@ mod singular;
 mod told;
 mod transmitted;
 mod turns;
+mod unique_reactions;
