@@ -151,11 +151,13 @@ impl Campaign {
         mut first: Phase,
         later: Vec<Phase>,
     ) -> Result<Self, CampaignMistakes> {
-        let (own, given) = given(written)?;
+        let mut mistakes = CampaignMistakes::default();
+        let (own, given) = given(written, &mut mistakes);
         let model = first.model.clone();
         first.settings = settings_of(own, &*model, first.settings);
         let phases: Vec<Phase> = std::iter::once(first).chain(later).collect();
-        let (phases, mut plans) = planned(phases, &given)?;
+        let planned = mistakes.note(planned(phases, &given));
+        let (phases, mut plans) = mistakes.unless(planned)?;
         let models: Vec<&dyn Model<f64>> = phases.iter().map(|phase| &*phase.model).collect();
         let mut content = Content::TIME;
         let mut nominal = plans.remove(0);

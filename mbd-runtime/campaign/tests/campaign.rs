@@ -720,6 +720,36 @@ fn all_mistakes_of_a_file_are_told_at_once_and_what_hangs_on_them_is_not() {
         assert!(line.starts_with(begin), "{line}\n{begin}");
     }
     assert_eq!(alone[0], all[0]);
+    // So is what `[run]` and its tables say, and what follows from it alone is not.
+    let run = "until = \"-1 s\"\nmetod = \"rk4\"\nmax_steps = \"many\"\nevery = \"-2 s\"\ntolerance = \"x\"\n[run.params]\nmas = \"3 kg\"\nmass = \"3 N\"\n[run.inputs]\nwnid = \"3 m/s\"\nwind = \"3 m/s\"\n";
+    let before = "until = \"0.5 s\"\ntolerance = 1e-6\n";
+    let all = told(&[(before, run)], "");
+    let begin = [
+        "`run.max_steps`: `max_steps` is a whole number: write `max_steps = 100000`",
+        "`run`: unknown field `metod`; did you mean `method`?",
+        "`until`: must not be negative",
+        "`every`: must be positive",
+        "`params.mas`: this scene has no `mas`; did you mean `mass`?",
+        "`params.mass`: `3 N` has the wrong unit: expected kg",
+        "`tolerance`: ",
+        "`inputs.wind`: ",
+        "`inputs.wnid`: this scene has no `wnid`; did you mean `wind`?",
+    ];
+    assert_eq!(all.len(), begin.len(), "{all:#?}");
+    for (line, begin) in all.iter().zip(begin) {
+        assert!(line.starts_with(begin), "{line}\n{begin}");
+    }
+    let start = "\n[run.start]\n\"lamp.zz\" = \"1 m\"\n\"lamp.vx\" = \"1 kg\"\n";
+    let all = told(&[], start);
+    assert_eq!(all.len(), 2, "{all:#?}");
+    assert!(
+        all[0].starts_with("`start.lamp.vx`: `1 kg` has the wrong unit"),
+        "{all:#?}"
+    );
+    assert!(
+        all[1].starts_with("`start.lamp.zz`: this scene has no `lamp.zz`"),
+        "{all:#?}"
+    );
     // A sampling that there is not says nothing about grids and confidences.
     let sampling = told(
         &[

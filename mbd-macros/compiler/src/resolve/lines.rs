@@ -186,7 +186,8 @@ impl Resolver<'_> {
         entry.stiffness = stiffness;
         entry.damping = damping;
         (entry.from, entry.to) = (from?, to?);
-        Some(())
+        // A misspelt `damping` is none: what a line without one may not carry is not told of it.
+        (!fields.doubtful).then_some(())
     }
 
     /// Tells lines whose rate of winding depends on itself: through their tension, where they are damped, or their stretch rate.

@@ -130,8 +130,19 @@ impl Resolver<'_> {
 
     /// Reports a vector where one number is wanted, and gives up.
     pub fn fail_as_vector<T>(&mut self, found: &Typed, what: &str) -> Option<T> {
-        let axis = self.axis_of_a_place(&found.formula);
+        let axis = self.axis_in(&found.formula);
         self.fail(say::scalar_wanted(found.at, what, axis.as_deref()))
+    }
+
+    /// The same of what an axis makes a vector: `-k * trunk.z`.
+    fn axis_in(&self, formula: &Formula) -> Option<String> {
+        use Function::{Add, Div, Mul, Neg, Sub};
+        match formula {
+            Formula::Apply(Add | Sub | Mul | Div | Neg, parts) => {
+                parts.iter().find_map(|part| self.axis_in(part))
+            }
+            _ => self.axis_of_a_place(formula),
+        }
     }
 
     /// What to say of `trunk.z`, an axis, where the place along it may be meant; `None` of anything else.

@@ -5,12 +5,11 @@ use mbd_runtime::scene::Scene;
 use toml::Table;
 
 use crate::dispersion::CampaignFile;
-use crate::run::names::wrong;
-use crate::run::{GivenSettings, Phase, PlanError, RunPlan, Settings, settings_of_all};
+use crate::run::{CampaignMistakes, GivenSettings, Phase, RunPlan, Settings, settings_of_all};
 
-/// The settings that the file gives, and which of them count in every scene.
-pub fn given(written: &CampaignFile) -> Result<(Settings, GivenSettings), PlanError> {
-    let own = Settings::of_table(&written.run).map_err(|error| wrong("run", error))?;
+/// The settings that the file gives, and which of them count in every scene; those that cannot be read are noted.
+pub fn given(written: &CampaignFile, mistakes: &mut CampaignMistakes) -> (Settings, GivenSettings) {
+    let own = Settings::of_table(&written.run, mistakes);
     let given = GivenSettings {
         method: own.step.is_some() || own.tolerance.is_some() || own.method.is_some(),
         every: own.every.is_some(),
@@ -18,7 +17,7 @@ pub fn given(written: &CampaignFile) -> Result<(Settings, GivenSettings), PlanEr
         params: own.params.keys().cloned().collect(),
         inputs: own.inputs.keys().cloned().collect(),
     };
-    Ok((own, given))
+    (own, given)
 }
 
 /// The settings of the runs: those of the file, else those of the scene; params that neither gives are those of the model.
@@ -61,7 +60,7 @@ fn merge(under: &mut Table, over: Table) {
 pub fn planned(
     mut phases: Vec<Phase>,
     given: &GivenSettings,
-) -> Result<(Vec<Phase>, Vec<RunPlan>), PlanError> {
+) -> Result<(Vec<Phase>, Vec<RunPlan>), CampaignMistakes> {
     let of = |phase: &Phase| phase.settings.clone();
     let own: Vec<Settings> = phases.iter().map(of).collect();
     let first = own.first().cloned().unwrap_or_default();
@@ -72,17 +71,15 @@ pub fn planned(
     for (phase, settings) in phases.iter_mut().zip(settled) {
         phase.settings = settings;
     }
+    let mut mistakes = CampaignMistakes::default();
     let mut plans = Vec::with_capacity(phases.len());
     for (index, phase) in phases.iter().enumerate() {
         let scene = (phase.model.scene(), phase.model.layout());
         let plan = RunPlan::with_layout(scene, &phase.settings);
-        plans.push(plan.map_err(|error| match index {
-            0 => error,
-            _ => wrong(
-                error.setting,
-                format!("of `{}`: {}", scene.0.name, error.text),
-            ),
-        })?);
+        plans.extend(mistakes.note(plan.map_err(|wrong| match index {
+            0 => wrong,
+            _ => wrong.of(&format!("of `{}`: ", scene.0.name)),
+        })));
     }
-    Ok((phases, plans))
+    mistakes.unless(Some((phases, plans)))
 }

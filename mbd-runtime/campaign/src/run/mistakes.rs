@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::names::PlanError;
+use super::names::{PlanError, wrong};
 
 /// Settings that cannot be used, in the order in which they were found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -15,6 +15,20 @@ impl CampaignMistakes {
     pub(crate) fn note<T>(&mut self, made: Result<T, impl Into<CampaignMistakes>>) -> Option<T> {
         made.map_err(|wrong| self.list.extend(wrong.into().list))
             .ok()
+    }
+
+    /// The first of them, for whoever tells one.
+    pub(crate) fn first(self) -> PlanError {
+        let first = self.list.into_iter().next();
+        first.unwrap_or_else(|| wrong("run", "cannot be planned"))
+    }
+
+    /// The same, each text behind a word on where it belongs.
+    pub(crate) fn of(mut self, owner: &str) -> Self {
+        for wrong in &mut self.list {
+            wrong.text = format!("{owner}{}", wrong.text);
+        }
+        self
     }
 
     /// What was made where nothing was noted.

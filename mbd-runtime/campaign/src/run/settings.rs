@@ -29,6 +29,8 @@ use mbd_runtime::scene::similar::near_and_all;
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::mistakes::CampaignMistakes;
+use super::names::wrong;
 use super::words;
 
 /// How to run a scene, as written; every field may be left out.
@@ -194,13 +196,24 @@ impl Settings {
             })
     }
 
-    /// Reads the table `run` of a campaign file.
-    ///
-    /// # Errors
-    /// A text that says what.
-    pub(crate) fn of_table(table: &Table) -> Result<Settings, String> {
-        let read: Result<Settings, toml::de::Error> = Value::Table(table.clone()).try_into();
-        read.map_err(|error| told(&error))
+    /// Reads the table `run` of a campaign file; what cannot be read is noted and left out.
+    pub(crate) fn of_table(table: &Table, mistakes: &mut CampaignMistakes) -> Settings {
+        let read =
+            |table: Table| -> Result<Settings, toml::de::Error> { Value::Table(table).try_into() };
+        let mut good = table.clone();
+        good.retain(|key, value| {
+            let alone = read(Table::from_iter([(key.to_owned(), value.clone())]));
+            let checked = alone.map_err(|error| match unknown_field(error.message()) {
+                Some(_) => wrong("run", told(&error)),
+                None => {
+                    let kind = of_kind(key, &value.to_string(), &error);
+                    wrong(format!("run.{key}"), kind.unwrap_or_else(|| told(&error)))
+                }
+            });
+            mistakes.note(checked).is_some()
+        });
+        // Of settings that can be read one by one, all can.
+        read(good).unwrap_or_default()
     }
 }
 
@@ -264,7 +277,11 @@ fn in_quotes(text: &str, error: &toml::de::Error) -> Option<String> {
 fn of_another_kind(text: &str, error: &toml::de::Error) -> Option<String> {
     let line = text.lines().nth(line_of_error(text, error)? - 1)?;
     let (key, value) = line.split_once('=')?;
-    let (key, value) = (key.trim(), value.split('#').next()?.trim());
+    of_kind(key.trim(), value.split('#').next()?.trim(), error)
+}
+
+/// The same of a setting and its value as written.
+fn of_kind(key: &str, value: &str, error: &toml::de::Error) -> Option<String> {
     let (_, wanted) = error.message().rsplit_once(", expected ")?;
     Some(match wanted {
         "a sequence" => format!("`{key}` is a list: write `{key} = [{value}]`"),
@@ -393,7 +410,9 @@ mod tests {
             let told = told.unwrap_err().to_string();
             assert!(told.contains("line 2") && told.contains(&wanted), "{told}");
             assert!(!told.contains("expected one of"), "{told}");
-            let told = Settings::of_table(&line.parse().unwrap()).unwrap_err();
+            let mut mistakes = CampaignMistakes::default();
+            Settings::of_table(&line.parse().unwrap(), &mut mistakes);
+            let told = mistakes.first().text;
             assert!(told.starts_with(&wanted), "{told}");
         }
     }

@@ -10,6 +10,7 @@ use mbd_runtime::{
 };
 use toml::{Table, Value};
 
+use super::mistakes::CampaignMistakes;
 use super::names::{PlanError, column_name, flat, no_column, setting_in_table, wrong};
 use super::number::{not_bare, not_negative, number, positive};
 use super::settings::Settings;
@@ -61,67 +62,76 @@ impl RunPlan {
     /// # Errors
     /// The first setting that cannot be used.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<RunPlan, PlanError> {
-        RunPlan::with_layout((scene, &Layout::new(scene)), settings)
+        let plan = RunPlan::with_layout((scene, &Layout::new(scene)), settings);
+        plan.map_err(CampaignMistakes::first)
     }
 
-    /// The same where somebody has the layout of the scene already.
+    /// The same where somebody has the layout of the scene already, with all settings that cannot be used.
     pub(crate) fn with_layout(
         (scene, layout): (&Scene, &Layout),
         settings: &Settings,
-    ) -> Result<RunPlan, PlanError> {
-        let until = settings.until.as_ref().ok_or_else(|| {
-            wrong(
-                "until",
-                "say when the run ends: `until = \"10 s\"` under [run], or `--until 10`",
-            )
-        })?;
-        // A run of no time shows where the scene begins.
-        let until = not_negative("until", until, "s")?;
+    ) -> Result<RunPlan, CampaignMistakes> {
+        let mut mistakes = CampaignMistakes::default();
+        let until = mistakes.note(end(settings));
         let every = settings.every.as_ref();
-        let every = every
-            .map(|value| positive("every", value, "s"))
-            .transpose()?;
-        let params = params(scene, &settings.params)?;
-        let given = in_numbers((scene, layout), &settings.start)?;
-        let placed = placed(scene, &given);
+        let every = every.map(|value| positive("every", value, "s"));
+        let every = mistakes.note(every.transpose());
+        let params = mistakes.note(params(scene, &settings.params));
+        let given = mistakes.note(in_numbers((scene, layout), &settings.start));
         // Inputs that are missing are told behind everything else.
         let supplied = inputs(scene, layout, &settings.inputs);
-        let from = StartFrom {
-            inputs: supplied.as_deref().ok(),
-            ..StartFrom::new(&params, 0.0)
-        };
-        let start = start((scene, layout), from, &given, &placed)?;
-        let placed = with_declared(scene, &given, placed);
-        let [moving, turning] = in_motion(scene, &given, &placed);
+        let start = params
+            .as_ref()
+            .zip(given.as_ref())
+            .and_then(|(params, given)| {
+                let placed = placed(scene, given);
+                let from = StartFrom {
+                    inputs: supplied.as_deref().ok(),
+                    ..StartFrom::new(params, 0.0)
+                };
+                let start = mistakes.note(start((scene, layout), from, given, &placed))?;
+                let placed = with_declared(scene, given, placed);
+                let [moving, turning] = in_motion(scene, given, &placed);
+                Some((start, placed, moving, turning))
+            });
         let instants = settings.instants.as_deref().unwrap_or_default();
-        let instants = instants
-            .iter()
-            .map(|value| number("instants", value, "s"))
-            .collect::<Result<_, _>>()?;
-        let options = options(scene, layout, settings)?;
-        if let Some(rows) = every
-            .or(options.method.fixed_step())
-            .map(|every| until / every)
+        let instants = instants.iter().map(|value| number("instants", value, "s"));
+        let instants: Option<Vec<f64>> = mistakes.note(instants.collect::<Result<_, _>>());
+        let options = mistakes.note(options(scene, layout, settings));
+        if let (Some(until), Some(every), Some(options)) = (until, every, &options)
+            && let Some(rows) = every
+                .or(options.method.fixed_step())
+                .map(|every| until / every)
         {
-            fits(scene, rows)?;
+            mistakes.note(fits(scene, rows));
         }
-        Ok(RunPlan {
-            instants,
-            figures: figures(scene, &settings.figures)?,
-            until,
-            options,
-            every,
-            params,
-            state: start.state,
-            placed,
-            moving,
-            turning,
-            joints: start.joints,
-            assembly: start.assembly,
-            nodes: start.nodes,
-            estimate: settings.estimate.unwrap_or(true),
-            inputs: supplied?,
-        })
+        let figures = mistakes.note(figures(scene, &settings.figures));
+        let supplied = mistakes.note(supplied);
+        let numbers = until.zip(every).zip(params.zip(supplied));
+        let shown = instants.zip(figures);
+        let plan = numbers.zip(start).zip(options.zip(shown)).map(
+            |((((until, every), (params, inputs)), start), (options, (instants, figures)))| {
+                let (start, placed, moving, turning) = start;
+                RunPlan {
+                    until,
+                    options,
+                    every,
+                    params,
+                    state: start.state,
+                    placed,
+                    moving,
+                    turning,
+                    joints: start.joints,
+                    assembly: start.assembly,
+                    nodes: start.nodes,
+                    inputs,
+                    estimate: settings.estimate.unwrap_or(true),
+                    instants,
+                    figures,
+                }
+            },
+        );
+        mistakes.unless(plan)
     }
 
     /// One sentence on what it asks for beyond the end of its run [s], the one it plans or the one that the run came to.
@@ -148,6 +158,17 @@ impl RunPlan {
         });
         every.into_iter().chain(drawn).collect()
     }
+}
+
+/// The end of the run [s]. One of no time shows where the scene begins.
+fn end(settings: &Settings) -> Result<f64, PlanError> {
+    let until = settings.until.as_ref().ok_or_else(|| {
+        wrong(
+            "until",
+            "say when the run ends: `until = \"10 s\"` under [run], or `--until 10`",
+        )
+    })?;
+    not_negative("until", until, "s")
 }
 
 /// Refuses numbers without a unit in settings that somebody wrote, where SI is seldom meant. What a campaign gives its cases is in SI.
@@ -200,7 +221,7 @@ impl RunPlan {
     ) -> Result<(), PlanError> {
         let placed = placed(scene.0, given);
         let from = StartFrom::new(&self.params, 0.0).with_inputs(&self.inputs);
-        let start = start(scene, from, given, &placed)?;
+        let start = start(scene, from, given, &placed).map_err(CampaignMistakes::first)?;
         (self.state, self.nodes) = (start.state, start.nodes);
         (self.joints, self.assembly) = (start.joints, start.assembly);
         self.placed = with_declared(scene.0, given, placed);

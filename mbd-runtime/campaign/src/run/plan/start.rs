@@ -9,6 +9,7 @@ use mbd_runtime::scene::{
 use mbd_runtime::{Layout, state_names};
 use toml::{Table, Value};
 
+use crate::run::mistakes::CampaignMistakes;
 use crate::run::names::{PlanError, VECTORS, flat, state_name, unknown, wrong};
 use crate::run::number::{number, numbers as numbers_of};
 
@@ -26,7 +27,8 @@ pub(super) fn start(
     from: StartFrom<'_>,
     given: &Table,
     placed: &[String],
-) -> Result<PlannedStart, PlanError> {
+) -> Result<PlannedStart, CampaignMistakes> {
+    let mut mistakes = CampaignMistakes::default();
     let mut slots: Vec<(String, &str, f64)> = Vec::new();
     let names = state_names(scene, layout);
     let mut declared = vec![0.0; names.len()];
@@ -62,22 +64,29 @@ pub(super) fn start(
     for (name, value) in flat(given) {
         let setting = format!("start.{name}");
         if let Some(unit) = coordinate_unit(scene, &name) {
-            joints.push((name.clone(), start_number(scene, &setting, value, unit)?));
+            let said = mistakes.note(start_number(scene, &setting, value, unit));
+            joints.extend(said.map(|said| (name.clone(), said)));
             continue;
         }
         let Some(index) = slots.iter().position(|(slot, ..)| *slot == name) else {
             if let Some(text) = carried((scene, layout), &name) {
-                return Err(wrong(setting, text));
+                mistakes.note::<()>(Err(wrong(setting, text)));
+                continue;
             }
             let known = slots.iter().map(|(slot, ..)| slot.as_str());
             let known = known.filter(|slot| !slot.starts_with('.'));
             let coordinates = scene.joint_coordinates();
             let known = known.chain(coordinates.iter().map(String::as_str));
-            return Err(unknown(&setting, &name, known));
+            mistakes.note::<()>(Err(unknown(&setting, &name, known)));
+            continue;
         };
-        slots[index].2 = number(&setting, value, slots[index].1)?;
+        if let Some(number) = mistakes.note(number(&setting, value, slots[index].1)) {
+            slots[index].2 = number;
+        }
         places_given |= index >= names.len();
     }
+    // Where things come to stand follows from all of them.
+    mistakes.unless(Some(()))?;
     let mut numbers: Vec<f64> = slots.into_iter().map(|(.., number)| number).collect();
     let nodes = numbers.split_off(names.len());
     for quaternion in layout.quaternions() {

@@ -4,11 +4,13 @@ use mbd_runtime::Layout;
 use mbd_runtime::scene::{Input, InputSource, Parameter, Scene};
 use toml::{Table, Value};
 
+use crate::run::mistakes::CampaignMistakes;
 use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::number::{numbers as numbers_of, supplied, zeros};
 
 /// The params, in declaration order.
-pub(super) fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
+pub(super) fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, CampaignMistakes> {
+    let mut mistakes = CampaignMistakes::default();
     let mut params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
     let names = || scene.params.iter().map(|param| param.name.as_str());
     for (name, value) in given {
@@ -20,14 +22,17 @@ pub(super) fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError
             .find(|(param, _)| param.name == *name)
         else {
             let mut inputs = scene.inputs.iter();
-            return Err(match inputs.find(|input| input.name == *name) {
+            mistakes.note::<()>(Err(match inputs.find(|input| input.name == *name) {
                 Some(input) => wrong(setting, held(input)),
                 None => unknown(&setting, name, names()),
-            });
+            }));
+            continue;
         };
-        *slot = supplied(&setting, value, &param.unit.text)?;
+        if let Some(number) = mistakes.note(supplied(&setting, value, &param.unit.text)) {
+            *slot = number;
+        }
     }
-    Ok(params)
+    mistakes.unless(Some(params))
 }
 
 /// What is said where an input is given as a param.
@@ -53,9 +58,14 @@ fn set_as(param: &Parameter) -> String {
 }
 
 /// What the caller supplies, in the order of the layout.
-pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, PlanError> {
+pub(super) fn inputs(
+    scene: &Scene,
+    layout: &Layout,
+    given: &Table,
+) -> Result<Vec<f64>, CampaignMistakes> {
+    let mut mistakes = CampaignMistakes::default();
     let mut numbers = layout.default_inputs(scene);
-    let mut known: Vec<&str> = Vec::new();
+    let (mut known, mut told): (Vec<&str>, Vec<String>) = Default::default();
     for slots in &layout.inputs {
         let (name, units): (Option<&str>, Vec<&str>) = match slots.source {
             InputSource::Input(index) => {
@@ -87,7 +97,17 @@ pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Ve
         let setting = format!("inputs.{name}");
         let shared = match given.contains_key(name) {
             true => None,
-            false => of_repeated(scene, name, given)?,
+            false => match of_repeated(scene, name, given) {
+                Ok(shared) => shared,
+                // The first of them tells it.
+                Err(wrong) => {
+                    if !told.contains(&wrong.setting) {
+                        told.push(wrong.setting.clone());
+                        mistakes.note::<()>(Err(wrong));
+                    }
+                    continue;
+                }
+            },
         };
         let Some(value) = given.get(name).or(shared) else {
             if matches!(slots.source, InputSource::Input(_)) {
@@ -99,29 +119,29 @@ pub(super) fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Ve
                 slots.len,
                 zeros(units)
             );
-            return Err(wrong(setting, text));
+            mistakes.note::<()>(Err(wrong(setting, text)));
+            continue;
         };
         // A load on a point with mass has a force alone.
         let units = units.get(..slots.len).unwrap_or(&units);
         let given = match (units, value) {
-            ([unit], Value::String(_)) => vec![supplied(&setting, value, unit)?],
-            _ => numbers_of(&setting, value, units)?,
+            ([unit], Value::String(_)) => supplied(&setting, value, unit).map(|x| vec![x]),
+            _ => numbers_of(&setting, value, units),
         };
         let own = numbers.iter_mut().skip(slots.at);
+        let given = mistakes.note(given).unwrap_or_default();
         own.zip(given).for_each(|(to, value)| *to = value);
     }
     let is_known = |name: &str| known.contains(&name) || !repeated(scene, name).is_empty();
-    match given.keys().find(|name| !is_known(name)) {
-        Some(name) => {
-            let setting = format!("inputs.{name}");
-            let mut params = scene.params.iter();
-            Err(match params.find(|param| param.name == *name) {
-                Some(param) => wrong(setting, set_as(param)),
-                None => unknown(&setting, name, known.into_iter()),
-            })
-        }
-        None => Ok(numbers),
+    for name in given.keys().filter(|name| !is_known(name)) {
+        let setting = format!("inputs.{name}");
+        let mut params = scene.params.iter();
+        mistakes.note::<()>(Err(match params.find(|param| param.name == *name) {
+            Some(param) => wrong(setting, set_as(param)),
+            None => unknown(&setting, name, known.iter().copied()),
+        }));
     }
+    mistakes.unless(Some(numbers))
 }
 
 /// The inputs that are declared together: those that `c[i in 0..3]` stands for, by `c`.
