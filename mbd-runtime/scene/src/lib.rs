@@ -42,7 +42,7 @@ pub use columns::each_column;
 pub use direction::turns_direction;
 pub use evaluate::{
     Handed, Scratch, ToldMotion, commands, counted_angles, evaluate, evaluate_with_multipliers,
-    folded, handed, impulses, locked, masses, scalars, sensitivity,
+    folded, handed, impulses, locked, masses, row_sizes, scalars, sensitivity,
 };
 pub use event::{
     Actions, Detachable, Direction, Event, MapSource, Mapped, Next, Settable, Setting,

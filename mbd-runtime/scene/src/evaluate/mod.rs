@@ -318,6 +318,23 @@ pub fn masses(
     }
 }
 
+/// Writes how large the element of Φ_v M⁻¹ Φ_vᵀ of each row of joints is at least (n_c) [1/kg, 1/(kg m²)], where it can vanish: in relative
+/// coordinates, of the joints that close loops. Zero elsewhere.
+pub fn row_sizes(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<f64>,
+    at: &At<'_, f64>,
+    scratch: &mut Scratch<f64>,
+    out: &mut [f64],
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    match scratch.solver.tree() {
+        Some(tree) => tree.write_row_sizes(&evaluation, out),
+        None => out.fill(0.0),
+    }
+}
+
 /// Writes momentum, force and torque of gravity and loads, and how much momentum moves: P [kg m/s], L [kg m²/s], F [N], τ [N m], Σ |m v|,
 /// Σ |r| |m v| + |I ω|, the sizes of forces and of their torques; L and τ about the world origin (16 numbers).
 pub fn impulses(

@@ -181,6 +181,12 @@ impl<S: Real> TreeSystem<S> {
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
             self.leave_out_detached(evaluation, index, step.part);
+            if let Part::Joint(joint) = step.part {
+                let (rows, system) = (&self.rows, &mut self.system);
+                rows.each_size(evaluation, joint, true, &mut |number, size| {
+                    system.set_size(plan, index, number, size);
+                });
+            }
             let own = &step.speeds;
             for i in 0..own.len() {
                 for j in 0..=i {

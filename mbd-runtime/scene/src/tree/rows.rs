@@ -17,7 +17,7 @@ use super::kinematics::LinkMotion;
 use crate::elimination::{common_fall, kept_parts, sparse_dot};
 use crate::laws::evaluation::Evaluation;
 use crate::rows::{Columns, Rows, WholeRow};
-use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Tree, Twist};
+use crate::{AngularVelocity, Layout, Part, Place, PointSlots, Quantity, Real, Tree, Twist};
 
 /// A row over the speeds of the links and points: Φ, Φ_t, γ of (1).
 #[derive(Clone, Copy, Debug)]
@@ -194,6 +194,45 @@ impl<S: Real> TreeRows<S> {
         kept_parts(evaluation, joint, &self.rows, each);
     }
 
+    /// Hands out how large the element of each row of a joint is at least before rows are taken out of it [1/kg, 1/(kg m²)]: what it would be if all
+    /// that moves were one body at its ends. Along the speeds of a tree a row can vanish, a rod in line with its cranks, and the part that is left of
+    /// an element that is gone says nothing. Of a joint of the tree nothing: what it prescribes is always there.
+    pub fn each_size(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        joint: usize,
+        in_system: bool,
+        each: &mut dyn FnMut(usize, S),
+    ) {
+        let layout = evaluation.layout;
+        let slots = &layout.joints[joint];
+        let of_tree =
+            layout.carried(joint).is_some() || layout.elimination.coupled_by(joint).is_some();
+        if slots.len == 0 || of_tree {
+            return;
+        }
+        let rows = match in_system && !slots.all_kept() {
+            true => &self.kept[joint],
+            false => &self.rows[joint],
+        };
+        let [mass, inertia] = whole(evaluation);
+        let directions = layout.directions;
+        let square = |axes: &[usize], of: &Vector3<S>| {
+            let parts = axes.iter().map(|&axis| of[axis] * of[axis]);
+            parts.fold(S::zero(), |sum, x| sum + x)
+        };
+        for (number, row) in rows.whole().enumerate() {
+            let ends = slots.ends.iter().zip(row.all_columns());
+            let moving = ends.filter(|(end, _)| end.is_some());
+            let size = moving.fold(S::zero(), |sum, (_, columns)| {
+                let slides = square(directions.translations(), &columns.linear);
+                let turns = square(directions.rotations(), &columns.angular);
+                sum + slides / mass + turns / inertia
+            });
+            each(number, size);
+        }
+    }
+
     /// Writes Φ, Φ_v v + Φ_t or γ of every row.
     pub fn write(&self, what: Quantity, speeds: &[S], out: &mut [S]) {
         let lines = self.lines.chunks(speeds.len().max(1));
@@ -205,6 +244,30 @@ impl<S: Real> TreeRows<S> {
             };
         }
     }
+}
+
+/// The mass of all that moves [kg], and an inertia that is not less than that of all of it about any of its joints, as far as these sit from each other [kg m²].
+fn whole<S: Real>(evaluation: &Evaluation<'_, S>) -> [S; 2] {
+    let (numbers, layout) = (evaluation.numbers, evaluation.layout);
+    let (mut mass, mut inertia, mut square) = (S::zero(), S::zero(), S::zero());
+    for body in &numbers.bodies {
+        mass += body.mass;
+        for &axis in layout.directions.rotations() {
+            inertia += body.inertia[(axis, axis)];
+        }
+    }
+    for point in &numbers.points {
+        mass += point.0;
+    }
+    for joint in &evaluation.scene.joints {
+        for place in [joint.parent, joint.child] {
+            if let Place::Body(body, frame) = place {
+                let arm = &numbers.bodies[body].frames[frame].position;
+                square += arm.dot(arm);
+            }
+        }
+    }
+    [mass, inertia + mass * square]
 }
 
 /// Writes one row as a line, by (1), and says the rest of it.

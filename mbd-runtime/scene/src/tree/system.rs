@@ -377,6 +377,18 @@ impl<S: Real> TreeSystem<S> {
         out.copy_from_slice(self.mass(evaluation));
     }
 
+    /// Writes how large the element of each row is at least ([`TreeRows::each_size`]); zero of rows of the tree.
+    pub fn write_row_sizes(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        self.run_rows(evaluation, false);
+        out.fill(S::zero());
+        for (joint, slots) in evaluation.layout.joints.iter().enumerate() {
+            self.rows
+                .each_size(evaluation, joint, false, &mut |number, size| {
+                    out[slots.row + number] = size;
+                });
+        }
+    }
+
     /// Writes the diagonal of M.
     pub fn write_masses(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let n = evaluation.layout.nv;

@@ -42,6 +42,8 @@ pub(crate) struct Dense {
     pub mass: Vec<f64>,
     /// For every speed the mass of the part it moves.
     pub weights: Vec<f64>,
+    /// How large y is at least of a row that is not gone, squared (n_c) [1/kg, 1/(kg m²)]; zero where it cannot vanish.
+    pub least: Vec<f64>,
     /// Φ_v (n_c × n_v).
     pub jacobian: Vec<f64>,
     /// Φ_v at the end of a step, for (5); empty otherwise.
@@ -80,6 +82,7 @@ impl Dense {
             new_from,
             mass: vec![0.0; nv * nv],
             weights: vec![1.0; nv],
+            least: vec![0.0; nc],
             jacobian: vec![0.0; nc * nv],
             ahead: Vec::new(),
             right: vec![0.0; nc],
@@ -111,6 +114,12 @@ impl Dense {
         let mass = self.mass.get(speeds.start * (self.nv + 1)).copied();
         let weights = self.weights.get_mut(speeds).unwrap_or_default();
         weights.fill(mass.unwrap_or(1.0));
+    }
+
+    /// The least size of y of a row as if every part had the mass 1; a tree has one for all.
+    fn least(&self, row: usize) -> f64 {
+        let weight = self.weights.first().copied().unwrap_or(1.0);
+        (weight * self.least.get(row).copied().unwrap_or(0.0)).sqrt()
     }
 
     /// L of (1).
@@ -210,10 +219,10 @@ impl Dense {
     /// Puts y of every row into `news`, its size into `sizes`: all of it is new as long as none is chosen.
     fn new_of_rows(&mut self) {
         self.news.copy_from_slice(&self.jacobian);
-        let rows = self.news.chunks_exact_mut(self.nv.max(1));
-        for (new, size) in rows.zip(&mut self.sizes) {
+        for row in 0..self.nc {
+            let new = &mut self.news[row * self.nv..(row + 1) * self.nv];
             Self::forward(&self.lower, new);
-            *size = dot(new, new).sqrt();
+            self.sizes[row] = dot(new, new).sqrt().max(self.least(row));
         }
     }
 
@@ -236,20 +245,21 @@ impl Dense {
     /// Whether rows that were chosen are still independent.
     pub(crate) fn are_independent(&mut self, chosen: &[usize]) -> bool {
         self.factor_lengths();
-        self.span(chosen) > self.new_from
+        self.span(chosen, &|dense, row| dense.least(row)) > self.new_from
     }
 
     /// Factorises (1) for rows that were chosen.
     pub(crate) fn factor(&mut self, chosen: &[usize]) {
         self.factor_mass();
-        self.span(chosen);
+        self.span(chosen, &|_, _| 0.0);
     }
 
-    /// Q and R of rows; the smallest part of one that is new.
-    fn span(&mut self, chosen: &[usize]) -> f64 {
+    /// Q and R of rows; the smallest part of one that is new, of its size or of what that is `at_least`.
+    fn span(&mut self, chosen: &[usize], at_least: &dyn Fn(&Self, usize) -> f64) -> f64 {
         let mut least = 1.0;
         for (at, &row) in chosen.iter().enumerate() {
             let [before, after] = self.reduce(row, at);
+            let before = before.max(at_least(self, row));
             self.add(at, after);
             least = f64::min(least, if before > 0.0 { after / before } else { 0.0 });
         }
@@ -291,10 +301,15 @@ impl Dense {
     /// The largest |Φ_v v̇ − γ| of all rows over the largest terms, with and without rows, after [`Dense::accelerate`]; NaN where a number is.
     pub(crate) fn left(&self) -> f64 {
         let (mut left, mut scale) = (0.0, largest(&self.right));
-        for (row, right) in self.jacobian.chunks_exact(self.nv).zip(&self.right) {
+        // Of a row that is all but gone the terms say nothing: a row as large as it is elsewhere would have these.
+        let rates = self.mass.chunks_exact(self.nv).zip(&self.force);
+        let square = rates.map(|(row, rate)| rate * dot(row, &self.force));
+        let square = square.sum::<f64>();
+        let rows = self.jacobian.chunks_exact(self.nv).zip(&self.least);
+        for ((row, least), right) in rows.zip(&self.right) {
             let terms = row.iter().zip(&self.force);
             let terms = terms.map(|(a, b)| a.abs() * b.abs().max(self.free));
-            scale = f64::max(scale, terms.sum());
+            scale = scale.max(terms.sum()).max((least * square).sqrt());
             let miss = (dot(row, &self.force) - right).abs();
             left = if miss <= left { left } else { miss };
         }

@@ -17,7 +17,7 @@
 //!
 //! A step on the emitted strategy passes [`System::accelerate`] with one comparison; everything else here is cold.
 
-use mbd_scene::{Float, Quantity};
+use mbd_scene::{Float, Quantity, row_sizes};
 
 use self::chain::HeldRows;
 pub(crate) use self::chain::{Fallback, RowStrategy, SavedStrategy};
@@ -26,6 +26,7 @@ pub(crate) use self::dependence::{Dependence, dependent};
 pub(crate) use self::limits::NEW;
 use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING, POWER, WIDE};
 use crate::error::StepError;
+use crate::laws::Laws;
 use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
@@ -342,7 +343,14 @@ impl<T: Float> System<T> {
         match layout.tree {
             None => moving(layout).for_each(|part| dense.set_mass(part.speeds())),
             // The speeds of a tree share their mass.
-            Some(_) => dense.set_mass(0..layout.nv),
+            Some(_) => {
+                dense.set_mass(0..layout.nv);
+                let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+                let laws = self.laws.get_or_insert_with(|| Laws::new(&*model));
+                laws.run(&*model, &at, |scene, layout, numbers, at, scratch| {
+                    row_sizes(scene, layout, numbers, at, scratch, &mut dense.least);
+                });
+            }
         }
         self.fallback.dense = dense;
     }

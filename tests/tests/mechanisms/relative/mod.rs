@@ -7,3 +7,4 @@ mod functions;
 mod generated;
 mod planar;
 mod runs;
+mod vanishing_row;

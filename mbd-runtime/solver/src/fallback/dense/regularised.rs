@@ -1,7 +1,7 @@
 //! The last resort where rows lose rank: all of them, each allowed to give way a little, and what gave way asked for again.
 //!
 //! ```text
-//! y_i = L⁻¹ φ_iᵀ / |L⁻¹ φ_iᵀ|,  g_i = γ_i / |L⁻¹ φ_iᵀ|,  w₀ = L⁻¹ (f − h)                                 (1)
+//! y_i = L⁻¹ φ_iᵀ / |L⁻¹ φ_iᵀ|,  g_i = γ_i / |L⁻¹ φ_iᵀ|,  w₀ = L⁻¹ (f − h)      of a size not below its least   (1)
 //! (Y Yᵀ + ε) Δ = g − Y w,   w ← w + Yᵀ Δ                     until the residual no longer halves           (2)
 //! v̇ = L⁻ᵀ w,  λ_i = Σ Δ_i / |L⁻¹ φ_iᵀ|
 //! ```
@@ -29,7 +29,8 @@ impl Dense {
             let unit = &mut self.units[row * n..(row + 1) * n];
             unit.copy_from_slice(&self.jacobian[row * n..(row + 1) * n]);
             Self::forward(&self.lower, unit);
-            let size = dot(unit, unit).sqrt();
+            // A row that is all but gone asks for next to nothing.
+            let size = dot(unit, unit).max(self.least[row]).sqrt();
             self.spare[row] = if size > 0.0 { size } else { 1.0 };
             if size > 0.0 {
                 unit.iter_mut().for_each(|x| *x /= size);
