@@ -139,7 +139,7 @@ pub use columns::{Name, state_names};
 pub use content::Content;
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff, UnevenLines};
 pub use event::{Happening, Occurrence};
-pub use metric::{MetricReader, MetricValue, MissingMetric, NoMetric};
+pub use metric::{MetricReader, MetricValue, MissingMetric, NoMetric, SINGULAR_POSITION};
 pub use node::NodeMemory;
 pub use trajectory::{Joined, NotFinite, Sampling, Trajectory};
 pub use unilateral::{Mode, switch_names, untold_switch};

@@ -28,6 +28,9 @@ pub struct MetricValue {
     pub unresolved: f64,
 }
 
+/// Why a reaction has no value, and what to do.
+pub const SINGULAR_POSITION: &str = "rows of joints lose rank in this position (bars in one line, say), and nothing determines how they share the load; begin beside it, or ask for what the position does not leave open";
+
 /// Why a history does not tell a metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MissingMetric {
@@ -50,6 +53,11 @@ pub enum MissingMetric {
         /// When first [s].
         time: f64,
     },
+    /// The quantity is made of what joints carry, and nothing determines that: rows of joints lose rank.
+    Undetermined {
+        /// When first [s].
+        time: f64,
+    },
     /// It is beyond the largest number: the square of 1e200.
     TooLarge,
     /// The run was taken back to before what had been measured.
@@ -62,19 +70,31 @@ impl MissingMetric {
     pub fn is_not_finite(self) -> bool {
         matches!(
             self,
-            MissingMetric::NotANumber { .. } | MissingMetric::TooLarge
+            MissingMetric::NotANumber { .. }
+                | MissingMetric::Undetermined { .. }
+                | MissingMetric::TooLarge
         )
     }
 }
 
 impl fmt::Display for MissingMetric {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Nine decimals, as errors tell times, without those that say nothing.
+        let told = |time: &f64| {
+            let time = format!("{time:.9}");
+            let time = time.trim_end_matches('0').trim_end_matches('.');
+            time.to_owned()
+        };
         f.write_str(match self {
             MissingMetric::NotANumber { time } => {
-                // Nine decimals, as errors tell times, without those that say nothing.
-                let time = format!("{time:.9}");
-                let time = time.trim_end_matches('0').trim_end_matches('.');
-                return write!(f, "its quantity is not a number at {time} s");
+                return write!(f, "its quantity is not a number at {} s", told(time));
+            }
+            MissingMetric::Undetermined { time } => {
+                return write!(
+                    f,
+                    "what joints carry has no value at {} s: {SINGULAR_POSITION}",
+                    told(time)
+                );
             }
             MissingMetric::NotRecorded => {
                 "the history does not hold its quantity: record it with `Content::RESULTS` or `Content::ALL`"

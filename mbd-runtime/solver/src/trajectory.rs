@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 use mbd_scene::metrics::Take;
-use mbd_scene::{Float, Layout, Model, Scene, plain};
+use mbd_scene::{Float, FromSolution, Layout, Model, Scene, plain};
 
 use crate::columns::Name;
 use crate::content::Content;
@@ -52,6 +52,8 @@ pub struct NotFinite<'a> {
     pub time: f64,
     /// How many there are.
     pub rows: usize,
+    /// Whether it is made of what joints carry, and rows of joints lost rank in the run: then nothing determines it.
+    pub undetermined: bool,
 }
 
 /// Named columns over time. Angular velocities, positions and forces are those of the state and the declaration: world axes unless named `body`.
@@ -97,6 +99,8 @@ pub struct Trajectory {
     names: Vec<Name>,
     /// Which of them are declared outputs, and in which rows.
     outputs: Vec<(usize, Range<usize>)>,
+    /// The columns that are made of what joints carry.
+    efforts: Vec<usize>,
     columns: Vec<Vec<f64>>,
     maker: RowMaker,
     sampling: Sampling,
@@ -169,6 +173,14 @@ impl Trajectory {
             false => 0..0,
         };
         let outputs = outputs.map(|column| (column, 0..usize::MAX)).collect();
+        let all = scene.outputs.iter();
+        let all = all.flat_map(|output| std::iter::repeat_n(output, output.components));
+        let efforts = (before..).zip(all.filter(|_| content.outputs));
+        let efforts = efforts.filter(|(_, output)| {
+            let asked = FromSolution::by(scene, std::iter::once(&output.value));
+            asked.multipliers || asked.reactions
+        });
+        let efforts = efforts.map(|(column, _)| column).collect();
         let names = names(scene, layout, content);
         let mut history = Trajectory {
             model: identity::of_columns(scene, layout),
@@ -176,6 +188,7 @@ impl Trajectory {
             maker: RowMaker::new(content, names.len()),
             names,
             outputs,
+            efforts,
             sampling,
             first: f64::NAN,
             next: 0,
@@ -278,6 +291,9 @@ impl Trajectory {
         };
         match value.unwrap_or(Err(MissingMetric::NotRecorded)) {
             Err(MissingMetric::NoEvent) if !self.locates => Err(MissingMetric::NotLocated),
+            Err(MissingMetric::NotANumber { time }) if self.is_undetermined(reader.column) => {
+                Err(MissingMetric::Undetermined { time })
+            }
             value => value,
         }
     }
@@ -368,9 +384,15 @@ impl Trajectory {
                 name: &name.name,
                 time: self.times().get(first).copied()?,
                 rows: 1 + without.count(),
+                undetermined: self.is_undetermined(index),
             })
         });
         found.collect()
+    }
+
+    /// Whether a column without a value has none because rows of joints lost rank.
+    fn is_undetermined(&self, column: usize) -> bool {
+        self.statistics.rows_chosen > 0 && self.efforts.contains(&column)
     }
 
     /// When its rows are written.

@@ -51,7 +51,8 @@ pub struct FromSolution {
 
 impl FromSolution {
     /// What some formulas ask for, and the lets that they name.
-    pub(crate) fn by<'f>(scene: &Scene, formulas: impl Iterator<Item = &'f Formula>) -> Self {
+    #[must_use]
+    pub fn by<'f>(scene: &Scene, formulas: impl Iterator<Item = &'f Formula>) -> Self {
         let mut asked = FromSolution::default();
         for formula in formulas {
             scene.walk(formula, &mut |part| match part {

@@ -149,6 +149,7 @@ impl Joined {
             columns: vec![Vec::new(); self.names.len()],
             names: self.names.clone(),
             outputs: Vec::new(),
+            efforts: Vec::new(),
         };
         for ((model, part), phase) in parts.iter().zip(1_u32..) {
             let (before, rows) = (joined.len(), part.len());
@@ -162,6 +163,9 @@ impl Joined {
                 Some((*place, before..before + rows))
             });
             joined.outputs.extend(own);
+            let efforts = part.efforts.iter();
+            let efforts = efforts.filter_map(|column| places.get(*column).copied());
+            joined.efforts.extend(efforts);
             joined.columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
             let all = joined.columns.iter_mut();
             all.for_each(|column| column.resize(before + rows, f64::NAN));

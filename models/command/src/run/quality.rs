@@ -1,6 +1,6 @@
 //! How well a run kept its joints closed.
 
-use mbd_runtime::Trajectory;
+use mbd_runtime::{SINGULAR_POSITION, Trajectory};
 
 /// The largest violations of a run, at the rows of its history.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,12 +44,12 @@ pub fn not_finite(trajectory: &Trajectory) -> Option<String> {
         1 => ", and one column more".to_owned(),
         others => format!(", and {others} columns more"),
     };
-    (!named.is_empty()).then(|| {
-        format!(
-            "{}{others}: look there for a division by zero, a root or a logarithm; `if(…, …, …)` gives a value where there is none",
-            named.join(", ")
-        )
-    })
+    let undetermined = all.iter().any(|it| it.undetermined);
+    let undetermined = undetermined.then_some(SINGULAR_POSITION);
+    let other = all.iter().any(|it| !it.undetermined).then_some("look there for a division by zero, a root or a logarithm; `if(…, …, …)` gives a value where there is none");
+    let why: Vec<&str> = undetermined.into_iter().chain(other).collect();
+    (!named.is_empty())
+        .then(|| format!("{}{others}: {}", named.join(", "), why.join("; elsewhere ")))
 }
 
 /// The largest size in a column; not a number, if one is not.

@@ -4,6 +4,7 @@ use mbd_runtime::{Content, External, Generic, NoLoads, Options, Sampling, Simula
 use mbd_scene::joints::JointForces;
 use mbd_scene::{Formula, Function};
 use nalgebra::Vector3;
+use tests::declared::read;
 use tests::linkage::{Linkage, cranks};
 use tests::{assert_close, largest_difference};
 
@@ -146,4 +147,44 @@ fn a_motor_drives_through_positions_at_which_rows_lose_rank_and_its_power_is_kno
             (0, true)
         );
     }
+}
+
+#[test]
+fn outputs_and_metrics_of_reactions_without_a_value_are_told_why() {
+    // Two equal cranks and a bar in one line, at rest: nothing says which of the hinges carry.
+    let arm = |name: &str| {
+        format!(
+            "body {name} {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame one at [0, 0, -0.5] m, frame two at [0, 0, 0.5] m }}"
+        )
+    };
+    let scene = read(&format!(
+        "model Flat {{ gravity: none; world {{ frame far at [2, 0, 0] m }} {} {}
+         body bar {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame one at [-1, 0, 0] m, frame two at [1, 0, 0] m }}
+         joint a: hinge from world to left.one {{ axis: y, start: 90 deg }}
+         joint b: hinge from left.two to bar.one {{ axis: y, start: -90 deg }}
+         joint c: hinge from bar.two to right.two {{ axis: y }}
+         joint d: hinge from world.far to right.one {{ axis: y }}
+         output pull = a.force.x; output over = (1 rad/s) / a.angle_rate; metric top = max pull; }}",
+        arm("left"),
+        arm("right")
+    ));
+    let model = Generic::<f64>::with_defaults(scene).expect("a valid scene");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-8)).expect("options that fit");
+    let mut history = Trajectory::new(&model, Sampling::Steps, Content::RESULTS);
+    run.record(0.1, &mut history).expect("a run");
+    let told: Vec<(&str, bool)> = history
+        .not_finite()
+        .iter()
+        .map(|it| (it.name, it.undetermined))
+        .collect();
+    assert_eq!(told, [("pull", true), ("over", false)]);
+    let error = history.metric("top").expect_err("no value").to_string();
+    assert!(
+        error.contains("what joints carry has no value at 0 s"),
+        "{error}"
+    );
+    assert!(
+        error.contains("rows of joints lose rank in this position"),
+        "{error}"
+    );
 }
