@@ -61,7 +61,7 @@ pub enum SpanRow {
 
 /// What of the rows of a group stays, and what does not.
 #[derive(Default)]
-pub struct Choice {
+pub struct RowChoice {
     /// The joints that lose rows.
     pub repeats: Vec<Repeat>,
     /// The motors that have nothing to drive.
@@ -81,7 +81,7 @@ pub fn that_count(states: &[LinearisedState]) -> Vec<&LinearisedState> {
 }
 
 /// The joints of a group that lose rows, and its motors that have nothing to drive.
-pub fn choose(group: &LoopGroup, states: &[&LinearisedState]) -> Choice {
+pub fn choose(group: &LoopGroup, states: &[&LinearisedState]) -> RowChoice {
     let mut spans = vec![Span::default(); states.len()];
     let (mut kept, mut all_lost): (Vec<SpanRow>, Vec<SpanRow>) = Default::default();
     let mut repeats = Vec::new();
@@ -164,7 +164,7 @@ pub fn choose(group: &LoopGroup, states: &[&LinearisedState]) -> Choice {
             }
         }
     }
-    Choice {
+    RowChoice {
         repeats,
         held,
         kept,
@@ -176,7 +176,7 @@ pub fn choose(group: &LoopGroup, states: &[&LinearisedState]) -> Choice {
 pub fn self_stresses(
     group: &LoopGroup,
     state: &LinearisedState,
-    choice: &Choice,
+    choice: &RowChoice,
 ) -> Option<Vec<SelfStress>> {
     let mut span = Span::default();
     for &row in &choice.kept {

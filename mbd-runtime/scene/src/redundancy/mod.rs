@@ -33,7 +33,7 @@ pub use planar::{Apart, in_plane};
 use crate::{Ambiguous, Layout, Redundancy, Scene, Tree};
 
 use self::assembly::LinearisedState;
-use self::choice::{Choice, choose, self_stresses, that_count};
+use self::choice::{RowChoice, choose, self_stresses, that_count};
 use self::tree::LoopGroup;
 
 /// Finds the repeated rows of a scene laid out in absolute coordinates. Without a loop there are none, and nothing is searched. The joints of a
@@ -72,7 +72,7 @@ pub(crate) fn find(
 fn ambiguous(
     (scene, layout): (&Scene, &Layout),
     group: &LoopGroup,
-    choice: &Choice,
+    choice: &RowChoice,
     states: &[&LinearisedState],
 ) -> Vec<Ambiguous> {
     if choice.repeats.is_empty() && choice.held.is_empty() {

@@ -39,7 +39,7 @@ impl SelfStress {
 }
 
 /// What a joint carries.
-struct Carried {
+struct JointStress {
     joint: usize,
     /// The largest force of a row, or the force that its rows add up to.
     size: f64,
@@ -50,7 +50,7 @@ struct Carried {
 /// Forces on the parts of a group, and in the joints.
 struct Forces {
     parts: Vec<(Part, PartMotion)>,
-    carried: Vec<Carried>,
+    carried: Vec<JointStress>,
 }
 
 impl Forces {
@@ -73,11 +73,11 @@ impl Forces {
         }
     }
 
-    fn of(&mut self, joint: usize) -> &mut Carried {
+    fn of(&mut self, joint: usize) -> &mut JointStress {
         let found = self.carried.iter().position(|of| of.joint == joint);
         let at = found.unwrap_or(self.carried.len());
         if found.is_none() {
-            self.carried.push(Carried {
+            self.carried.push(JointStress {
                 joint,
                 size: 0.0,
                 on_child: [Vector3::zeros(); 2],
@@ -141,7 +141,7 @@ impl Forces {
         let involved = self.carried.iter().filter(|of| of.size > INVOLVED * most);
         let mut joints: Vec<usize> = involved.map(|of| of.joint).collect();
         joints.sort_unstable();
-        let components = |of: &Carried| -> [f64; 6] {
+        let components = |of: &JointStress| -> [f64; 6] {
             let [force, torque] = [of.on_child[0], of.on_child[1] / length];
             std::array::from_fn(|k| if k < 3 { force[k] } else { torque[k - 3] }.abs())
         };
@@ -158,7 +158,7 @@ impl Forces {
     }
 }
 
-impl Carried {
+impl JointStress {
     fn add(&mut self, row: &JointRow, times: f64) {
         for (sum, part) in self.on_child.iter_mut().zip(&row.on_child) {
             *sum += times * part;
