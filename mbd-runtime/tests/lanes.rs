@@ -49,7 +49,11 @@ model! {
     /// A body that is pushed beside its centre.
     pub model Leaning<T> {
         gravity: none;
-        body top { mass: 2.0 kg, inertia: diag(0.1, 0.2, 0.25) kg*m^2, frame rim at [0.3, 0.1, 0.0] m }
+        body top {
+            mass: 2.0 kg,
+            inertia: diag(0.1, 0.2, 0.25) kg*m^2,
+            frame rim at [0.3, 0.1, 0.0] m,
+        }
         joint afloat: free from world to top.com;
         load push on top at rim = [0 N, 1 N, 2 N];
     }
