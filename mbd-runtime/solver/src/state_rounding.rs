@@ -7,7 +7,7 @@
 //! max(ε |φ|, |δ|)                  against   1 rad                                   the attitude of what turns by an angle φ      (3)
 //! ```
 //!
-//! ⊕ and ⊖ round; b are the weights of the stages, added one after the other, here as if all had the same rate. A number that grows evenly is rounded to the same side at every step: (1) adds up one step of each look for all since the last. It is zero
+//! ⊕ and ⊖ round; b are the weights of the stages, added one after the other, here as if all had the same rate. A number that grows evenly is rounded to the same side at every step: (1) adds up one step of each look for all since the last, and each look is at one number, in turn. It is zero
 //! where a method keeps what rounding takes. In (2) f are accelerations, rates of states and outputs, each by the largest so far, and accelerations by that of
 //! gravity at least. What brings a number back to where it was is left out: a stiff spring on an angle, a state that decays, feel rounding, and lose nothing by it.
 //! A state that has not doubled has the digits of its start.
@@ -100,12 +100,39 @@ pub(crate) struct LookedStep<'a, T> {
     pub keeps: bool,
 }
 
+impl<T: mbd_scene::Float> LookedStep<'_, T> {
+    /// What rounding took from a number in the steps since the last look, by (1).
+    fn taken(&self, at: usize) -> f64 {
+        let (Some(&x), Some(&rate)) = (self.state.get(at), self.rates.get(at)) else {
+            return 0.0;
+        };
+        let h = T::from_f64(self.step);
+        let added = h * rate;
+        let end = match self.weights {
+            [] => x + added,
+            weights => weights
+                .iter()
+                .fold(x, |sum, weight| sum + h * *weight * rate),
+        };
+        let taken = (end - x - added).to_f64();
+        if taken.is_finite() {
+            self.steps * taken
+        } else {
+            0.0
+        }
+    }
+}
+
 /// (1) to (3) so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StateRounding {
     numbers: Vec<WatchedNumber>,
-    /// The number that is moved at the next look.
+    /// Looks so far: numbers are looked at by (1) in turn.
+    seen: usize,
+    /// The number that is moved next.
     next: usize,
+    /// Whether numbers were found that have few digits.
+    coarse: bool,
     /// Of every rate of the state, then of every output, the largest so far.
     largest: Vec<f64>,
     /// What ends a run, and what is told alone.
@@ -126,7 +153,7 @@ impl StateRounding {
                 taken: 0.0,
                 looks: 0,
             }));
-        self.next = 0;
+        (self.seen, self.next, self.coarse) = (0, 0, false);
         self.largest.clear();
         (self.refused, self.told) = (None, None);
     }
@@ -135,7 +162,7 @@ impl StateRounding {
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.numbers.clone_from(&other.numbers);
         self.largest.clone_from(&other.largest);
-        self.next = other.next;
+        (self.seen, self.next, self.coarse) = (other.seen, other.next, other.coarse);
         (self.refused, self.told) = (other.refused, other.told);
     }
 
@@ -145,59 +172,54 @@ impl StateRounding {
         step: LookedStep<'_, T>,
     ) -> Option<(usize, f64)> {
         let precision = T::EPSILON.to_f64();
-        let h = T::from_f64(step.step);
-        let mut coarse = 0;
-        for number in &mut self.numbers {
-            let (Some(x), Some(rate)) = (step.state.get(number.at), step.rates.get(number.at))
-            else {
-                continue;
-            };
+        let count = self.numbers.len();
+        let place = self.seen % count.max(1);
+        self.seen = self.seen.wrapping_add(1);
+        let since = if self.seen > place + 1 {
+            count
+        } else {
+            place + 1
+        };
+        if let Some(number) = self.numbers.get_mut(place)
+            && let Some(x) = step.state.get(number.at)
+        {
             let value = x.to_f64();
             number.moved = number.moved.max((value - number.start).abs());
             if !step.keeps {
-                let added = h * *rate;
-                let end = match step.weights {
-                    [] => *x + added,
-                    weights => weights
-                        .iter()
-                        .fold(*x, |sum, weight| sum + h * *weight * *rate),
-                };
-                let taken = (end - *x - added).to_f64();
-                number.taken += if taken.is_finite() {
-                    step.steps * taken
-                } else {
-                    0.0
-                };
+                number.taken += since as f64 * step.taken(number.at);
             }
             let number = *number;
             let apart = number.apart(precision * value.abs());
-            if apart < CLOSE {
-                continue;
-            }
-            coarse += 1;
-            // What is a part of nothing is none: it has not moved.
-            let turned = match number.kind {
-                NumberKind::Angle(_) => apart,
-                _ => 0.0,
-            };
-            let worst = |share| WorstState {
-                at: number.at,
-                suffers: Suffers::Itself,
-                value,
-                apart,
-                share,
-            };
-            keep(&mut self.told, worst(turned));
-            if number.taken.abs() > CLOSE && number.moved > 0.0 {
-                let share = number.taken.abs() / number.moved.max(number.taken.abs());
-                keep(&mut self.told, worst(share));
-                keep(&mut self.refused, worst(share));
+            if apart >= CLOSE {
+                self.coarse = true;
+                self.keep_coarse(&number, value, apart);
             }
         }
-        if coarse == 0 {
-            return None;
+        match self.coarse {
+            true => self.pick(precision, step.state),
+            false => None,
         }
-        self.pick(precision, step.state)
+    }
+
+    /// Takes in what a number with few digits makes of itself, by (1) and (3).
+    #[cold]
+    fn keep_coarse(&mut self, number: &WatchedNumber, value: f64, apart: f64) {
+        let worst = |share| WorstState {
+            at: number.at,
+            suffers: Suffers::Itself,
+            value,
+            apart,
+            share,
+        };
+        if let NumberKind::Angle(_) = number.kind {
+            keep(&mut self.told, worst(apart));
+        }
+        // What is a part of nothing is none: it has not moved.
+        if number.taken.abs() > CLOSE && number.moved > 0.0 {
+            let share = number.taken.abs() / number.moved.max(number.taken.abs());
+            keep(&mut self.told, worst(share));
+            keep(&mut self.refused, worst(share));
+        }
     }
 
     /// The next number in turn that is to be moved by (2).
