@@ -132,21 +132,6 @@ impl<const S: usize, const D: usize> RosenbrockTableau<S, D> {
         end[S - 1] = 1.0;
         end
     }
-
-    /// The estimate of the error of a step of size one on ẏ = −z y, y = 1.
-    fn error_of_decay(&self, z: f64) -> f64 {
-        let mut stages = [0.0; S];
-        for i in 0..S {
-            let (mut y, mut sum) = (1.0, 0.0);
-            let weights = self.a[i].iter().zip(&self.c[i]);
-            for (stage, (a, c)) in stages.iter().zip(weights).take(i) {
-                y += a * stage;
-                sum += c * stage;
-            }
-            stages[i] = (sum - z * y) / (1.0 / self.gamma + z);
-        }
-        stages[S - 1].abs()
-    }
 }
 
 /// A step on ẏ = −y that is small, and not so small that its error is one of rounding.
@@ -210,8 +195,6 @@ pub(crate) struct Rosenbrock<T> {
     inside: Vec<Vec<T>>,
     /// Order of the error estimate plus one.
     pub exponent: f64,
-    /// The estimate of the error of a step on ẏ = −y over that power of its size.
-    pub error_constant: f64,
     matrix: Shifted<T>,
     by_state: Vec<T>,
     by_time: Vec<T>,
@@ -245,7 +228,6 @@ impl<T: Float> Rosenbrock<T> {
             (times, [list(&tableau.a[i][..i]), list(&tableau.c[i][..i])])
         };
         let inside = std::iter::once(list(&tableau.end()));
-        let exponent = (tableau.embedded + 1) as f64;
         let room = || vec![T::zero(); length];
         Rosenbrock {
             length,
@@ -254,8 +236,7 @@ impl<T: Float> Rosenbrock<T> {
             inside: inside
                 .chain(tableau.dense.iter().map(|row| list(row)))
                 .collect(),
-            exponent,
-            error_constant: tableau.error_of_decay(SMALL) / SMALL.powf(exponent),
+            exponent: (tableau.embedded + 1) as f64,
             matrix: Shifted::new(length, attached, behind),
             by_state: vec![T::zero(); length * length],
             by_time: room(),
@@ -416,6 +397,27 @@ impl<T: Float> Rosenbrock<T> {
     /// The largest rate of the system at the start of the last attempt, as powers of its Jacobian show it. |x|² = Σ weight x².
     pub(crate) fn fastest(&mut self, weights: &[T]) -> f64 {
         fastest(&self.by_state, weights, &mut self.trial, &mut self.room)
+    }
+
+    /// The estimate of the error of a step of size h on ẏ = −λ y, y = 1, z = hλ.
+    pub(crate) fn error_of_decay(&self, z: f64) -> f64 {
+        let mut stages = [0.0; MOST_STAGES];
+        let mut error = 0.0;
+        for (i, (_, [a, c])) in self.rows.iter().enumerate() {
+            let (mut y, mut sum) = (1.0, 0.0);
+            for (stage, (a, c)) in stages.iter().zip(a.iter().zip(c)) {
+                y += a.to_f64() * stage;
+                sum += c.to_f64() * stage;
+            }
+            error = (sum - z * y) / (1.0 / self.gamma + z);
+            stages[i] = error;
+        }
+        error.abs()
+    }
+
+    /// The same of a small step, over the power of z that is [`Rosenbrock::exponent`].
+    pub(crate) fn error_constant(&self) -> f64 {
+        self.error_of_decay(SMALL) / SMALL.powf(self.exponent)
     }
 
     /// A x, A at the start of the step.

@@ -82,10 +82,10 @@ impl<T: Float> Stepper<T> {
         }
     }
 
-    /// The error of a step of a stiff method on ẏ = −y by the power of its size; `None` of other methods.
-    pub(crate) fn error_constant(&self) -> Option<f64> {
+    /// The stiff method, where that makes the steps.
+    pub(crate) fn implicit(&self) -> Option<&Rosenbrock<T>> {
         match &self.method {
-            Family::Implicit(method) => Some(method.error_constant),
+            Family::Implicit(method) => Some(method),
             _ => None,
         }
     }

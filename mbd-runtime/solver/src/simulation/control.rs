@@ -213,33 +213,37 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// The same for a stiff method, which knows how fast a jump g of the rates dies away: of y = −a e^(−λt) its first step makes an error that is no more
-    /// than the tolerance,
+    /// The same for a stiff method, which knows how fast a jump g of the rates dies away, λ = |A g|/|g|, from a = |g|/λ in tolerances: where e, the error
+    /// of a step on ẏ = −λ y, does not allow the step that is next, it is one whose error is no more than the tolerance,
     ///
     /// ```text
-    /// c a (hλ)^k ≤ 1,   λ = |A g|/|g|,   a = |g|/λ in tolerances                    c: the error of a step on ẏ = −y over h^k
+    /// a e(hλ) > 1:   h = (c a)^(−1/k)/λ,   e(z) = c zᵏ + …        e is small again where z is large: a step may pass over what dies away
     /// ```
     ///
-    /// where four rejected steps found that out.
+    /// which some rejected steps, a factor each, would find out.
     pub(crate) fn limit_stiff_pace(&mut self) {
-        let (Pace::Adaptive(control, norm), Some(constant)) =
-            (&mut self.pace, self.method.error_constant())
-        else {
+        if !self.method.is_stiff() {
+            return;
+        }
+        let Pace::Adaptive(control, norm) = &mut self.pace else {
             return;
         };
         for (jump, now) in self.inside.iter_mut().zip(self.method.first()) {
             *jump = *now - *jump;
         }
         let at = (self.time, self.state.as_slice());
-        let Some(slope) = self.method.slope_along(&mut self.system, at, &self.inside) else {
+        let slope = self.method.slope_along(&mut self.system, at, &self.inside);
+        let Some(slope) = slope else {
             return;
         };
         let [jump, change] =
             [&self.inside, slope].map(|list| norm.size(list, &self.state, &self.state));
         let rate = change / jump;
         let amplitude = jump / rate;
-        if amplitude > 1.0 {
-            let part = (constant * amplitude).powf(-1.0 / self.method.exponent());
+        if let Some(method) = self.method.implicit()
+            && amplitude * method.error_of_decay(control.step * rate) > 1.0
+        {
+            let part = (method.error_constant() * amplitude).powf(-1.0 / method.exponent);
             control.step = control.step.min(part / rate);
         }
     }
