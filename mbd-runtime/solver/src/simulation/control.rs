@@ -29,6 +29,9 @@ fn check_period(period: f64, [from, to]: [f64; 2]) -> Result<(), StepError> {
     })
 }
 
+/// The part of the tolerance from which the error of a step on what dies away is one that counts: the rest of the motion adds to it.
+const MATTERS: f64 = 0.1;
+
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::set_inputs`] does.
     pub(crate) fn give_inputs(
@@ -217,7 +220,7 @@ impl<T: Float> Simulation<T> {
     /// of a step on ẏ = −λ y, does not allow the step that is next, it is one whose error is no more than the tolerance,
     ///
     /// ```text
-    /// a e(hλ) > 1:   h = (c a)^(−1/k)/λ,   e(z) = c zᵏ + …        e is small again where z is large: a step may pass over what dies away
+    /// a e(hλ) > 0.1:   h = (c a)^(−1/k)/λ,   e(z) = c zᵏ + …        e is small again where z is large: a step may pass over what dies away
     /// ```
     ///
     /// which some rejected steps, a factor each, would find out.
@@ -241,7 +244,7 @@ impl<T: Float> Simulation<T> {
         let rate = change / jump;
         let amplitude = jump / rate;
         if let Some(method) = self.method.implicit()
-            && amplitude * method.error_of_decay(control.step * rate) > 1.0
+            && amplitude * method.error_of_decay(control.step * rate) > MATTERS
         {
             let part = (method.error_constant() * amplitude).powf(-1.0 / method.exponent);
             control.step = control.step.min(part / rate);
