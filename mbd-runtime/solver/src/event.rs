@@ -309,7 +309,12 @@ impl Margins {
                 }
                 WatchedGuard::Declared { event, at, .. } => {
                     let positive = self.sides.get(event).copied().unwrap_or(false);
-                    side_margin(guard(at) - rearmed.value, positive)
+                    let guard = guard(at) - rearmed.value;
+                    // Where its own action armed it again, and until it moves on to the next number, it is at its value and has passed nothing.
+                    match guard == 0.0 && rearmed.is_armed() {
+                        true => 0.0,
+                        false => side_margin(guard, positive),
+                    }
                 }
             };
         }
@@ -464,7 +469,7 @@ impl Margins {
     pub(crate) fn rearmed_at(&self, event: usize) -> Option<[f64; 2]> {
         let own = (0..self.watched.len()).find(|&index| self.event_of(index) == Some(event));
         let rearmed = self.rearmed.get(own?)?;
-        let armed = rearmed.time.filter(|_| !rearmed.beyond);
+        let armed = rearmed.time.filter(|_| rearmed.is_armed());
         armed.map(|time| [time, rearmed.instant])
     }
 

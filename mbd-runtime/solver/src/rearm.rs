@@ -46,6 +46,13 @@ pub(crate) struct Rearmed {
     pub beyond: bool,
 }
 
+impl Rearmed {
+    /// Whether it waits on the side that it came from.
+    pub(crate) fn is_armed(&self) -> bool {
+        self.time.is_some() && !self.beyond
+    }
+}
+
 impl<T: Float> Simulation<T> {
     /// The guards here, their rates, and how far each is off where the numbers of the state are the next ones.
     pub(crate) fn guards_and_rates(&mut self) -> Result<[Vec<f64>; 3], StepError> {
