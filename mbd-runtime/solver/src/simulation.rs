@@ -213,7 +213,7 @@ pub struct Simulation<T: Float> {
     /// What rounding of angles and declared states makes of what follows them.
     state_rounding: StateRounding,
     /// Room for the looks of both.
-    digit_room: [Vec<T>; 5],
+    digit_room: [Vec<T>; 7],
     reads_time: OnceCell<bool>,
     /// Where the bodies are, of relative coordinates, for it.
     bodies: Vec<T>,

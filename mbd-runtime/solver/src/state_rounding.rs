@@ -8,7 +8,7 @@
 //! ```
 //!
 //! ⊕ and ⊖ round; b are the weights of the stages, added one after the other, here as if all had the same rate. A number that grows evenly is rounded to the same side at every step: (1) adds up one step of each look for all since the last, and each look is at one number, in turn. It is zero
-//! where a method keeps what rounding takes. In (2) f are accelerations, rates of states and outputs, each by the largest so far, and accelerations by that of
+//! where a method keeps what rounding takes. In (2) f are accelerations, rates of states, outputs and guards of events, each by the largest so far, and accelerations by that of
 //! gravity at least. What brings a number back to where it was is left out: a stiff spring on an angle, a state that decays, feel rounding, and lose nothing by it.
 //! A state that has not doubled has the digits of its start.
 //!
@@ -20,6 +20,10 @@ use crate::rounding::REFUSED;
 
 /// A distance of two numbers below which nothing is looked at [the SI unit of the number].
 const CLOSE: f64 = 1e-6;
+/// What steps took from a number is more than its digits say from so many of its roundings on, and where it is so much of all that they took to either side:
+/// what is rounded up as often as down, as a body at rest is, stays where it is.
+const SEEN: f64 = 64.0;
+const ONE_SIDED: f64 = 0.5;
 /// So many looks at a number must agree before a run is refused: where what follows it is near zero, one says too much.
 const LOOKS: u32 = 10;
 
@@ -49,12 +53,16 @@ pub(crate) enum Suffers {
     Rate(usize),
     /// An output.
     Output(usize),
+    /// When an event happens.
+    Event(usize),
+    /// Itself, an angle whose turns are counted beside the state: its place among them is the number.
+    Turned,
 }
 
 /// What is worst so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct WorstState {
-    /// The number of the state.
+    /// The number of the state, of what is [`Suffers::Turned`] that among the angles.
     pub at: usize,
     pub suffers: Suffers,
     pub value: f64,
@@ -70,8 +78,13 @@ struct WatchedNumber {
     start: f64,
     /// The furthest that it was from its start.
     moved: f64,
-    /// δ of (1).
+    /// δ of (1), and the same without signs.
     taken: f64,
+    #[serde(default)]
+    either_way: f64,
+    /// Of how many steps they are.
+    #[serde(default)]
+    samples: u32,
     looks: u32,
 }
 
@@ -133,7 +146,7 @@ pub(crate) struct StateRounding {
     next: usize,
     /// Whether numbers were found that have few digits.
     coarse: bool,
-    /// Of every rate of the state, then of every output, the largest so far.
+    /// Of every rate of the state, then of every output and every guard, the largest so far.
     largest: Vec<f64>,
     /// What ends a run, and what is told alone.
     refused: Option<WorstState>,
@@ -151,6 +164,8 @@ impl StateRounding {
                 start,
                 moved: 0.0,
                 taken: 0.0,
+                either_way: 0.0,
+                samples: 0,
                 looks: 0,
             }));
         (self.seen, self.next, self.coarse) = (0, 0, false);
@@ -186,13 +201,16 @@ impl StateRounding {
             let value = x.to_f64();
             number.moved = number.moved.max((value - number.start).abs());
             if !step.keeps {
-                number.taken += since as f64 * step.taken(number.at);
+                let taken = since as f64 * step.taken(number.at);
+                number.taken += taken;
+                number.either_way += taken.abs();
+                number.samples = number.samples.saturating_add(1);
             }
             let number = *number;
             let apart = number.apart(precision * value.abs());
             if apart >= CLOSE {
                 self.coarse = true;
-                self.keep_coarse(&number, value, apart);
+                self.keep_coarse(&number, (value, precision * value.abs()), apart);
             }
         }
         match self.coarse {
@@ -203,7 +221,7 @@ impl StateRounding {
 
     /// Takes in what a number with few digits makes of itself, by (1) and (3).
     #[cold]
-    fn keep_coarse(&mut self, number: &WatchedNumber, value: f64, apart: f64) {
+    fn keep_coarse(&mut self, number: &WatchedNumber, (value, rounding): (f64, f64), apart: f64) {
         let worst = |share| WorstState {
             at: number.at,
             suffers: Suffers::Itself,
@@ -215,7 +233,7 @@ impl StateRounding {
             keep(&mut self.told, worst(apart));
         }
         // What is a part of nothing is none: it has not moved.
-        if number.taken.abs() > CLOSE && number.moved > 0.0 {
+        if number.is_taken(rounding) && number.moved > 0.0 {
             let share = number.taken.abs() / number.moved.max(number.taken.abs());
             keep(&mut self.told, worst(share));
             keep(&mut self.refused, worst(share));
@@ -244,20 +262,45 @@ impl StateRounding {
         Some((number.at, apart))
     }
 
-    /// Takes in (2): what moving a number by some makes of rates and outputs. `least`: what an acceleration of the state is measured against at least.
+    /// Takes in (3) of the angles whose turns are counted beside the state.
+    pub(crate) fn see_turns<T: mbd_scene::Float>(&mut self, angles: &[T]) {
+        for (at, angle) in angles.iter().enumerate() {
+            let value = angle.to_f64();
+            let apart = T::EPSILON.to_f64() * value.abs();
+            if apart >= CLOSE {
+                let worst = WorstState {
+                    at,
+                    suffers: Suffers::Turned,
+                    value,
+                    apart,
+                    share: apart,
+                };
+                keep(&mut self.told, worst);
+            }
+        }
+    }
+
+    /// Takes in (2): what moving a number by some makes of rates, outputs and guards. `least`: what an acceleration of the state is measured against at least;
+    /// `event`: the one that a guard belongs to.
     pub(crate) fn compare<T: mbd_scene::Float>(
         &mut self,
         (at, value, apart): (usize, f64, f64),
-        [rates, outputs]: [[&[T]; 2]; 2],
+        [rates, outputs, guards]: [[&[T]; 2]; 3],
         least: impl Fn(usize) -> f64,
+        event: impl Fn(usize) -> Option<usize>,
     ) {
         let length = rates[0].len();
-        self.largest.resize(length + outputs[0].len(), 0.0);
+        let told = length + outputs[0].len();
+        self.largest.resize(told + guards[0].len(), 0.0);
         let Some(number) = self.numbers.iter().find(|number| number.at == at).copied() else {
             return;
         };
-        let here = rates[0].iter().chain(outputs[0]);
-        let there = rates[1].iter().chain(outputs[1]);
+        let [here, there] = [0, 1].map(|which| {
+            rates[which]
+                .iter()
+                .chain(outputs[which])
+                .chain(guards[which])
+        });
         for (index, (here, there)) in here.zip(there).enumerate() {
             let change = (*there - *here).to_f64();
             let size = here.to_f64().abs();
@@ -272,9 +315,14 @@ impl StateRounding {
             if change == 0.0 || brings_back {
                 continue;
             }
-            let (suffers, least) = match index < length {
-                true => (Suffers::Rate(index), least(index)),
-                false => (Suffers::Output(index - length), 0.0),
+            let (suffers, least) = if index < length {
+                (Suffers::Rate(index), least(index))
+            } else if index < told {
+                (Suffers::Output(index - length), 0.0)
+            } else if let Some(event) = event(index - told) {
+                (Suffers::Event(event), 0.0)
+            } else {
+                continue;
             };
             let share = change.abs() / largest.max(least).max(change.abs());
             let worst = WorstState {
@@ -313,6 +361,13 @@ impl WatchedNumber {
     /// max(ε |x|, |δ|), of ε |x|.
     fn apart(&self, rounding: f64) -> f64 {
         rounding.max(self.taken.abs())
+    }
+
+    /// Whether steps took more from it than its digits, of ε |x| each, say.
+    fn is_taken(&self, rounding: f64) -> bool {
+        let taken = self.taken.abs();
+        let sure = self.samples >= LOOKS && taken > ONE_SIDED * self.either_way;
+        sure && taken > CLOSE.max(SEEN * rounding)
     }
 
     /// The rate that brings it back: its own, of an angle that of its speed.

@@ -79,6 +79,63 @@ fn what_grows_in_single_precision_is_off_by_a_rounding_and_not_by_one_a_step() {
     }
 }
 
+/// In absolute coordinates turns are counted beside the state; nothing told that the angle had as few digits as in relative ones.
+#[test]
+fn an_angle_whose_turns_are_counted_beside_the_state_is_told_as_one_in_it() {
+    for coordinates in ["absolute", "relative"] {
+        let text = WHEEL.replace("relative", coordinates).replace(
+            "state phase = 0 rad { rate: 3000 rad/s }",
+            "state phase = 0 rad { rate: 0 rad/s }",
+        );
+        let mut single = Flown::<f32>::new(&text, Options::rk4(1e-4), 12.5);
+        assert_eq!(single.end, Ok(()), "{coordinates}");
+        let [turned, ..] = single.outputs::<4>();
+        // RK4 lags by (h ω/2)⁴/120 of an attitude in absolute coordinates.
+        assert!((turned - 37500.0).abs() < 0.2, "{coordinates}: {turned}");
+        let told = single.told().expect("a coarse angle");
+        assert_eq!(
+            (told.state.as_str(), told.unit.as_str()),
+            ("axle.angle", "rad")
+        );
+        assert!((told.value - turned).abs() < 2.0, "{coordinates}: {told:?}");
+        let apart = f64::from(f32::EPSILON) * turned;
+        assert!((told.apart - apart).abs() < 1e-5, "{coordinates}: {told:?}");
+        assert!(single.run.rounding() >= 0.9 * apart, "{coordinates}");
+        let double = Flown::<f64>::new(&text, Options::rk4(1e-4), 12.5);
+        assert_eq!(
+            (&double.end, double.told()),
+            (&Ok(()), None),
+            "{coordinates}"
+        );
+    }
+}
+
+/// Only an event reads this phase, by its sine: 37,500 rad are known to 0.004, and when it happens to as much of the time of a radian.
+#[test]
+fn a_phase_that_only_an_event_reads_is_told_with_the_event() {
+    let text = |guard: &str| {
+        format!(
+            "model Ticks {{ gravity: none;
+                state phase = 0 rad {{ rate: 3000 rad/s }}
+                event tick = {guard}; }}"
+        )
+    };
+    let waves = text("sin(phase) rises 0.5");
+    let single = Flown::<f32>::new(&waves, Options::rk4(1e-4), 12.5);
+    let told = single.told().expect("a coarse phase");
+    assert_eq!((told.state.as_str(), single.end), ("phase", Ok(())));
+    assert!(told.affected.contains("`tick`"), "{told:?}");
+    assert!((1e-3..1e-2).contains(&told.share), "{told:?}");
+    // What waits for the phase itself is as exact as the phase; double precision has the digits of both.
+    let waits = text("phase rises 37000 rad");
+    let single = Flown::<f32>::new(&waits, Options::rk4(1e-4), 12.5);
+    let (time, exact) = (single.run.events()[0].time, 37000.0 / 3000.0);
+    assert!((time - exact).abs() < 3e-6, "{time}");
+    assert_eq!(single.told(), None);
+    let double = Flown::<f64>::new(&waves, Options::rk4(1e-4), 12.5);
+    assert_eq!((&double.end, double.told()), (&Ok(()), None));
+}
+
 /// A bob that is shaken by the sine of a phase, and a whirling arm with its weight.
 fn shaken(rate: f64) -> String {
     format!(
@@ -215,4 +272,27 @@ fn steps_that_rounding_takes_in_double_precision_are_told_and_refused() {
     let is_refused =
         matches!(flown.end, Err(StepError::LargeState { ref state, .. }) if state == "probe.x");
     assert!(is_refused, "{:?}", flown.end);
+}
+
+/// Rounding to either side takes nothing, and what a body loses while it is slower than its steps are told apart is no more than its digits: a point that began to
+/// fall 100 m up, and a chain of seven after ten steps of 0.1 ms, were refused under Rodas5P.
+#[test]
+fn what_falls_from_rest_and_what_hangs_at_rest_is_not_refused_by_short_steps() {
+    let short = |max_step| Options {
+        method: Method::Rodas5P {
+            rtol: 1e-4,
+            max_step,
+        },
+        ..Options::rk4(1.0)
+    };
+    let falls = "model Falls { gravity: [0, 0, -9.81] m/s^2; point stone { mass: 1 kg, start at [3, 2, 100] m } }";
+    let flown = Flown::<f32>::new(falls, short(1e-4), 1.0);
+    assert_eq!((&flown.end, flown.told()), (&Ok(()), None));
+    let off = f64::from(flown.run.state()[2]) - (100.0 - 0.5 * 9.81);
+    assert!(off.abs() < 5e-4, "{off}");
+    let hangs = "model Hangs { gravity: [0, 0, -9.81] m/s^2;
+        point bob { mass: 1 kg, start at [0.1, 0.2, -2.00981] m }
+        spring rope from world to bob { free_length: 2 m, stiffness: 1000 N/m, damping: 30 N*s/m } }";
+    let held = Flown::<f32>::new(hangs, short(1e-3), 20.0);
+    assert_eq!((&held.end, held.told()), (&Ok(()), None));
 }

@@ -15,6 +15,8 @@ use crate::system::System;
 
 /// By so many numbers at most positions are moved where digits are looked at: two that are rounded to one each differ by about as much in the rates of all stages.
 const NUMBERS: f64 = 2.5;
+/// What an angle or a length suffers of which nothing else is known.
+const ITSELF: &str = "what it tells by itself";
 /// From this part on what rounding of a state makes is told.
 const TOLD: f64 = 1e-3;
 
@@ -76,6 +78,7 @@ impl<T: Float> Simulation<T> {
         if let Some((at, apart)) = self.state_rounding.see(looked) {
             self.move_number(at, apart);
         }
+        self.state_rounding.see_turns(&self.system.memory.turns);
         match self.state_rounding.is_refused() {
             Some(worst) => {
                 let told = self.in_words(worst);
@@ -92,7 +95,7 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// Compares rates and outputs where a number of the state is and where it is moved by what rounding makes of it.
+    /// Compares rates, outputs and guards where a number of the state is and where it is moved by what rounding makes of it.
     #[cold]
     fn move_number(&mut self, at: usize, apart: f64) {
         let model = self.system.model.clone();
@@ -103,8 +106,20 @@ impl<T: Float> Simulation<T> {
         } else {
             0
         };
-        let lengths = [layout.len(Quantity::Derivative), columns];
-        let [moved, rates, rates_there, outputs, outputs_there] = &mut self.digit_room;
+        let events = match self.margins.declares() {
+            true => self.guards,
+            false => 0,
+        };
+        let lengths = [layout.len(Quantity::Derivative), columns, events];
+        let [
+            moved,
+            rates,
+            rates_there,
+            outputs,
+            outputs_there,
+            guards,
+            guards_there,
+        ] = &mut self.digit_room;
         moved.clear();
         moved.extend_from_slice(&self.state);
         let Some(x) = moved.get_mut(at) else {
@@ -113,13 +128,15 @@ impl<T: Float> Simulation<T> {
         let value = x.to_f64();
         *x += T::from_f64(apart.copysign(value));
         let lists = [
-            (&self.state, [&mut *rates, &mut *outputs]),
-            (&*moved, [&mut *rates_there, &mut *outputs_there]),
+            (&self.state, [&mut *rates, &mut *outputs, &mut *guards]),
+            (
+                &*moved,
+                [&mut *rates_there, &mut *outputs_there, &mut *guards_there],
+            ),
         ];
         for (state, lists) in lists {
-            let asked = [Quantity::Derivative, Quantity::Outputs]
-                .into_iter()
-                .zip(lengths);
+            let asked = [Quantity::Derivative, Quantity::Outputs, Quantity::Guards];
+            let asked = asked.into_iter().zip(lengths);
             for ((what, length), list) in asked.zip(lists) {
                 list.clear();
                 list.resize(length, T::zero());
@@ -135,6 +152,7 @@ impl<T: Float> Simulation<T> {
             [
                 [rates.as_slice(), rates_there],
                 [outputs.as_slice(), outputs_there],
+                [guards.as_slice(), guards_there],
             ],
             |rate| {
                 if speeds.contains(&rate) {
@@ -142,6 +160,11 @@ impl<T: Float> Simulation<T> {
                 } else {
                     0.0
                 }
+            },
+            |guard| {
+                let mut declared = self.margins.declared();
+                let own = declared.find(|(_, at)| *at == guard);
+                own.and_then(|(index, _)| self.margins.event_of(index))
             },
         );
     }
@@ -164,15 +187,29 @@ impl<T: Float> Simulation<T> {
         let names = state_names(scene, layout);
         let name = |at: usize| names.get(at).map_or("", |name| &name.name);
         let affected = match worst.suffers {
-            Suffers::Itself => "what it tells by itself".to_owned(),
+            Suffers::Itself | Suffers::Turned => ITSELF.to_owned(),
             Suffers::Rate(at) => format!("the rate of `{}`", name(at)),
             Suffers::Output(column) => format!("the output `{}`", output_name(scene, column)),
+            Suffers::Event(event) => {
+                let name = scene.events.get(event).map_or("", |event| &event.name);
+                format!("when `{name}` happens")
+            }
+        };
+        let turned = layout
+            .turns
+            .get(worst.at)
+            .filter(|_| worst.suffers == Suffers::Turned);
+        let angle = turned.and_then(|&(joint, number)| scene.coordinate(joint, number));
+        let (state, unit) = match (angle, names.get(worst.at)) {
+            (Some((joint, angle)), _) => {
+                (format!("{}.{}", joint.name, angle.name), "rad".to_owned())
+            }
+            (None, Some(own)) => (own.name.clone(), own.unit.clone()),
+            (None, None) => Default::default(),
         };
         CoarseState {
-            state: name(worst.at).to_owned(),
-            unit: names
-                .get(worst.at)
-                .map_or_else(String::new, |name| name.unit.clone()),
+            state,
+            unit,
             affected,
             value: worst.value,
             apart: worst.apart,
@@ -186,7 +223,7 @@ fn coarse_look<T: Float>(
     system: &mut System<T>,
     (time, state): (f64, &[T]),
     (norm, step): (&ErrorNorm, f64),
-    [moved, here, there, ..]: &mut [Vec<T>; 5],
+    [moved, here, there, ..]: &mut [Vec<T>; 7],
 ) -> Option<CoarseLook> {
     let model = system.model.clone();
     let layout = model.layout();
