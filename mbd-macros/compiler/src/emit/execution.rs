@@ -286,6 +286,9 @@ fn over_any_scalar(context: &EmitContext, evaluation: &TokenStream) -> TokenStre
                 let params = ::mbd_runtime::__private::fixed(params)?;
                 ::core::option::Option::Some(Self::unchecked(#params::from_array(*params)))
             }
+            fn layout() -> &'static ::mbd_runtime::Layout {
+                &declared().layout
+            }
             fn room(&self) -> usize {
                 #work
             }

@@ -480,6 +480,9 @@ const _: () = {
                 Self::unchecked(KnotParams::from_array(*params)),
             )
         }
+        fn layout() -> &'static ::mbd_runtime::Layout {
+            &declared().layout
+        }
         fn room(&self) -> usize {
             0
         }

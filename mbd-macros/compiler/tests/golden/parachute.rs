@@ -780,6 +780,9 @@ const _: () = {
                 Self::unchecked(ParachuteParams::from_array(*params)),
             )
         }
+        fn layout() -> &'static ::mbd_runtime::Layout {
+            &declared().layout
+        }
         fn room(&self) -> usize {
             0
         }

@@ -13,6 +13,8 @@ use super::{Lanes, Lanes4, Lanes8};
 pub trait Equations<S: Real>: Sized {
     /// Those for parameters in declaration order [SI] that nobody checks; `None` for another count.
     fn with(params: &[S]) -> Option<Self>;
+    /// Where everything lives in their lists.
+    fn layout() -> &'static Layout;
     /// Length of the list that evaluations work on.
     fn room(&self) -> usize;
     /// Writes a quantity, as [`Model::evaluate`] does; `work` has the length of [`Equations::room`].

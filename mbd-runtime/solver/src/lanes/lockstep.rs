@@ -57,17 +57,25 @@ impl<L: Lanes> LockStep<L, ()> {
     /// Steps [s] of a generated model over lanes from a state at time zero, on one list that all evaluations share.
     ///
     /// # Errors
-    /// Those of [`LockStep::new`]; a model with inputs, which a closure can give.
+    /// Those of [`LockStep::new`]; a layout of another model; a model with inputs, which a closure can give.
     #[allow(
         clippy::type_complexity,
         reason = "a closure without a name, which no alias can stand for"
     )]
-    pub fn of_model(
-        model: impl Equations<L>,
+    pub fn of_model<E: Equations<L>>(
+        model: E,
         layout: &Layout,
         step: f64,
         start: Vec<L>,
     ) -> Result<LockStep<L, impl FnMut(f64, &[L], &mut [L])>, StepError> {
+        if layout != E::layout() {
+            return Err(StepError::Unsupported {
+                what: "a run in lock-step with the layout of another model".into(),
+                instead:
+                    "give it that of the model over one scalar: `Stone::<f64>::new(…)?.layout()`"
+                        .into(),
+            });
+        }
         if layout.ni > 0 {
             return Err(StepError::Unsupported {
                 what: "a run in lock-step of a model with inputs".into(),
