@@ -431,3 +431,39 @@ fn what_happened_many_times_after_a_snapshot_is_no_chatter_before_it() {
         assert_eq!(run.events().len(), 300);
     }
 }
+
+/// Where a run stands on an event, at its value to the last digit, its first stage is that behind what jumps there: one that went on from a snapshot began with that
+/// before it, and came to its next events at other times, from the same state.
+#[test]
+fn a_snapshot_on_the_event_that_stopped_a_run_goes_on_behind_it() {
+    let scene = tests::declared::read(
+        "model Ball { gravity: [0, 0, -9.81] m/s^2;
+           point ball { mass: 1 kg, start at [0, 0, 1.3] m velocity [0.5, 0, 0] m/s }
+           load wind on ball = [if(ball.velocity.z < -1 m/s, 1 N, 0.3 N), 0 N, 0 N];
+           event fast = ball.velocity.z falls -1 m/s { then: stop }
+           event far = ball.position.x rises 0.8 m { then: stop } }",
+    );
+    let model = Generic::<f32>::with_defaults(scene).expect("defaults");
+    for options in [
+        Options::vern7(1e-5),
+        Options::tsit5(1e-5),
+        Options::rodas5p(1e-5),
+        Options::rk4(1e-2),
+    ] {
+        let new = || Simulation::<f32>::new(&model, options).expect("options");
+        let mut whole = new();
+        whole.run(2.0).expect("the first stop");
+        let mut other = new();
+        other.restore(&whole.snapshot()).expect("of the same model");
+        assert_eq!(whole.state(), other.state());
+        for run in [&mut whole, &mut other] {
+            run.run(2.0).expect("the second stop");
+        }
+        assert_eq!(
+            whole.time().to_bits(),
+            other.time().to_bits(),
+            "{options:?}"
+        );
+        assert_eq!(whole.state(), other.state(), "{options:?}");
+    }
+}

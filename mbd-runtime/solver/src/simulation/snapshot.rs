@@ -344,8 +344,8 @@ impl<T: Float> Simulation<T> {
             true => self
                 .begin_margins(&mut |_| ())
                 .and_then(|()| self.find_held_guards()),
-            // What is due, though its action could not be, stays due.
-            false => self.resume_margins(),
+            // What is due, though its action could not be, stays due. On an event the first stage is that behind it.
+            false => self.resume_margins().and_then(|()| self.begin_behind()),
         });
         begun.map_err(|cause| self.failed(cause))
     }
