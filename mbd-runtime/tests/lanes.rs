@@ -278,7 +278,7 @@ fn what_cannot_be_run_in_lock_step_is_refused_with_its_reason() {
         .expect("an input");
     assert!(refused.to_string().contains("inputs"), "{refused}");
     // The state of another model, which the rates of this one did not read: it stayed where it was, without a word.
-    for other in [pushed.layout(), hung.layout()] {
+    for other in [stone.layout(), hung.layout()] {
         let start = vec![Lanes4::from_f64(0.0); other.nx()];
         let over_lanes = Leaning::<Lanes4>::unchecked(LeaningParams::default());
         let refused = LockStep::of_model(over_lanes, other, 0.01, start);
