@@ -209,7 +209,8 @@ impl StateRounding {
             let number = *number;
             let apart = number.apart(precision * value.abs());
             if apart >= CLOSE {
-                self.coarse = true;
+                // Lengths are never moved.
+                self.coarse |= number.kind != NumberKind::Length;
                 self.keep_coarse(&number, (value, precision * value.abs()), apart);
             }
         }
