@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Source: Kahan, Further remarks on reducing truncation errors (1965). In double precision c is not kept: no step is so short.
-//! What it would be of the steps of a run is estimated instead ([`crate::rounding`]).
+//! What it would be of the steps of a run is estimated instead ([`crate::state_rounding`]).
 
 use mbd_scene::{Float, Real};
 

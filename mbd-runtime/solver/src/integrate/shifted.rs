@@ -206,9 +206,9 @@ impl<T: Float> Shifted<T> {
         for (one, eliminated) in self.attached.iter().zip(&self.eliminated) {
             let own = coordinates.get_mut(one.at.clone()).unwrap_or_default();
             if let (Ok(own), true) = (<&mut Four<T>>::try_from(&mut *own), one.turns()) {
-                let turned = *own;
+                let quaternion = *own;
                 *own = [T::zero(); SIDE];
-                add_tile(own, &eliminated.inverse, &turned);
+                add_tile(own, &eliminated.inverse, &quaternion);
             } else {
                 own.iter_mut().for_each(|x| *x *= part);
             }
