@@ -204,8 +204,9 @@ impl<T: Real> Explicit<T> {
     /// The rates k₁, k₂ and k₃ of the first stages of the last attempt.
     #[inline]
     fn first_three(&self) -> Option<[&[T]; 3]> {
-        let mut stages = self.stages.chunks_exact(self.length.max(1));
-        Some([stages.next()?, stages.next()?, stages.next()?])
+        let (first, rest) = self.stages.split_at_checked(self.length)?;
+        let (second, rest) = rest.split_at_checked(self.length)?;
+        Some([first, second, rest.get(..self.length)?])
     }
 
     /// |k₂ − k₁|², |k₁|² and |k₃ − k₂|² of the first stages of the last attempt, |k|² = Σ weight k².
@@ -471,10 +472,10 @@ impl<T: Float> Explicit<T> {
         let Some([k1, k2, k3]) = self.first_three() else {
             return 0.0;
         };
-        // Almost no step is above the limit: only then they are compared with k₁.
+        // Almost no step is above the limit: only then they are compared with k₁, and a root is taken.
         let below = weighted_change(weights, k1, k2).to_f64();
         let above = weighted_change(weights, k2, k3).to_f64();
-        match 2.0 * (above / below).sqrt() > limit {
+        match 4.0 * above > limit * limit * below {
             true => stiffness(self.squares(weights), negligible),
             false => 0.0,
         }

@@ -11,6 +11,7 @@ use super::memory::NodeMemory;
 use super::rate::ROUNDING;
 use super::scene::NetworkPlan;
 use super::stage::{Nodes, Stage};
+use crate::integrate::INNER;
 use crate::list::copy;
 use crate::unilateral::Mode;
 
@@ -78,8 +79,10 @@ impl<T: Float> Nodes<T> {
 
     /// Whether the nodes of the stages inside a step may be taken as they were found.
     fn takes_inner_stages(&self) -> bool {
-        let mut inner = self.inner.chunks_exact(self.rates.len().max(1));
-        inner.all(|rates| self.holds(rates))
+        let (layout, length) = (self.layout_of_rates(), self.rates.len());
+        let stage = |number: usize| self.inner.get(number * length..);
+        let mut stages = (0..INNER).filter_map(stage);
+        length == 0 || stages.all(|rates| layout.holds(rates, T::EPSILON))
     }
 
     /// Whether nodes and derivative may be found at once at a stage: lines that may span space carry at every node. Elements are then held in the modes
