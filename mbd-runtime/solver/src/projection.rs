@@ -125,8 +125,7 @@ impl<T: Float> System<T> {
                 });
             }
         }
-        self.begin_rows(time, state);
-        Ok(())
+        self.begin_rows(time, state)
     }
 
     /// The same in a run after an action of an event, which may change speeds, but moves nothing.
@@ -161,11 +160,17 @@ impl<T: Float> System<T> {
     }
 
     /// Decides how the rows of the first step are solved.
-    fn begin_rows(&mut self, time: f64, state: &[T]) {
+    fn begin_rows(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.fallback.margin = f64::NAN;
         self.measure(time, state);
+        self.forget_rows();
+        if self.changes_rows(time, state) {
+            self.put_on_joints(time, state)?;
+            self.measure(time, state);
+        }
         self.pick(time, state);
         self.fallback.commit();
+        Ok(())
     }
 
     /// Adds Baumgarte's −2α Φ̇ − α² Φ to the right-hand side of the acceleration rows, where the run asks for it. The move of (1) with these as

@@ -137,8 +137,10 @@ impl RowMaker {
         let state_alone = state.get(..system.nx).unwrap_or_default();
         let forces = content.reactions || content.outputs || content.energy;
         // Where rows lose rank for longer than an instant some multipliers have no value, and what hangs on them none either.
-        let anew = (forces && system.needs_anew(time, state_alone))
-            .then(|| system.read_anew(time, state_alone));
+        let anew = match forces {
+            true => system.look_anew(time, state_alone),
+            false => None,
+        };
         let determined = anew
             .as_ref()
             .map(|[_, determined, rates]| [determined.as_slice(), rates.as_slice()]);

@@ -32,6 +32,12 @@ pub(super) struct HeldRows {
     /// Whether limits are taken wherever they are better than the emitted elimination: a step was rejected near a state that is not passed yet.
     #[serde(default)]
     pub wide: bool,
+    /// Whether rows that were left out tell the motion better than those kept.
+    #[serde(default)]
+    pub outdone: bool,
+    /// √ of the margin at which that was asked last and was not so; zero where it was not asked.
+    #[serde(default)]
+    pub asked: f64,
 }
 
 /// What a run needs to go on solving its rows as it did.
@@ -51,6 +57,8 @@ pub(crate) struct Fallback {
     pub(super) next: HeldRows,
     /// Whether the stage to come is the first of the step after.
     pub(super) at_end: bool,
+    /// Whether the stage to come is asked for behind a step that was made: nobody makes that step again.
+    pub(super) behind: bool,
     /// The strategy of a run away from singular states.
     pub(super) base: RowStrategy,
     /// What the last factor left to its smallest pivot; NaN when there was none since the last step.
@@ -96,7 +104,7 @@ impl Fallback {
     /// Stages inside the step come after that at its end; returns what [`Fallback::come_back`] takes.
     pub(crate) fn leave_end(&mut self) -> (bool, f64, [bool; 2]) {
         let left = (self.at_end, self.margin, [self.anew, self.regularised]);
-        self.at_end = false;
+        (self.at_end, self.behind) = (false, true);
         left
     }
 
@@ -105,7 +113,7 @@ impl Fallback {
         &mut self,
         (at_end, margin, [anew, regularised]): (bool, f64, [bool; 2]),
     ) {
-        (self.at_end, self.margin) = (at_end, margin);
+        (self.at_end, self.behind, self.margin) = (at_end, false, margin);
         (self.anew, self.regularised) = (anew, regularised);
     }
 
@@ -124,6 +132,8 @@ impl Fallback {
             size,
             near,
             wide,
+            outdone,
+            asked,
         } = &self.now;
         to.held.rows.clone_from(rows);
         to.held = HeldRows {
@@ -133,6 +143,8 @@ impl Fallback {
             size: *size,
             near: *near,
             wide: *wide,
+            outdone: *outdone,
+            asked: *asked,
         };
         to.base = self.base;
         to.lasting = self.lasting;

@@ -244,8 +244,13 @@ impl Dense {
 
     /// Whether rows that were chosen are still independent.
     pub(crate) fn are_independent(&mut self, chosen: &[usize]) -> bool {
+        self.independence(chosen) > self.new_from
+    }
+
+    /// The smallest part of one of these rows that is new against those before it.
+    pub(crate) fn independence(&mut self, rows: &[usize]) -> f64 {
         self.factor_lengths();
-        self.span(chosen, &|dense, row| dense.least(row)) > self.new_from
+        self.span(rows, &|dense, row| dense.least(row))
     }
 
     /// Factorises (1) for rows that were chosen.

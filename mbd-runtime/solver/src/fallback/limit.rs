@@ -79,23 +79,29 @@ impl<T: Float> System<T> {
         self.energy = energy;
     }
 
-    /// Whether what depends on multipliers is to be read by [`System::read_anew`] at a state that is looked at: rows lose rank there, or
-    /// the rows of the emitted elimination are not those of the run.
-    pub(crate) fn needs_anew(&mut self, time: f64, state: &[T]) -> bool {
+    /// Where what depends on multipliers is not that of the emitted elimination at a state that is looked at, as rows lose rank there, or are not those
+    /// of the run: what [`System::read_anew`] finds there.
+    pub(crate) fn look_anew(&mut self, time: f64, state: &[T]) -> Option<[Vec<f64>; 3]> {
         if !self.projection.any() {
-            return false;
+            return None;
         }
         let margin = std::mem::replace(&mut self.fallback.margin, f64::NAN);
         self.measure(time, state);
         let regular = self.is_regular();
+        let outdone = self.is_outdone(time, state);
         self.fallback.margin = margin;
-        !regular || self.solves_chosen()
+        let anew = !regular || outdone || self.solves_chosen();
+        let before = self.fallback.held().outdone;
+        self.fallback.held_mut().outdone |= outdone;
+        let found = anew.then(|| self.read_anew(time, state));
+        self.fallback.held_mut().outdone = before;
+        found
     }
 
     /// Multipliers at a state that is looked at: their limit there, or else by rows chosen there; the same with no numbers where
     /// they have no value, for joints whose rows take part in what repeats; and the accelerations, which have a value everywhere.
     #[cold]
-    pub(crate) fn read_anew(&mut self, time: f64, state: &[T]) -> [Vec<f64>; 3] {
+    fn read_anew(&mut self, time: f64, state: &[T]) -> [Vec<f64>; 3] {
         let model = self.model.clone();
         let layout = model.layout();
         self.read_dense(time, state);

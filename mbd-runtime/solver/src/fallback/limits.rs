@@ -27,6 +27,13 @@ pub(super) const POWER: f64 = 1.0 / 7.0;
 /// below 0.4 rounding costs rejections, above it limits find their neighbouring states within it and take wider ones, which costs a tolerance
 /// of 1e-13 three times as many steps there. In `f32` [`PASSING`] is wider.
 pub(super) const WIDE: f64 = 0.4;
+/// The power of ε that the margin is below which other rows than those kept are looked for. At an angle δ of rows rounding moves places by ε/δ, and
+/// what follows of v̇ by ε/δ³: ε^(5/8) where the margin δ² is ε^(1/4).
+pub(super) const OUTDONE: f64 = 0.25;
+/// How many times as far from each other as the kept ones rows chosen anew are that are taken in their place.
+pub(super) const BETTER: f64 = 10.0;
+/// Part of the angle at which kept rows were as good as any from which on that is asked again.
+pub(super) const AGAIN: f64 = 0.25;
 /// Times δ that are tried where rows lose rank also at the neighbouring states.
 pub(super) const WIDER: [f64; 3] = [1.0, 2.0, 4.0];
 /// Part of the largest terms of a row below which every sum is nothing: the motion is free.

@@ -6,6 +6,7 @@
 //!    that are regular again keep the emitted rows, unless one of them fails. Where a step is rejected near such a state, limits are taken
 //!    farther from it until it is passed: there the emitted elimination leaves so much of rounding in accelerations that steps of a tight
 //!    tolerance see nothing else, and a jump where limits begin, which no step resolves.
+//!    Where rows that were left out hold better than those kept, as they repeat them elsewhere, steps take these from farther away on (`outdone`).
 //! 3. `Whole`: where masses differ so much that the emitted elimination loses digits, the whole matrix with row exchange.
 //! 4. `Regularised`: where the rows held for a step fail at a stage inside it, that stage alone with all rows, regularised and refined until
 //!    nothing is gained, and only if the equations then hold. The last strategy before [`StepError::SingularConstraints`]: near a state
@@ -25,6 +26,7 @@ use self::dense::Dense;
 pub(crate) use self::dependence::{Dependence, dependent};
 pub(crate) use self::limits::NEW;
 use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING, POWER, WIDE};
+use self::outdone::outdone_from;
 use crate::error::StepError;
 use crate::laws::Laws;
 use crate::moving::moving;
@@ -37,6 +39,7 @@ mod dense;
 mod dependence;
 mod limit;
 mod limits;
+mod outdone;
 
 /// The margin below which limits are better than the emitted elimination, whatever it was trusted with before a step was rejected.
 fn wide<T: Float>() -> f64 {
@@ -53,9 +56,11 @@ impl<T: Float> System<T> {
     fn trusted_from(&self, lasting: bool) -> f64 {
         let cost = if lasting { LASTING } else { PASSING };
         let trusted = MARGIN.max(T::EPSILON.to_f64() / cost);
-        match self.fallback.held().wide && !lasting {
-            true => trusted.max(wide::<T>()),
-            false => trusted,
+        match self.fallback.held() {
+            _ if lasting => trusted,
+            held if held.outdone => trusted.max(outdone_from::<T>()),
+            held if held.wide => trusted.max(wide::<T>()),
+            _ => trusted,
         }
     }
 
@@ -87,7 +92,7 @@ impl<T: Float> System<T> {
 
     /// Decides how the rows of the step that starts at a projected state are solved.
     pub(crate) fn pick(&mut self, time: f64, state: &[T]) {
-        let size = self.fallback.margin.max(0.0).sqrt();
+        let size = self.margin_size();
         let change = (size - self.fallback.now.size).abs();
         self.fallback.at_end = true;
         self.fallback.next.strategy = self.fallback.base;
@@ -117,8 +122,9 @@ impl<T: Float> System<T> {
         self.read_dense(time, state);
         let mut rows = std::mem::take(&mut self.fallback.next.rows);
         self.fallback.dense.choose(&mut rows);
-        let whole_step =
-            strategy == RowStrategy::Whole || self.fallback.base == RowStrategy::Chosen;
+        let whole_step = strategy == RowStrategy::Whole
+            || self.fallback.base == RowStrategy::Chosen
+            || self.fallback.next.outdone;
         self.fallback.next = HeldRows {
             strategy,
             rows,
@@ -201,23 +207,55 @@ impl<T: Float> System<T> {
         let held = self.fallback.held();
         match held.strategy {
             RowStrategy::Emitted if self.fallback.at_end || !held.near => Ok(()),
-            RowStrategy::Emitted => self.check_stage(time, state),
+            RowStrategy::Emitted => self.check_stage(time, state, rates),
             _ => self.accelerate_anew(time, state, rates),
         }
     }
 
-    /// Refuses a stage of an emitted step at which rows lose rank.
+    /// Refuses a stage of an emitted step at which rows lose rank, or others hold better; that behind the step is solved for itself.
     #[cold]
-    fn check_stage(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+    fn check_stage(&mut self, time: f64, state: &[T], rates: &mut [T]) -> Result<(), StepError> {
         if !self.projection.any() {
             return Ok(());
         }
         self.fallback.margin = f64::NAN;
         self.measure(time, state);
-        if self.is_regular() || self.fallback.margin.is_nan() {
+        let is_regular = self.is_regular() || self.fallback.margin.is_nan();
+        if is_regular && !self.is_outdone(time, state) {
             return Ok(());
         }
+        if self.fallback.behind {
+            self.read_dense(time, state);
+            self.read_right(time, state);
+            self.regularise(time, state)?;
+            self.take_accelerations(rates);
+            return Ok(());
+        }
+        self.fallback.held_mut().outdone |= is_regular;
         Err(self.singular(time, state))
+    }
+
+    /// Solves a stage with all rows, regularised, after [`System::read_dense`] and [`System::read_right`].
+    fn regularise(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let dense = &mut self.fallback.dense;
+        let left = dense.accelerate_regularised(T::EPSILON.to_f64());
+        // A state that is not finite is found by those who read the rates.
+        if left > LEFT_INSIDE {
+            return Err(self.singular(time, state));
+        }
+        self.fallback.worst = RowStrategy::Regularised;
+        self.fallback.regularised = true;
+        self.counters.rows_regularised = self.counters.rows_regularised.saturating_add(1);
+        Ok(())
+    }
+
+    /// Overwrites accelerations by those that were solved for.
+    fn take_accelerations(&mut self, rates: &mut [T]) {
+        let rates = rates.iter_mut().skip(self.model.layout().nq);
+        for (rate, found) in rates.zip(&self.fallback.dense.force) {
+            *rate = T::from_f64(*found);
+        }
+        self.fallback.anew = true;
     }
 
     #[cold]
@@ -246,14 +284,7 @@ impl<T: Float> System<T> {
         } = &mut self.fallback;
         let held = if *at_end { &*next } else { &*now };
         if !dense.are_independent(&held.rows) {
-            let left = dense.accelerate_regularised(T::EPSILON.to_f64());
-            // A state that is not finite is found by those who read the rates.
-            if left > LEFT_INSIDE {
-                return Err(self.singular(time, state));
-            }
-            self.fallback.worst = RowStrategy::Regularised;
-            self.fallback.regularised = true;
-            self.counters.rows_regularised = self.counters.rows_regularised.saturating_add(1);
+            self.regularise(time, state)?;
         } else if held.strategy == RowStrategy::Whole {
             dense.accelerate_whole(&held.rows);
         } else {
@@ -268,11 +299,7 @@ impl<T: Float> System<T> {
                 return Err(self.singular(time, state));
             }
         }
-        let rates = rates.iter_mut().skip(self.model.layout().nq);
-        for (rate, found) in rates.zip(&self.fallback.dense.force) {
-            *rate = T::from_f64(*found);
-        }
-        self.fallback.anew = true;
+        self.take_accelerations(rates);
         Ok(())
     }
 

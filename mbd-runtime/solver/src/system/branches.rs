@@ -21,6 +21,14 @@ impl<T: Float> System<T> {
         layout.rank_where(|joint| is_joined(&self.memory, layout.joints[joint].switch))
     }
 
+    /// The rows kept of the joints that no event has detached.
+    pub(crate) fn kept_rows(&self) -> Vec<usize> {
+        let joints = self.model.layout().joints.iter();
+        let joined = joints.filter(|slots| is_joined(&self.memory, slots.switch));
+        let rows = joined.flat_map(|slots| slots.kept.rows().map(|row| slots.row + row));
+        rows.collect()
+    }
+
     /// Whether every joint is on its branch at a start.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ mod dependent;
 mod digits;
 mod functions;
 mod generated;
+mod near_flat;
 mod planar;
 mod runs;
 mod vanishing_row;

@@ -97,7 +97,7 @@ fn a_bennett_linkage_passes_its_flat_position() {
     );
 }
 
-const BENNETT: &str = "model Bennett { coordinates: COORDINATES; gravity: [0.0, 0.0, -9.81] m/s^2;
+pub(super) const BENNETT: &str = "model Bennett { coordinates: COORDINATES; gravity: [0.0, 0.0, -9.81] m/s^2;
     world { frame o0 at [0.0, 0.0, 0.0] m, frame o3 at [-0.9000000000000001, -9.71445146547012e-17, 5.551115123125783e-17] m }
     body l0 { mass: 1.0 kg, inertia: diag(0.02, 0.025, 0.03) kg*m^2, frame a at [-0.19648299048119933, -0.254998072888245, 0.01] m, frame b at [0.1764829904811993, 0.21499807288824502, 0.01] m, start at [0.19648299048119933, 0.254998072888245, -0.01] m }
     body l1 { mass: 1.2 kg, inertia: diag(0.02, 0.025, 0.03) kg*m^2, frame a at [0.33784560273363945, 0.25668114663143704, -0.060363198886807044] m, frame b at [-0.35784560273363947, -0.2966811466314371, 0.08036319888680704] m, start at [0.03512037822875918, 0.21331499914505295, 0.060363198886807044] m }
