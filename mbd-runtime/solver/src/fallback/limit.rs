@@ -86,22 +86,22 @@ impl<T: Float> System<T> {
             return None;
         }
         let margin = std::mem::replace(&mut self.fallback.margin, f64::NAN);
+        let before = std::mem::replace(&mut self.fallback.held_mut().outdone, false);
         self.measure(time, state);
-        let regular = self.is_regular();
-        let outdone = self.is_outdone(time, state);
+        let (regular, outdone) = (self.is_regular(), self.is_outdone(time, state));
         self.fallback.margin = margin;
+        self.fallback.held_mut().outdone = outdone;
         let anew = !regular || outdone || self.solves_chosen();
-        let before = self.fallback.held().outdone;
-        self.fallback.held_mut().outdone |= outdone;
-        let found = anew.then(|| self.read_anew(time, state));
+        let found = anew.then(|| self.read_anew(time, state, regular));
         self.fallback.held_mut().outdone = before;
         found
     }
 
     /// Multipliers at a state that is looked at: their limit there, or else by rows chosen there; the same with no numbers where
-    /// they have no value, for joints whose rows take part in what repeats; and the accelerations, which have a value everywhere.
+    /// they have no value, for joints whose rows take part in what repeats; and the accelerations, which have a value everywhere. The rows kept still
+    /// have multipliers of their own where these are `regular`.
     #[cold]
-    fn read_anew(&mut self, time: f64, state: &[T]) -> [Vec<f64>; 3] {
+    fn read_anew(&mut self, time: f64, state: &[T], regular: bool) -> [Vec<f64>; 3] {
         let model = self.model.clone();
         let layout = model.layout();
         self.read_dense(time, state);
@@ -123,12 +123,21 @@ impl<T: Float> System<T> {
                 own.fill(f64::NAN);
             }
         }
+        let tell_all = rows.len() >= self.rank();
         self.fallback.spare = rows;
         match self.find_limit(time, state, &forced) {
-            Some(SingularLimit {
-                multipliers,
-                accelerations,
-            }) => [multipliers.clone(), multipliers, accelerations],
+            // Rows that are as many as there ever are leave nothing of v̇ open.
+            Some(limit) if tell_all => [limit.multipliers.clone(), limit.multipliers, forced],
+            Some(limit) => [
+                limit.multipliers.clone(),
+                limit.multipliers,
+                limit.accelerations,
+            ],
+            None if regular && tell_all && !self.solves_chosen() => {
+                let mut kept = vec![0.0; layout.nc];
+                self.by_laws(Quantity::Multipliers, time, state, &mut kept);
+                [kept.clone(), kept, forced]
+            }
             None => [multipliers, determined, forced],
         }
     }
