@@ -750,6 +750,20 @@ fn all_mistakes_of_a_file_are_told_at_once_and_what_hangs_on_them_is_not() {
         all[1].starts_with("`start.lamp.zz`: this scene has no `lamp.zz`"),
         "{all:#?}"
     );
+    // Of the start what can be told without the params, too.
+    let with_params =
+        format!("{start}\"lamp.velocity\" = \"[1, 0] m/s\"\n[run.params]\nmas = \"3 kg\"\n");
+    let all = told(&[], &with_params);
+    let begin = [
+        "`params.mas`: this scene has no `mas`",
+        "`start.lamp.velocity`: ",
+        "`start.lamp.vx`: `1 kg` has the wrong unit",
+        "`start.lamp.zz`: this scene has no `lamp.zz`",
+    ];
+    assert_eq!(all.len(), begin.len(), "{all:#?}");
+    for (line, begin) in all.iter().zip(begin) {
+        assert!(line.starts_with(begin), "{line}\n{begin}");
+    }
     // A sampling that there is not says nothing about grids and confidences.
     let sampling = told(
         &[
@@ -783,4 +797,24 @@ fn no_cases_are_the_nominal_alone() {
     assert_eq!(whole(&campaign, &folder).lines().count(), 2);
     let summary = CampaignSummary::of(&Results::read(&folder.0.join("whole")).expect("gathered"));
     assert!(!summary.passes(), "nothing is shown by no cases");
+}
+
+/// What a run reads of its start every case reads again: a velocity as one vector was no name that a case with other params knew.
+#[test]
+fn a_start_by_a_vector_is_that_by_its_numbers_in_every_case() {
+    let folder = Folder::new("start_by_a_vector");
+    let ends = |start: &str| {
+        let text = FILE.replace("[start]\n", "").replace(
+            "lamp.vx = { dist = \"normal\", mean = \"0.5 m/s\", three_sigma = \"0.6 m/s\" }\n",
+            "",
+        );
+        let campaign = campaign(&folder, &format!("{text}\n[run.start]\n{start}"));
+        whole(&campaign, &folder)
+    };
+    let by_vector = ends("\"lamp.velocity\" = \"[0.5, 0, 0.1] m/s\"\n");
+    assert!(!by_vector.contains("start."), "{by_vector}");
+    assert_eq!(
+        by_vector,
+        ends("lamp.vx = \"0.5 m/s\"\nlamp.vy = 0.0\nlamp.vz = \"0.1 m/s\"\n")
+    );
 }

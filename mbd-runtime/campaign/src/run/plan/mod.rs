@@ -17,7 +17,7 @@ use super::settings::Settings;
 pub(crate) use start::{about, coordinate_unit, whole_name};
 
 use method::options;
-use start::{in_motion, in_numbers, placed, start, with_declared};
+use start::{said, start};
 pub(crate) use supplied::repeated;
 use supplied::{inputs, params, together};
 
@@ -77,23 +77,17 @@ impl RunPlan {
         let every = every.map(|value| positive("every", value, "s"));
         let every = mistakes.note(every.transpose());
         let params = mistakes.note(params(scene, &settings.params));
-        let given = mistakes.note(in_numbers((scene, layout), &settings.start));
+        let said = mistakes.note(said((scene, layout), &settings.start));
         // Inputs that are missing are told behind everything else.
         let supplied = inputs(scene, layout, &settings.inputs);
-        let start = params
-            .as_ref()
-            .zip(given.as_ref())
-            .and_then(|(params, given)| {
-                let placed = placed(scene, given);
-                let from = StartFrom {
-                    inputs: supplied.as_deref().ok(),
-                    ..StartFrom::new(params, 0.0)
-                };
-                let start = mistakes.note(start((scene, layout), from, given, &placed))?;
-                let placed = with_declared(scene, given, placed);
-                let [moving, turning] = in_motion(scene, given, &placed);
-                Some((start, placed, moving, turning))
-            });
+        // Where things come to stand follows from all of it.
+        let start = params.as_ref().zip(said).and_then(|(params, said)| {
+            let from = StartFrom {
+                inputs: supplied.as_deref().ok(),
+                ..StartFrom::new(params, 0.0)
+            };
+            mistakes.note(start((scene, layout), from, said))
+        });
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants.iter().map(|value| number("instants", value, "s"));
         let instants: Option<Vec<f64>> = mistakes.note(instants.collect::<Result<_, _>>());
@@ -111,16 +105,15 @@ impl RunPlan {
         let shown = instants.zip(figures);
         let plan = numbers.zip(start).zip(options.zip(shown)).map(
             |((((until, every), (params, inputs)), start), (options, (instants, figures)))| {
-                let (start, placed, moving, turning) = start;
                 RunPlan {
                     until,
                     options,
                     every,
                     params,
                     state: start.state,
-                    placed,
-                    moving,
-                    turning,
+                    placed: start.placed,
+                    moving: start.moving,
+                    turning: start.turning,
                     joints: start.joints,
                     assembly: start.assembly,
                     nodes: start.nodes,
@@ -219,13 +212,13 @@ impl RunPlan {
         scene: (&Scene, &Layout),
         given: &Table,
     ) -> Result<(), PlanError> {
-        let placed = placed(scene.0, given);
+        let said = said(scene, given).map_err(CampaignMistakes::first)?;
         let from = StartFrom::new(&self.params, 0.0).with_inputs(&self.inputs);
-        let start = start(scene, from, given, &placed).map_err(CampaignMistakes::first)?;
+        let start = start(scene, from, said)?;
         (self.state, self.nodes) = (start.state, start.nodes);
         (self.joints, self.assembly) = (start.joints, start.assembly);
-        self.placed = with_declared(scene.0, given, placed);
-        [self.moving, self.turning] = in_motion(scene.0, given, &self.placed);
+        self.placed = start.placed;
+        [self.moving, self.turning] = [start.moving, start.turning];
         Ok(())
     }
 

@@ -19,90 +19,118 @@ pub(super) struct PlannedStart {
     pub(super) nodes: Option<Vec<f64>>,
     pub(super) joints: Vec<(String, f64)>,
     pub(super) assembly: PlacementReport,
+    pub(super) placed: Vec<String>,
+    pub(super) moving: Vec<String>,
+    pub(super) turning: Vec<String>,
 }
 
-/// The state and the places of the equilibrium points, from names of coordinates.
-pub(super) fn start(
+/// What the settings say of the start, whatever the params are: numbers by their places in the state and behind it in those of equilibrium points, and joint
+/// coordinates.
+pub(super) struct SaidStart {
+    /// All of it, in the numbers of the state.
+    pub(super) given: Table,
+    numbers: Vec<(usize, f64)>,
+    joints: Vec<(String, StartNumber)>,
+}
+
+/// Reads what is said of the start, by names of coordinates.
+pub(super) fn said(
     (scene, layout): (&Scene, &Layout),
-    from: StartFrom<'_>,
     given: &Table,
-    placed: &[String],
-) -> Result<PlannedStart, CampaignMistakes> {
+) -> Result<SaidStart, CampaignMistakes> {
     let mut mistakes = CampaignMistakes::default();
-    let mut slots: Vec<(String, &str, f64)> = Vec::new();
-    let names = state_names(scene, layout);
-    let mut declared = vec![0.0; names.len()];
-    for upright in layout.quaternions() {
-        declared[upright] = 1.0;
-    }
-    declared_parts(scene, layout, from, &mut declared);
-    let fixed: Vec<Part> = placed
-        .iter()
-        .filter_map(|name| scene.part_named(name))
-        .collect();
-    if !fixed.is_empty() {
-        // Of a body of which one number is given, the others are as declared. Loops that nothing closes yet are closed below, or told there.
-        let mut alone = declared.clone();
-        if place_declared(scene, layout, from, &[], &[], &mut alone).is_ok() {
-            declared = alone;
-        }
-    }
-    for (name, number) in names.iter().zip(declared) {
-        slots.push((name.name.clone(), &name.unit, number));
-    }
-    let own = slots.iter_mut().skip(layout.states());
-    own.zip(starts(scene, from.params))
-        .for_each(|((.., number), start)| *number = start);
+    let given = in_numbers((scene, layout), given, &mut mistakes);
+    let names = state_names(scene, layout).into_iter();
+    let mut slots: Vec<(String, String)> = names.map(|name| (name.name, name.unit)).collect();
     for node in &layout.nodes {
         let owner = scene.points.get(node.point).map_or("", |point| &point.name);
         // The position of a `rate` node is part of the state already.
         let owner = if node.z.is_some() { "" } else { owner };
-        slots.extend(["x", "y", "z"].map(|c| (format!("{owner}.{c}"), "m", 0.0)));
+        slots.extend(["x", "y", "z"].map(|c| (format!("{owner}.{c}"), "m".to_owned())));
     }
-    let mut places_given = false;
-    let mut joints: Vec<(String, StartNumber)> = Vec::new();
-    for (name, value) in flat(given) {
+    let (mut numbers, mut joints) = (Vec::new(), Vec::new());
+    for (name, value) in flat(&given) {
         let setting = format!("start.{name}");
         if let Some(unit) = coordinate_unit(scene, &name) {
             let said = mistakes.note(start_number(scene, &setting, value, unit));
             joints.extend(said.map(|said| (name.clone(), said)));
             continue;
         }
-        let Some(index) = slots.iter().position(|(slot, ..)| *slot == name) else {
+        let Some(index) = slots.iter().position(|(slot, _)| *slot == name) else {
             if let Some(text) = carried((scene, layout), &name) {
                 mistakes.note::<()>(Err(wrong(setting, text)));
                 continue;
             }
-            let known = slots.iter().map(|(slot, ..)| slot.as_str());
+            let known = slots.iter().map(|(slot, _)| slot.as_str());
             let known = known.filter(|slot| !slot.starts_with('.'));
             let coordinates = scene.joint_coordinates();
             let known = known.chain(coordinates.iter().map(String::as_str));
             mistakes.note::<()>(Err(unknown(&setting, &name, known)));
             continue;
         };
-        if let Some(number) = mistakes.note(number(&setting, value, slots[index].1)) {
-            slots[index].2 = number;
-        }
-        places_given |= index >= names.len();
+        let number = mistakes.note(number(&setting, value, &slots[index].1));
+        numbers.extend(number.map(|number| (index, number)));
     }
-    // Where things come to stand follows from all of them.
-    mistakes.unless(Some(()))?;
-    let mut numbers: Vec<f64> = slots.into_iter().map(|(.., number)| number).collect();
-    let nodes = numbers.split_off(names.len());
+    mistakes.unless(Some(SaidStart {
+        given,
+        numbers,
+        joints,
+    }))
+}
+
+/// The state and the places of the equilibrium points, from what is said of them.
+pub(super) fn start(
+    (scene, layout): (&Scene, &Layout),
+    from: StartFrom<'_>,
+    said: SaidStart,
+) -> Result<PlannedStart, PlanError> {
+    let placed = placed(scene, &said.given);
+    let mut numbers = vec![0.0; layout.nx()];
+    for upright in layout.quaternions() {
+        numbers[upright] = 1.0;
+    }
+    declared_parts(scene, layout, from, &mut numbers);
+    let fixed: Vec<Part> = placed
+        .iter()
+        .filter_map(|name| scene.part_named(name))
+        .collect();
+    if !fixed.is_empty() {
+        // Of a body of which one number is given, the others are as declared. Loops that nothing closes yet are closed below, or told there.
+        let mut alone = numbers.clone();
+        if place_declared(scene, layout, from, &[], &[], &mut alone).is_ok() {
+            numbers = alone;
+        }
+    }
+    let own = numbers.iter_mut().skip(layout.states());
+    own.zip(starts(scene, from.params))
+        .for_each(|(number, start)| *number = start);
+    let of_state = numbers.len();
+    numbers.resize(of_state + 3 * layout.nodes.len(), 0.0);
+    for (index, number) in &said.numbers {
+        numbers[*index] = *number;
+    }
+    let places_given = said.numbers.iter().any(|(index, _)| *index >= of_state);
+    let nodes = numbers.split_off(of_state);
     for quaternion in layout.quaternions() {
         normalise(scene, &mut numbers, quaternion)?;
     }
+    let joints = said.joints;
     let named = joints.iter().map(|(name, number)| (name.as_str(), *number));
     let starts = JointStart::by_name(scene, named)
         .map_err(|name| wrong(format!("start.{name}"), "is no joint coordinate"))?;
     let assembly = place_declared(scene, layout, from, &starts, &fixed, &mut numbers)
         .map_err(|error| misplaced(scene, error))?;
     let joints = joints.into_iter().map(|(name, said)| (name, said.number()));
+    let placed = with_declared(scene, &said.given, placed);
+    let [moving, turning] = in_motion(scene, &said.given, &placed);
     Ok(PlannedStart {
         state: numbers,
         nodes: places_given.then_some(nodes),
         joints: joints.collect(),
         assembly,
+        placed,
+        moving,
+        turning,
     })
 }
 
@@ -133,10 +161,11 @@ fn carried((scene, layout): (&Scene, &Layout), name: &str) -> Option<String> {
 
 /// A start in the numbers of the state: `bob.velocity = "[1, 0, 0] m/s"` is `bob.vx`, `bob.vy` and `bob.vz`, and `bob.velocity.x` is `bob.vx`. A zero across
 /// the plane of a scene is no number of its state.
-pub(super) fn in_numbers(
+fn in_numbers(
     (scene, layout): (&Scene, &Layout),
     given: &Table,
-) -> Result<Table, PlanError> {
+    mistakes: &mut CampaignMistakes,
+) -> Table {
     let known = state_names(scene, layout);
     let across = |name: &str, number: f64| {
         let has = known.iter().any(|known| known.name == name);
@@ -152,7 +181,8 @@ pub(super) fn in_numbers(
         let (owner, last) = name.rsplit_once('.').unwrap_or(("", &name));
         let found = |word: &str| VECTORS.into_iter().find(|(quantity, ..)| *quantity == word);
         if let (Some((_, prefix, unit)), false) = (found(last), owner.is_empty()) {
-            let given = numbers_of(&format!("start.{name}"), value, &[unit; 3])?;
+            let given = numbers_of(&format!("start.{name}"), value, &[unit; 3]);
+            let given = mistakes.note(given).unwrap_or_default();
             for (axis, number) in ["x", "y", "z"].into_iter().zip(given) {
                 let name = format!("{owner}.{prefix}{axis}");
                 if !across(&name, number) {
@@ -165,12 +195,12 @@ pub(super) fn in_numbers(
             Some(name) => name,
             None => whole_name(scene, name),
         };
-        add(name, value.clone())?;
+        mistakes.note(add(name, value.clone()));
     }
     for (name, value) in vectors {
         all.entry(name).or_insert(value);
     }
-    Ok(all)
+    all
 }
 
 /// A joint coordinate by its whole name, `pin.angle` for `pin`; any other name as it is.
@@ -224,7 +254,7 @@ fn misplaced(scene: &Scene, error: PlacementError) -> PlanError {
 }
 
 /// The bodies and points whose coordinates are given.
-pub(super) fn placed(scene: &Scene, given: &Table) -> Vec<String> {
+fn placed(scene: &Scene, given: &Table) -> Vec<String> {
     let names = flat(given).into_iter();
     let names = names.filter(|(name, _)| scene.joint_coordinate(name).is_none());
     let owners = names.filter_map(|(name, _)| Some(name.rsplit_once('.')?.0.to_owned()));
@@ -234,7 +264,7 @@ pub(super) fn placed(scene: &Scene, given: &Table) -> Vec<String> {
 }
 
 /// Those and the bodies and points that the declaration puts somewhere, unless joint coordinates are given, which go before.
-pub(super) fn with_declared(scene: &Scene, given: &Table, mut placed: Vec<String>) -> Vec<String> {
+fn with_declared(scene: &Scene, given: &Table, mut placed: Vec<String>) -> Vec<String> {
     let mut names = flat(given).into_iter();
     if names.any(|(name, _)| scene.joint_coordinate(&name).is_some()) {
         return placed;
@@ -251,7 +281,7 @@ pub(super) fn with_declared(scene: &Scene, given: &Table, mut placed: Vec<String
 }
 
 /// Of the bodies and points that are placed those whose velocity is said, and those whose angular velocity is, by the settings or by the declaration.
-pub(super) fn in_motion(scene: &Scene, given: &Table, placed: &[String]) -> [Vec<String>; 2] {
+fn in_motion(scene: &Scene, given: &Table, placed: &[String]) -> [Vec<String>; 2] {
     let given = flat(given);
     let said = |name: &str, prefix: &str, declared: fn(&PartStart) -> bool| {
         let set = given.iter().any(|(key, _)| {
