@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mbd_runtime::{
-    Generic, Method, Model, Options, RunError, Simulation, Snapshot, StepError, model,
+    Generic, Method, Model, Options, RunError, Scalar, Simulation, Snapshot, StepError, model,
 };
 use serde_json::{Value, json};
 use tests::declared::read;
@@ -465,5 +465,115 @@ fn a_snapshot_on_the_event_that_stopped_a_run_goes_on_behind_it() {
             "{options:?}"
         );
         assert_eq!(whole.state(), other.state(), "{options:?}");
+    }
+}
+
+/// How a run ends that went on from a snapshot at a time, beside the one that went on itself; both until the same time.
+fn both_ways<T: Scalar>(
+    model: &Generic<T>,
+    options: Options,
+    [time, end]: [f64; 2],
+) -> [Vec<u64>; 2] {
+    let new = || Simulation::<T>::new(model, options).expect("options");
+    let mut whole = new();
+    whole.run(time).expect("it runs");
+    let mut other = new();
+    other.restore(&whole.snapshot()).expect("of the same model");
+    [whole, other].map(|mut run| {
+        run.run(end).expect("it runs");
+        let state = run.state().iter().map(|x| x.to_f64().to_bits());
+        state.chain([run.time().to_bits()]).collect()
+    })
+}
+
+/// At a time at which something jumps, and with an event close behind, the first stage of a step is on a side that neither time nor state tells: a run that went on
+/// from a snapshot there took the other one.
+#[test]
+fn a_snapshot_where_something_jumps_with_time_goes_on_on_its_side() {
+    let scene = read(
+        "model Pushed { gravity: [0, 0, -9.81] m/s^2;
+           table pull = { 0 s: 0 N, 0.3 s: 2 N, 0.45 s: -1 N };
+           point free { mass: 1 kg }
+           point tied { mass: 1 kg, start at [0.1, 0, 0] m }
+           body rod { mass: 1 kg, inertia: diag(0.1, 0.1, 0.02) kg*m^2, frame top at [0, 0, 0.5] m }
+           joint pin: hinge from world to rod.top { axis: y, start: 50 deg, force: if(time > 0.4 s, 3 N*m, -2 N*m) }
+           load push on free = [if(time < 0.7 s, 1 N, -2 N), 0 N, pull(time)];
+           load spring on tied = [if(time <= 0.35 s, 1 N, 3 N) - 40 N/m * tied.position.x, 0 N, 0 N];
+           event near = time rises 0.4000003 s;
+           event lowest = pin.angle falls 0 deg { lock: pin, acts: once }
+           event go = time rises 0.75 s { free: pin } }",
+    );
+    let jumps = [0.3, 0.35, 0.4, 0.45, 0.7, 0.75];
+    let pauses = |at: f64| {
+        [
+            at,
+            at.next_up(),
+            at.next_down(),
+            at + 3e-10,
+            at - 3e-10,
+            at + 0.01,
+        ]
+    };
+    let double = Generic::<f64>::with_defaults(scene.clone()).expect("defaults");
+    let single = Generic::<f32>::with_defaults(scene).expect("defaults");
+    for method in [
+        Options::tsit5,
+        Options::vern7,
+        Options::rodas5p,
+        Options::auto,
+    ] {
+        for time in jumps.into_iter().flat_map(pauses) {
+            let [whole, other] = both_ways(&double, method(1e-6), [time, 1.0]);
+            assert_eq!(whole, other, "{:?} {time:?}", method(1e-6).method);
+            let [whole, other] = both_ways(&single, method(1e-4), [time, 1.0]);
+            assert_eq!(whole, other, "{:?} {time:?} in f32", method(1e-4).method);
+        }
+    }
+    for time in jumps.into_iter().flat_map(pauses) {
+        let [whole, other] = both_ways(&double, Options::rk4(4e-3), [time, 1.0]);
+        assert_eq!(whole, other, "RK4 {time:?}");
+        let [whole, other] = both_ways(&single, Options::rk4(4e-3), [time, 1.0]);
+        assert_eq!(whole, other, "RK4 {time:?} in f32");
+    }
+}
+
+/// What is held may change between two calls: the next step then begins anew, from rates of before, also where a snapshot lies between.
+#[test]
+fn inputs_that_change_right_before_a_snapshot_jump_behind_it() {
+    let cart = Cart::new(CartParams::default()).expect("defaults");
+    for options in METHODS {
+        let new = || Simulation::new(&cart, options()).expect("options that fit");
+        let mut whole = new();
+        whole.run(0.7).expect("it runs");
+        whole.set_inputs(&[80.0]).expect("a force");
+        let mut other = new();
+        other.restore(&whole.snapshot()).expect("of the same model");
+        whole.run(1.3).expect("it runs");
+        other.run(1.3).expect("it runs");
+        assert_eq!(told(&whole, 0.7), told(&other, 0.7));
+        assert_eq!(
+            whole.statistics().rejected,
+            other.statistics().rejected + rejected(new())
+        );
+    }
+}
+
+/// How many steps are rejected until 0.7 s.
+fn rejected(mut run: Simulation<f64>) -> u64 {
+    run.run(0.7).expect("it runs");
+    run.statistics().rejected
+}
+
+/// Functions of time and state that give the same in both calls let nothing jump: the balance of energy goes on as it was.
+#[test]
+fn functions_that_give_the_same_behind_a_snapshot_let_nothing_jump() {
+    for options in METHODS {
+        let mut whole = cart(options(), 0.05);
+        whole.run(1.02).expect("it runs");
+        let mut other = cart(options(), 0.05);
+        other.restore(&whole.snapshot()).expect("of the same run");
+        whole.run(1.9).expect("it runs");
+        other.run(1.9).expect("it runs");
+        assert_eq!(told(&whole, 1.02), told(&other, 1.02));
     }
 }

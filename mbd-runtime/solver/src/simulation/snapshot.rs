@@ -19,6 +19,19 @@ use crate::supply::{Sampler, check_numbers};
 use crate::trajectory::resolution;
 use crate::watch::Watch;
 
+/// The rates that the next step begins with. They are those on one side of what jumps there, and the last stage of a step may have been evaluated before
+/// an event that is close behind it: nothing else tells which.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct FirstStage<T> {
+    rates: Vec<T>,
+    /// All params, for which they are.
+    params: Vec<T>,
+    /// What functions of time and state gave at the end of the last call.
+    supplied: Vec<T>,
+    /// Whether what is held has changed since.
+    stale: bool,
+}
+
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
 ///
 /// The inputs that are held belong to it, and when each controller is called next. What functions of time and state and controllers remember does
@@ -37,6 +50,9 @@ pub struct Snapshot<T> {
     #[serde(default)]
     steps: u64,
     state: Vec<T>,
+    /// Without rates in a snapshot that was written before they were kept.
+    #[serde(default)]
+    first: FirstStage<T>,
     /// What rounding took from the state, in single precision.
     #[serde(default = "Vec::new")]
     lost: Vec<T>,
@@ -127,6 +143,15 @@ impl<T: Float> Simulation<T> {
         to.count = self.count;
         to.steps = self.steps_of_run();
         to.state.clone_from(&self.state);
+        to.first.stale = self.stale;
+        for (kept, own) in [
+            (&mut to.first.rates, self.method.first()),
+            (&mut to.first.params, self.system.model.params()),
+            (&mut to.first.supplied, &self.left),
+        ] {
+            kept.clear();
+            kept.extend_from_slice(own);
+        }
         to.lost.clear();
         to.lost.extend_from_slice(self.method.lost());
         to.from = self.system.origin();
@@ -179,6 +204,7 @@ impl<T: Float> Simulation<T> {
         let fits = snapshot.scene == self.fingerprint()
             && snapshot.state.len() == self.state.len()
             && (snapshot.lost.is_empty() || snapshot.lost.len() == self.state.len())
+            && (snapshot.first.rates.is_empty() || snapshot.first.rates.len() == self.state.len())
             && snapshot.memory.check(self.system.model.layout()).is_ok()
             && snapshot.sides.len() == self.margins.sides.len()
             // One that was written before they were kept has none.
@@ -219,7 +245,10 @@ impl<T: Float> Simulation<T> {
             left >= -now && left <= sampler.period + now
         };
         let whole = snapshot.watch_weights.len() == self.system.nx
-            && snapshot.lost.iter().all(|lost| lost.is_finite())
+            && [&snapshot.lost, &snapshot.first.rates]
+                .into_iter()
+                .flatten()
+                .all(|x| x.is_finite())
             && self.samplers.iter().zip(&snapshot.samples).all(due)
             && snapshot.control.as_ref().is_none_or(Control::check);
         match whole {
@@ -258,6 +287,17 @@ impl<T: Float> Simulation<T> {
             what: format!("a snapshot whose events had set what cannot be run ({error})"),
             instead: "restore it into a simulation made with the params it was made with".into(),
         })
+    }
+
+    /// Begins the next step with the rates of a snapshot. Those of other params are no rates of this run, which begins anew, on an event behind it.
+    fn resume_first_stage(&mut self, first: &FirstStage<T>) -> Result<(), StepError> {
+        if first.rates.is_empty() || first.params != self.system.model.params() {
+            return self.begin_behind();
+        }
+        self.method.first_mut().copy_from_slice(&first.rates);
+        self.left.extend_from_slice(&first.supplied);
+        self.stale = first.stale;
+        Ok(())
     }
 
     /// What [`Simulation::restore`] does.
@@ -344,9 +384,10 @@ impl<T: Float> Simulation<T> {
             true => self
                 .begin_margins(&mut |_| ())
                 .and_then(|()| self.find_held_guards()),
-            // What is due, though its action could not be, stays due. On an event the first stage is that behind it.
-            false => self.resume_margins().and_then(|()| self.begin_behind()),
+            // What is due, though its action could not be, stays due.
+            false => self.resume_margins(),
         });
+        let begun = begun.and_then(|()| self.resume_first_stage(&snapshot.first));
         begun.map_err(|cause| self.failed(cause))
     }
 }
