@@ -26,6 +26,8 @@ const ROUNDED_ENDS: f64 = 8.0;
 
 /// Steps that differ by less than this part are even.
 const EVEN: f64 = 1e-6;
+/// Powers closer to each other than this part of a step tell nothing of it.
+const CLOSE: f64 = 0.1;
 
 /// What a run made or lost of energy without a cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -149,9 +151,11 @@ impl EnergyBalance {
         self.unsure += 0.5 * work.abs();
     }
 
-    /// Whether the next step needs the power in its middle.
-    pub(crate) fn is_fresh(&self) -> bool {
-        self.known < 3
+    /// Whether the next step, of this size [s], needs the power in its middle: powers that are much closer to each other say nothing of a step so long, and
+    /// what jumps between them would be taken for a slope.
+    pub(crate) fn is_fresh(&self, step: f64) -> bool {
+        let [_, (one, _), (two, _)] = self.before;
+        self.known < 3 || (-one).min(one - two) < CLOSE * step
     }
 
     /// The work of a step [J] by the cubic through the powers at its ends, at those before, and `middle` in the middle of it where it is given.
@@ -321,7 +325,7 @@ mod tests {
         for number in 0..(2.0 / step) as usize {
             let step = if number % 3 == 1 { 0.7 * step } else { step };
             let end = power(time + step);
-            let middle = balance.is_fresh().then(|| power(time + 0.5 * step));
+            let middle = balance.is_fresh(step).then(|| power(time + 0.5 * step));
             let work = balance.work(step, middle, end);
             time += step;
             done += work;

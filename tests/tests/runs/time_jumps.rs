@@ -3,7 +3,7 @@
 use mbd_compiler::Interpreted;
 
 use mbd_runtime::{
-    Batch, Case, Content, InLanes, Model, Options, Quantity, Sampling, Scalar, Simulation,
+    Batch, Case, Content, Generic, InLanes, Model, Options, Quantity, Sampling, Scalar, Simulation,
     Trajectory, model,
 };
 use tests::assert_close;
@@ -407,5 +407,26 @@ fn no_adaptive_step_leaps_over_a_pulse_whose_times_are_known() {
                 &format!("{pulse} {:?}", options.method),
             );
         }
+    }
+}
+
+/// A run that pauses right behind a jump makes a step as short as that is behind it: the powers at its ends say nothing of the steps that follow, and what jumped between
+/// them, taken for a slope, was an energy that no step had made: the run was refused.
+#[test]
+fn a_pause_right_behind_a_jump_says_nothing_of_the_steps_that_follow() {
+    let scene = read(
+        "model Pushed { gravity: none;
+           point mass { mass: 1 kg }
+           load push on mass = [if(time < 0.50000005 s, 1 N, -3 N), 0 N, 0 N]; }",
+    );
+    let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+    for options in [Options::rk4(0.01), Options::rattle(0.01)] {
+        let mut run = Simulation::new(&model, options).expect("options that fit");
+        for time in [0.5, 0.500_000_1, 1.0] {
+            run.run(time).expect("no step is too long");
+        }
+        // x = 1/8 m + 1/4 m − 3/8 m, v = 1/2 m/s − 3/2 m/s, but for where the jump lies.
+        let [x, v] = [0, 3].map(|at| run.state()[at]);
+        assert!(x.abs() < 1e-6 && (v + 1.0).abs() < 1e-6, "{x} {v}");
     }
 }

@@ -210,7 +210,7 @@ impl<T: Float> Simulation<T> {
             return None;
         }
         let work = match exchanges {
-            true if balance.is_fresh() => return None,
+            true if balance.is_fresh(step) => return None,
             true => balance.work(step, None, now.power),
             false => 0.0,
         };
@@ -276,7 +276,7 @@ impl<T: Float> Simulation<T> {
         if !matches!(self.meter, Meter::Model { exchanges: true }) {
             return 0.0;
         }
-        let middle = match balance.is_fresh() {
+        let middle = match balance.is_fresh(step) {
             true => self.power_inside(0.5, step),
             false => None,
         };
