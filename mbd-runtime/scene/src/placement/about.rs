@@ -19,8 +19,9 @@ use crate::laws::turns::next_to;
 const SINGULAR: f64 = 1e-6;
 /// Steps of (2) end where they bring it nearer by less than this part.
 const SETTLED: f64 = 1e-12;
-/// The least part of a step of (2) that is tried.
-const LEAST: f64 = 1e-3;
+/// The least part of a step of (2) that is tried. At the edge of what a loop reaches, a = a1 − c s², a step along s is |a0 − a|/2cs, as long as s is short: what a least
+/// part p leaves of a1 − a is p |a0 − a|/4.
+const LEAST: f64 = 1e-10;
 
 /// A joint coordinate, and the value that it is said to be about [m or rad].
 #[derive(Clone, Copy)]
@@ -139,20 +140,23 @@ impl Placement<'_> {
         DVector::from_iterator(wishes.len(), missing.map(|(wish, x)| wish.value - x))
     }
 
-    /// The coordinates as they are; of joints that close loops as their ends tell them, angles next to what is wished.
+    /// The coordinates as they are; of joints that close loops as their ends tell them. Angles are those next to what is wished: the turns that the search made
+    /// are none of the run, and would make a near place a far one.
     fn values(&mut self, wishes: &[Wish], state: &mut [f64]) -> Vec<f64> {
-        let links = &self.links;
-        let placing = |wish: &Wish| links.iter().any(|link| link.joint == wish.joint);
+        let placed: Vec<usize> = self.links.iter().map(|link| link.joint).collect();
+        let placing = |wish: &Wish| placed.contains(&wish.joint);
         let told = match wishes.iter().all(placing) {
             true => DVector::zeros(0),
             false => self.rows(Quantity::Coordinates, state),
         };
         let value = |wish: &Wish| {
-            if self.links.iter().any(|link| link.joint == wish.joint) {
-                return self.q[wish.joint][wish.coordinate];
-            }
-            let value = told.get(self.place_in_coordinates(wish.joint, wish.coordinate));
-            let value = value.copied().unwrap_or(f64::NAN);
+            let value = match placing(wish) {
+                true => self.q[wish.joint][wish.coordinate],
+                false => {
+                    let value = told.get(self.place_in_coordinates(wish.joint, wish.coordinate));
+                    value.copied().unwrap_or(f64::NAN)
+                }
+            };
             let law = &self.scene.joints[wish.joint].law;
             let of = law.measured().nth(wish.coordinate);
             match of.is_some_and(|coordinate| coordinate.is_periodic()) {
