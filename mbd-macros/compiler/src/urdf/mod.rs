@@ -147,7 +147,7 @@ fn notes(robot: &Robot, names: &RobotNames, free: bool) -> Vec<String> {
     }
     if robot.joints.iter().any(|joint| joint.dynamics[1] > 0.0) {
         notes.push(
-            "the URDF says friction and not its rate: it is smoothed over 0.01 rad/s and 0.001 m/s"
+            "the URDF says friction and not its rate: it is smoothed over 0.01 rad/s and 0.001 m/s, unless `friction_rate` is given"
                 .to_owned(),
         );
     }

@@ -16,6 +16,13 @@ pub fn twice(at: Region, word: &str, first: Region) -> LexemeMessage {
 
 pub fn rust_as_name(at: Region, word: &str) -> LexemeMessage {
     let another = word.trim_matches('_').trim_start_matches("r#");
+    if word.strip_suffix('_') == Some(another) && words::is_keyword(another) {
+        // The language has the name that is meant.
+        let text = format!(
+            "`{word}` cannot be a name: it is what the name `{another}` becomes in Rust, where `{another}` is a keyword; write `{another}`"
+        );
+        return LexemeMessage::new(at, text);
+    }
     let another = match another {
         "" => "another".to_owned(),
         stem if stem != word && words::reserved(stem).is_none() => format!("`{stem}`"),
