@@ -161,7 +161,7 @@ fn a_bennett_linkage_is_accelerated_close_to_its_flat_position_as_lagrange_says(
 
 /// Three cranks of a metre and a beam: two of them in line with their roots where they are upright or hang down, where the third keeps the beam from
 /// turning. Of its last hinge only rows are kept that say nothing of that.
-fn cranks(coordinates: &str, planar: &str, start: &str, events: &str) -> String {
+fn cranks(coordinates: &str, planar: &str, [angle, rate]: [f64; 2], events: &str) -> String {
     let crank = |name: &str| {
         format!(
             "body {name} {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame one at [0, 0, -0.5] m, frame two at [0, 0, 0.5] m }}\n"
@@ -174,12 +174,12 @@ fn cranks(coordinates: &str, planar: &str, start: &str, events: &str) -> String 
            {cranks}
            body beam {{ mass: 2 kg, inertia: diag(0.3, 0.3, 0.3) kg*m^2,
              frame t0 at [-0.5, 0, -0.8] m, frame t1 at [-0.5, 0, 1.2] m, frame t2 at [1.0, 0, -0.1] m }}
-           joint j0: hinge from world to k0.one {{ axis: y, start: {start} }}
-           joint j1: hinge from k0.two to beam.t0 {{ axis: y, start: -160 deg }}
-           joint j2: hinge from world.w1 to k1.one {{ axis: y, start: 160 deg }}
-           joint j3: hinge from k1.two to beam.t1 {{ axis: y, start: -160 deg }}
-           joint j4: hinge from world.w2 to k2.one {{ axis: y, start: 160 deg }}
-           joint j5: hinge from k2.two to beam.t2 {{ axis: y, start: -160 deg }}
+           joint j0: hinge from world to k0.one {{ axis: y, start: {angle} deg, start_rate: {rate} rad/s }}
+           joint j1: hinge from k0.two to beam.t0 {{ axis: y, start: -{angle} deg }}
+           joint j2: hinge from world.w1 to k1.one {{ axis: y, start: {angle} deg }}
+           joint j3: hinge from k1.two to beam.t1 {{ axis: y, start: -{angle} deg }}
+           joint j4: hinge from world.w2 to k2.one {{ axis: y, start: {angle} deg }}
+           joint j5: hinge from k2.two to beam.t2 {{ axis: y, start: -{angle} deg }}
            {events}
            output angle = j0.angle; output rate = j0.angle_rate; output curve = j0.angle_acceleration; }}"
     )
@@ -191,8 +191,7 @@ fn a_third_crank_keeps_a_parallelogram_on_its_branch_close_to_its_flat_position(
         for planar in ["", "planar: xz;"] {
             for events in [String::new(), watched(std::f64::consts::PI)] {
                 let planar = format!("{planar} gravity: [0, 0, -9.81] m/s^2;");
-                let start = "160 deg, start_rate: 4 rad/s";
-                let text = cranks(coordinates, &planar, start, &events);
+                let text = cranks(coordinates, &planar, [160.0, 4.0], &events);
                 let (inertia, lifted) = (3.0 * 0.35 + 2.0, 3.0 * 0.5 + 2.0);
                 let want = |angle: f64, _: f64| 9.81 * lifted / inertia * angle.sin();
                 for options in methods() {
@@ -211,7 +210,7 @@ fn a_third_crank_keeps_a_parallelogram_on_its_branch_close_to_its_flat_position(
 #[test]
 fn what_rests_close_to_a_flat_position_has_reactions_of_its_own() {
     for coordinates in ["absolute", "relative"] {
-        let text = cranks(coordinates, "gravity: none;", "179.9 deg", "");
+        let text = cranks(coordinates, "gravity: none;", [179.9, 0.0], "");
         let most = off(&text, Options::rk4(1e-2), 0.1, |_, _| 0.0);
         assert!(most < 1e-12, "{coordinates}: {most:e}");
     }
