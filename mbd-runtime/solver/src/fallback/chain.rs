@@ -77,6 +77,8 @@ pub(crate) struct Fallback {
     pub(super) ahead: Vec<f64>,
     /// Room for rows chosen in a projection.
     pub(super) spare: Vec<usize>,
+    /// Room for the rows kept.
+    pub(super) kept: Vec<usize>,
     /// The worst strategy used.
     pub worst: RowStrategy,
     /// Decimal digits that uneven masses cost on the strategy of the run.

@@ -84,11 +84,16 @@ impl<T: Float> System<T> {
         if !is_emitted || self.model.layout().redundancy.lost() == 0 {
             return false;
         }
-        let (rank, kept) = (self.rank(), self.kept_rows());
+        let rank = self.rank();
+        let mut kept = std::mem::take(&mut self.fallback.kept);
+        self.list_kept_rows(&mut kept);
         self.read_dense(time, state);
         let (dense, chosen) = (&mut self.fallback.dense, &mut self.fallback.spare);
         dense.new_from = outdone_from::<T>().sqrt();
         dense.choose(chosen);
-        chosen.len() >= rank && dense.independence(chosen) > BETTER * dense.independence(&kept)
+        let hold =
+            chosen.len() >= rank && dense.independence(chosen) > BETTER * dense.independence(&kept);
+        self.fallback.kept = kept;
+        hold
     }
 }

@@ -21,12 +21,12 @@ impl<T: Float> System<T> {
         layout.rank_where(|joint| is_joined(&self.memory, layout.joints[joint].switch))
     }
 
-    /// The rows kept of the joints that no event has detached.
-    pub(crate) fn kept_rows(&self) -> Vec<usize> {
+    /// Lists the rows kept of the joints that no event has detached.
+    pub(crate) fn list_kept_rows(&self, rows: &mut Vec<usize>) {
         let joints = self.model.layout().joints.iter();
         let joined = joints.filter(|slots| is_joined(&self.memory, slots.switch));
-        let rows = joined.flat_map(|slots| slots.kept.rows().map(|row| slots.row + row));
-        rows.collect()
+        rows.clear();
+        rows.extend(joined.flat_map(|slots| slots.kept.rows().map(|row| slots.row + row)));
     }
 
     /// Whether every joint is on its branch at a start.
