@@ -58,49 +58,6 @@ impl<T: Float> System<T> {
         (rate > 0.0 && rate.is_finite()).then_some(rate)
     }
 
-    /// Derivatives of rates that are not those of the emitted elimination, by differences.
-    #[cold]
-    fn differentiate_anew(
-        &mut self,
-        time: f64,
-        state: &[T],
-        by_state: &mut [T],
-        by_time: &mut [T],
-    ) -> Result<(), StepError> {
-        self.counters.jacobians = self.counters.jacobians.saturating_add(1);
-        let (size, small) = (state.len(), T::EPSILON.to_f64().cbrt());
-        let mut moved = state.to_vec();
-        let mut ends = [vec![T::zero(); size], vec![T::zero(); size]];
-        for column in 0..=size {
-            let at = state.get(column).map_or(time, |x| x.to_f64());
-            let off = small * at.abs().max(1.0);
-            for (out, off) in ends.iter_mut().zip([off, -off]) {
-                let time = match moved.get_mut(column) {
-                    Some(x) => {
-                        *x = T::from_f64(at + off);
-                        time
-                    }
-                    None => time + off,
-                };
-                self.rates_inside(time, 0.0, &moved, out)?;
-            }
-            if let (Some(x), Some(here)) = (moved.get_mut(column), state.get(column)) {
-                *x = *here;
-            }
-            let [ahead, behind] = &ends;
-            let slopes = ahead.iter().zip(behind);
-            let slopes = slopes.map(|(ahead, behind)| (*ahead - *behind) / T::from_f64(2.0 * off));
-            for (row, slope) in slopes.enumerate() {
-                let to = match column < size {
-                    true => by_state.get_mut(row * size + column),
-                    false => by_time.get_mut(row),
-                };
-                to.into_iter().for_each(|to| *to = slope);
-            }
-        }
-        Ok(())
-    }
-
     #[cold]
     fn not_finite(&self, time: f64, index: usize) -> StepError {
         let names = state_names(self.model.scene(), self.model.layout());
