@@ -6,7 +6,7 @@ use std::path::Path;
 use super::drawing::Drawing;
 use super::figure::Figure;
 use super::files;
-use super::live::{PlotNumbers, at_the_end, player};
+use super::live::{EARLY, PlotNumbers, at_the_end, player};
 use super::look;
 use super::playback::Playback;
 use super::svg::{escape, link, words};
@@ -144,13 +144,17 @@ impl Report {
         } else {
             String::new()
         };
-        let live = self.playback.as_ref();
-        let live = live.map_or_else(String::new, |playback| at_the_end(playback, &self.plots));
+        let (early, live) = self
+            .playback
+            .as_ref()
+            .map_or_else(Default::default, |playback| {
+                (EARLY, at_the_end(playback, &self.plots))
+            });
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<title>{title}</title>\n\
-             <style>\n{STYLE}{}{}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{contents}{}{live}</main>\n</body>\n</html>\n",
+             <style>\n{STYLE}{}{}</style>\n{early}</head>\n<body>\n<main>\n<h1>{title}</h1>\n{contents}{}{live}</main>\n</body>\n</html>\n",
             table::style_sheet(),
             look::style_sheet(),
             self.body

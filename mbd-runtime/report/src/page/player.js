@@ -224,5 +224,11 @@ class Player {
 const root = document.querySelector('.player');
 const dock = document.querySelector('.dock');
 root.hidden = dock.hidden = false;
-document.documentElement.classList.add('live');
-new Player(root, JSON.parse(document.getElementById('mbd-data').textContent));
+try {
+  new Player(root, JSON.parse(document.getElementById('mbd-data').textContent));
+} catch (error) {
+  // The drawings that stand still take its place.
+  root.hidden = dock.hidden = true;
+  document.documentElement.classList.remove('live');
+  throw error;
+}
