@@ -31,7 +31,7 @@ pub trait Model<T: Float>: Send + Sync {
     /// (`MassMatrix`, `NodeByAnchor`, `CondensedStiffness`, `Partial`) only the structural non-zeros, so `out` starts at zero there.
     /// A slice of a wrong length, or the scratch of another model, leaves `out` untouched; what a compiled model was not asked to emit is not a number.
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]);
-    /// Evaluates the stages inside a step of the classical method of order four in one call; `false`: nothing is done, they are evaluated one by one. A
+    /// Evaluates the stages inside a step of the classical method of order four in one call; `false`: they are evaluated one by one. A
     /// compiled model without equilibrium points does it, to the bit, where the lengths of all lists are known.
     fn inner_stages(&self, _step: StepStages<'_, T>, _work: &mut Work<T>) -> bool {
         false

@@ -414,8 +414,9 @@ impl<T: Float> System<T> {
             let norm = square.sqrt();
             drift = drift.max((norm.to_f64() - 1.0).abs());
             if norm > T::zero() && norm.is_finite() {
+                let inverse = T::one() / norm;
                 for x in quaternion {
-                    *x /= norm;
+                    *x *= inverse;
                 }
             }
         }

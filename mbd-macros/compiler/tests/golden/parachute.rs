@@ -240,7 +240,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// |---|---|---|
 /// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 593 |
-/// | [`rates`](Self::rates) | 64 of 64 | 816 |
+/// | [`rates`](Self::rates) | 64 of 64 | 790 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
@@ -320,7 +320,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 2 operations (0 additions, 1 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 593 operations (255 additions, 293 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 816 operations (335 additions, 390 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 490 operations (210 additions, 225 multiplications, 8 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 58 operations (13 additions, 41 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 593 operations as declared, 593 with every param a const, 593 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 2 operations (0 additions, 1 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 593 operations (255 additions, 293 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 790 operations (335 additions, 394 multiplications, 7 divisions, 7 roots, 0 trigonometric, 47 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 490 operations (210 additions, 225 multiplications, 8 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 58 operations (13 additions, 41 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 593 operations as declared, 593 with every param a const, 593 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -491,7 +491,7 @@ const _: () = {
         /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
         ///
         /// 29 ẋ, then 4 anchors × 6 \[m, m/s\], 1 nodes × 3 loads \[N\], per node `det D − 1e-5 (tr D)³` \[N³ s³/m³\], the largest term of a pull and the largest pull \[N\], whether its lines do what was held of them (> 0), per line stretch \[m\].
-        /// 816 operations (335 additions, 390 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
+        /// 790 operations (335 additions, 394 multiplications, 7 divisions, 7 roots, 0 trigonometric, 47 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -686,11 +686,11 @@ const _: () = {
                     "rates",
                     ::mbd_runtime::Cost {
                         adds: 335,
-                        muls: 390,
+                        muls: 394,
                         divs: 7,
                         sqrts: 7,
                         trigs: 0,
-                        selects: 77,
+                        selects: 47,
                     },
                 ),
                 (
@@ -1726,7 +1726,7 @@ const _: () = {
     }
     /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
     /// 29 ẋ, then 4 anchors × 6 [m, m/s], 1 nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³], the largest term of a pull and the largest pull [N], whether its lines do what was held of them (> 0), per line stretch [m].
-    /// 816 operations (335 additions, 390 multiplications, 7 divisions, 7 roots, 0 trigonometric, 77 selections).
+    /// 790 operations (335 additions, 394 multiplications, 7 divisions, 7 roots, 0 trigonometric, 47 selections).
     #[inline(never)]
     fn rates<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1766,6 +1766,7 @@ const _: () = {
         let c_47000 = T::from_f64(47000.0);
         let c_470 = T::from_f64(470.0);
         let c_1em5 = T::from_f64(1e-5);
+        let half = T::from_f64(0.5);
         let c_1_57 = T::from_f64(1.57);
         let minus_half = T::from_f64(-0.5);
         let c_0_0625 = T::from_f64(0.0625);
@@ -2056,92 +2057,51 @@ const _: () = {
             * (riser_u_z * leg_2_t_30
                 + (riser_u_x * leg_2_t_28 + riser_u_y * leg_2_t_29));
         let riser_pull_2 = riser_pull + riser_t_7;
-        let riser_t_8 = riser_stretch.min(riser_pull_2);
+        let riser_tension = T::select(riser_t_2, riser_pull_2, zero);
         let leg_0_t_8 = c_470
             * (leg_0_u_z * leg_2_t_30
                 + (leg_0_u_x * leg_2_t_28 + leg_0_u_y * leg_2_t_29));
         let leg_0_pull_2 = leg_0_pull + leg_0_t_8;
-        let leg_0_t_9 = leg_0_stretch.min(leg_0_pull_2);
+        let leg_0_tension = T::select(leg_0_t_3, leg_0_pull_2, zero);
         /// `leg[1]`.
         let leg_1_t_10 = c_470
             * (leg_1_u_z * leg_2_t_30
                 + (leg_1_u_x * leg_2_t_28 + leg_1_u_y * leg_2_t_29));
         let leg_1_t_11 = T::select(leg_1_t_5, leg_1_pull.abs() + leg_1_t_10.abs(), zero);
         let leg_1_pull_2 = leg_1_pull + leg_1_t_10;
-        let leg_1_t_12 = leg_1_stretch.min(leg_1_pull_2);
+        let leg_1_tension = T::select(leg_1_t_5, leg_1_pull_2, zero);
         /// `leg[2]`.
         let leg_2_t_31 = c_470
             * (leg_2_u_z * leg_2_t_30
                 + (leg_2_u_x * leg_2_t_28 + leg_2_u_y * leg_2_t_29));
         let leg_2_t_32 = T::select(leg_2_t_8, leg_2_pull.abs() + leg_2_t_31.abs(), zero);
-        let leg_2_t_33 = zero
-            .max(T::select(riser_t_2, riser_pull.abs() + riser_t_7.abs(), zero))
+        let leg_2_t_33 = T::select(riser_t_2, riser_pull.abs() + riser_t_7.abs(), zero)
             .max(T::select(leg_0_t_3, leg_0_pull.abs() + leg_0_t_8.abs(), zero))
             .max(leg_1_t_11)
             .max(leg_2_t_32);
         let leg_2_pull_2 = leg_2_pull + leg_2_t_31;
-        let leg_2_t_34 = zero
-            .max(T::select(riser_t_2, riser_pull_2, zero))
-            .max(T::select(leg_0_t_3, leg_0_pull_2, zero))
-            .max(T::select(leg_1_t_5, leg_1_pull_2, zero))
-            .max(T::select(leg_2_t_8, leg_2_pull_2, zero));
-        let leg_2_t_35 = leg_2_stretch.min(leg_2_pull_2);
-        let leg_2_agreed = T::select(riser_t_2, riser_t_8, -riser_t_8)
-            .min(T::select(leg_0_t_3, leg_0_t_9, -leg_0_t_9))
-            .min(T::select(leg_1_t_5, leg_1_t_12, -leg_1_t_12))
-            .min(T::select(leg_2_t_8, leg_2_t_35, -leg_2_t_35));
+        let leg_2_tension = T::select(leg_2_t_8, leg_2_pull_2, zero);
+        let leg_2_t_34 = riser_tension
+            .max(leg_0_tension)
+            .max(leg_1_tension)
+            .max(leg_2_tension);
+        let leg_2_t_35 = leg_2_stretch.min(leg_2_pull_2) * (leg_2_hold - half);
+        let leg_2_agreed = (riser_stretch.min(riser_pull_2) * (riser_hold - half))
+            .min(leg_0_stretch.min(leg_0_pull_2) * (leg_0_hold - half))
+            .min(leg_1_stretch.min(leg_1_pull_2) * (leg_1_hold - half))
+            .min(leg_2_t_35);
         let confluence_x_rate = leg_2_t_4 + leg_2_t_28;
         let confluence_y_rate = leg_2_t_5 + leg_2_t_29;
         let confluence_z_rate = leg_2_t_6 + leg_2_t_30;
-        /// `riser`.
-        let riser_tension = T::select(
-            riser_t_2,
-            riser_pull_2,
-            T::select(
-                riser_hold.lt(zero),
-                zero,
-                T::select(zero.lt(riser_stretch), riser_pull_2.max(zero), zero),
-            ),
-        );
         let riser_force_x = riser_u_x * riser_tension;
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
-        /// `leg[0]`.
-        let leg_0_tension = T::select(
-            leg_0_t_3,
-            leg_0_pull_2,
-            T::select(
-                leg_0_hold.lt(zero),
-                zero,
-                T::select(zero.lt(leg_0_stretch), leg_0_pull_2.max(zero), zero),
-            ),
-        );
         let leg_0_force_x = leg_0_u_x * leg_0_tension;
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
-        /// `leg[1]`.
-        let leg_1_tension = T::select(
-            leg_1_t_5,
-            leg_1_pull_2,
-            T::select(
-                leg_1_hold.lt(zero),
-                zero,
-                T::select(zero.lt(leg_1_stretch), leg_1_pull_2.max(zero), zero),
-            ),
-        );
         let leg_1_force_x = leg_1_u_x * leg_1_tension;
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
-        /// `leg[2]`.
-        let leg_2_tension = T::select(
-            leg_2_t_8,
-            leg_2_pull_2,
-            T::select(
-                leg_2_hold.lt(zero),
-                zero,
-                T::select(zero.lt(leg_2_stretch), leg_2_pull_2.max(zero), zero),
-            ),
-        );
         let leg_2_force_x = leg_2_u_x * leg_2_tension;
         let leg_2_force_y = leg_2_u_y * leg_2_tension;
         let leg_2_force_z = leg_2_u_z * leg_2_tension;

@@ -37,7 +37,7 @@ pub struct Scratch<S: Real> {
     rates: Vec<S>,
     bodies: Vec<[Vector3<S>; 2]>,
     nodes: Vec<S>,
-    pulls: Vec<Option<S>>,
+    balanced: Vec<Option<[S; 2]>>,
     still: Vec<S>,
     residual: Vec<S>,
     columns: Vec<S>,
@@ -57,7 +57,7 @@ impl<S: Real> Scratch<S> {
             rates: Vec::new(),
             bodies: Vec::new(),
             nodes: Vec::new(),
-            pulls: Vec::new(),
+            balanced: Vec::new(),
             still: Vec::new(),
             residual: Vec::new(),
             columns: Vec::new(),
@@ -133,7 +133,7 @@ pub fn evaluate<S: Real>(
         rates,
         bodies,
         nodes,
-        pulls,
+        balanced,
         still: _,
         residual,
         columns: _,
@@ -203,17 +203,17 @@ pub fn evaluate<S: Real>(
             let (rates, rest) = out.split_at_mut(layout.nx());
             nodes.clear();
             nodes.extend_from_slice(at.nodes);
-            pulls.clear();
+            balanced.clear();
             if what == Quantity::Rates {
                 let (ends, certificates) = rest.split_at_mut(layout.len(Quantity::AnchorStates));
                 measured::ends(&evaluation, ends);
-                pulls.resize(layout.lines.len(), None);
-                rate::velocities(&evaluation, nodes, certificates, pulls);
+                balanced.resize(layout.lines.len(), None);
+                rate::velocities(&evaluation, nodes, certificates, balanced);
             }
             let at = At { nodes, ..*at };
             let evaluation = Evaluation {
                 at: &at,
-                pulls,
+                balanced,
                 ..evaluation
             };
             assembly.collect(&evaluation);

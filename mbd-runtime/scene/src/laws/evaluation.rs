@@ -42,8 +42,8 @@ pub struct Evaluation<'a, S: Real> {
     pub accelerations: &'a [S],
     /// In relative coordinates those of every body, linear in world axes and angular in the components of the state; empty elsewhere.
     pub body_accelerations: &'a [[Vector3<S>; 2]],
-    /// Per line its pull, where that was found with the velocity of its node; empty elsewhere.
-    pub pulls: &'a [Option<S>],
+    /// Per line its pull and its tension, where these were found with the velocity of its node; empty elsewhere.
+    pub balanced: &'a [Option<[S; 2]>],
     /// The origin that positions and velocities are measured from; `None`: that of the world.
     pub origin: Option<Origin<S>>,
 }
@@ -285,9 +285,11 @@ impl<'a, S: Real> Evaluation<'a, S> {
         };
         let stretching = winding.map_or(rate, |winding| rate - winding);
         let hold = self.at.hold.get(index).copied()?;
-        let found = self.pulls.get(index).copied().flatten();
-        let pull = found.unwrap_or_else(|| element.pull(geometry.stretch, stretching));
-        let tension = element.tension_of(pull, geometry.stretch, hold);
+        let balanced = self.balanced.get(index).copied().flatten();
+        let [pull, tension] = balanced.unwrap_or_else(|| {
+            let pull = element.pull(geometry.stretch, stretching);
+            [pull, element.tension_of(pull, geometry.stretch, hold)]
+        });
         let tangent = element.tangent(geometry.stretch);
         Some(LineMotion {
             geometry,

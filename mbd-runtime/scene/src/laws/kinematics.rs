@@ -80,7 +80,7 @@ impl<S: Real> Kinematics<S> {
             reactions: &[],
             accelerations: &[],
             body_accelerations: &[],
-            pulls: &[],
+            balanced: &[],
             origin,
         }
     }

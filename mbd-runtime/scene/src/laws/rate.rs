@@ -77,13 +77,14 @@ pub fn mean<S: Real>(vectors: impl Iterator<Item = Vector3<S>>) -> Vector3<S> {
 pub const NODE_CERTIFICATE: usize = 4;
 
 /// Finds the velocities of all nodes of a scene that [solves them with its derivative](Layout::solves_rates), on the lines whose hold is positive,
-/// and writes them into `nodes`, 3 a node; into `certificates` what [`Quantity::Rates`](crate::Quantity::Rates) says of nodes and lines; into `pulls`, a line
-/// each, the pulls by which the lines balance there: what they do to bodies need not be found anew.
+/// and writes them into `nodes`, 3 a node; into `certificates` what [`Quantity::Rates`](crate::Quantity::Rates) says of nodes and lines; into `balanced`, a line
+/// each, its pull and its tension by which the node balances there: what lines do to bodies need not be found anew. Where all lines do what was held of them
+/// a line that does not carry has no tension by its own law, either.
 pub fn velocities<S: Real>(
     evaluation: &Evaluation<'_, S>,
     nodes: &mut [S],
     certificates: &mut [S],
-    pulls: &mut [Option<S>],
+    balanced: &mut [Option<[S; 2]>],
 ) {
     let layout = evaluation.layout;
     let (of_nodes, of_lines) = certificates.split_at_mut(NODE_CERTIFICATE * layout.nodes.len());
@@ -105,33 +106,40 @@ pub fn velocities<S: Real>(
             dashpots.add(&leg.geometry.direction, damping, push);
         }
         let slip = dashpots.solve();
-        let (mut largest, mut most, mut agreed) = (zero, zero, None);
+        let (mut largest, mut most, mut agreed) = (None, None, None);
         for leg in legs(layout, index).filter_map(leg) {
             let along = leg.geometry.direction.dot(&slip.velocity);
             let opening = leg.toward(leg.damping * along);
             let size = leg.push.abs() + opening.abs();
-            largest = largest.max(S::select(leg.carries, size, zero));
+            larger(&mut largest, S::select(leg.carries, size, zero));
             let found = (leg.push - opening).label("pull");
-            most = most.max(S::select(leg.carries, found, zero));
+            let tension = S::select(leg.carries, found, zero).label("tension");
+            larger(&mut most, tension);
             let stretch = leg.geometry.stretch;
             // Of a line that carries both are positive; of another one of them is not.
             let both = stretch.min(found);
-            let agrees = S::select(leg.carries, both, -both);
+            let agrees = both * (leg.hold - S::from_f64(0.5));
             agreed = Some(agreed.map_or(agrees, |least: S| least.min(agrees)));
             if let Some(written) = written.next() {
                 *written = stretch;
             }
-            if let Some(pull) = pulls.get_mut(leg.line) {
-                *pull = Some(found);
+            if let Some(balanced) = balanced.get_mut(leg.line) {
+                *balanced = Some([found, tension]);
             }
         }
         write(nodes, 3 * node, &(mean + slip.velocity));
+        let [largest, most] = [largest, most].map(|found| found.unwrap_or(zero));
         let agreed = agreed.unwrap_or(zero).label("agreed");
         let own = of_nodes.get_mut(NODE_CERTIFICATE * node..);
         if let Some(own) = own.and_then(<[S]>::first_chunk_mut) {
             *own = [slip.margin, largest, most, agreed];
         }
     }
+}
+
+/// Takes a number that is larger than those before it.
+fn larger<S: Real>(most: &mut Option<S>, number: S) {
+    *most = Some(most.map_or(number, |most| most.max(number)));
 }
 
 /// A line of a `rate` node at a state.
@@ -144,6 +152,8 @@ struct LineAtState<S: Real> {
     damping: S,
     /// K s + C u·(v − v̄) [N].
     push: S,
+    /// Positive where it carries.
+    hold: S,
     carries: S::Mask,
 }
 
@@ -169,12 +179,14 @@ impl<S: Real> LineAtState<S> {
             true => velocity - mean,
             false => mean - velocity,
         });
+        let hold = evaluation.at.hold.get(line).copied()?;
         Some(LineAtState {
             line,
             outward,
             damping: element.numbers.damping,
             push: element.pull(geometry.stretch, opening),
-            carries: S::zero().lt(evaluation.at.hold.get(line).copied()?),
+            hold,
+            carries: S::zero().lt(hold),
             geometry,
         })
     }

@@ -182,7 +182,7 @@ impl<'a> Configuration<'a> {
             reactions: &[],
             accelerations: &[],
             body_accelerations: &[],
-            pulls: &[],
+            balanced: &[],
             links: &[],
             origin: None,
         })

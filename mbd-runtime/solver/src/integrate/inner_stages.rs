@@ -4,12 +4,13 @@
 use mbd_scene::{At, Float, StageInputs, StepStages};
 
 use super::RK4;
-use crate::list::combined;
+use crate::list::{all_finite, combined};
 
 /// How many stages there are inside a step.
 pub(crate) const INNER: usize = 3;
 
-/// Makes the stages inside a step of a model whose state has N numbers by its `derivative`; `false`: the lists have other lengths, and nothing is done.
+/// Makes the stages inside a step of a model whose state has N numbers by its `derivative`; `false`: the lists have other lengths, or the end of the step is
+/// not finite, which stages tell one by one: no rate that is not finite makes an end that is.
 /// Inputs change inside a step only where the scene has some: `INPUTS`.
 #[inline]
 pub fn inner_stages<T: Float, const N: usize, const INPUTS: bool>(
@@ -108,5 +109,5 @@ fn make_by<T: Float, const N: usize>(
         return false;
     };
     *next = combined(state, h, end, [k1, k2, k3, k4]);
-    true
+    all_finite(next)
 }

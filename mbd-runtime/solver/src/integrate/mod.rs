@@ -55,7 +55,7 @@ pub(crate) trait Rates<T> {
         self.rates(time, span, state, out)
     }
 
-    /// Evaluates the stages inside a step of RK4 in one call, from the rates at its start, and the state at its end; `false`: nothing is done.
+    /// Evaluates the stages inside a step of RK4 in one call, from the rates at its start, and the state at its end; `false`: they are evaluated one by one.
     fn inner_stages(
         &mut self,
         _span: [f64; 2],

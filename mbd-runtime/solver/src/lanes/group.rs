@@ -154,7 +154,7 @@ impl<L: Lanes> Stages<L> {
         out.copy_from_slice(own);
         let (ends, _) = rest.split_at(self.ends.len());
         self.ends.copy_from_slice(ends);
-        let holds = layout.holds(&rates, L::from_f64(f64::EPSILON));
+        let holds = layout.holds(&rates, 0, L::from_f64(f64::EPSILON));
         self.rates = rates;
         L::select(holds, L::one(), L::zero())
     }

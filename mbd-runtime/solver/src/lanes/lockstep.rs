@@ -217,8 +217,9 @@ pub(super) fn normalise<L: Lanes>(quaternions: &[usize], state: &mut [L]) -> L {
         let norm = square.sqrt();
         drift = drift.max((norm - L::one()).abs());
         let usable = L::both(L::zero().lt(norm), norm.le(L::from_f64(f64::MAX)));
+        let inverse = L::one() / norm;
         for x in quaternion {
-            *x = L::select(usable, *x / norm, *x);
+            *x = L::select(usable, *x * inverse, *x);
         }
     }
     drift

@@ -80,9 +80,8 @@ impl<T: Float> Nodes<T> {
     /// Whether the nodes of the stages inside a step may be taken as they were found.
     fn takes_inner_stages(&self) -> bool {
         let (layout, length) = (self.layout_of_rates(), self.rates.len());
-        let stage = |number: usize| self.inner.get(number * length..);
-        let mut stages = (0..INNER).filter_map(stage);
-        length == 0 || stages.all(|rates| layout.holds(rates, T::EPSILON))
+        let mut stages = (0..INNER).map(|number| number * length);
+        length == 0 || stages.all(|first| layout.holds(&self.inner, first, T::EPSILON))
     }
 
     /// Whether nodes and derivative may be found at once at a stage: lines that may span space carry at every node. Elements are then held in the modes
@@ -105,6 +104,11 @@ impl<T: Float> Nodes<T> {
                 }
             }
         }
+        let carries = |plan: &NetworkPlan<T>| {
+            let mut legs = plan.legs.iter();
+            legs.all(|(_, leg)| self.modes.get(leg.line) == Some(&Mode::Active))
+        };
+        self.all_carry = self.plans.iter().all(carries);
         self.held_for_rates = true;
         true
     }
@@ -184,7 +188,7 @@ impl<T: Float> Nodes<T> {
 
     /// Whether the lines that were held are those which carry.
     fn holds(&self, rates: &[T]) -> bool {
-        self.layout_of_rates().holds(rates, T::EPSILON)
+        self.layout_of_rates().holds(rates, 0, T::EPSILON)
     }
 
     /// What [`Nodes::accept`] writes where nodes were found along with the derivative: nothing of such a node begins in the step before it but the
@@ -199,11 +203,7 @@ impl<T: Float> Nodes<T> {
                 *kept = *own;
             }
         }
-        let carry = |plan: &NetworkPlan<T>| {
-            let mut legs = plan.legs.iter();
-            legs.all(|(_, leg)| self.modes.get(leg.line) == Some(&Mode::Active))
-        };
-        if !self.frozen && !self.plans.iter().all(carry) {
+        if !self.frozen && !self.all_carry {
             self.find_modes_along();
             memory.modes.copy_from_slice(&self.modes);
         }
@@ -255,20 +255,21 @@ impl<T: Float> RatesLayout<'_, T> {
         places.filter_map(|plan| Some([plan.z?, 3 * plan.nodes.first()?]))
     }
 
-    /// Whether the lines that were held are those which carry: at every node they pull beyond rounding and span space, and where modes are not
-    /// frozen every line does what was held of it.
+    /// Whether the lines that were held are those which carry, in rates that begin at a place: at every node they pull beyond rounding and span space, and
+    /// where modes are not frozen every line does what was held of it.
     #[inline]
-    pub(crate) fn holds<S: Real>(&self, rates: &[S], epsilon: S) -> S::Mask {
+    pub(crate) fn holds<S: Real>(&self, rates: &[S], first: usize, epsilon: S) -> S::Mask {
         let zero = S::zero();
-        let Some(nodes) = rates.get(self.certificates.clone()) else {
+        let Range { start, end } = self.certificates;
+        let Some(nodes) = rates.get(first + start..first + end) else {
             return zero.lt(zero);
         };
+        let rounding = epsilon * S::from_f64(ROUNDING);
         let mut all = zero.le(zero);
         // Numbers that were never found are none, and nothing holds.
         for &[margin, size, most, agreed] in nodes.as_chunks::<NODE_CERTIFICATE>().0 {
             // Where nothing pulls, or D may have lost a direction, the node follows other rules.
-            let rounding = size * epsilon * S::from_f64(ROUNDING);
-            all = S::both(all, S::both(rounding.lt(most), zero.lt(margin)));
+            all = S::both(all, S::both((size * rounding).lt(most), zero.lt(margin)));
             if !self.frozen {
                 all = S::both(all, zero.lt(agreed));
             }

@@ -15,6 +15,7 @@ use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::RateFormula;
 use super::warm::{against, carried, predicted};
 use crate::integrate::INNER;
+use crate::list::copy;
 use crate::unilateral::Mode;
 
 /// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
@@ -46,6 +47,8 @@ pub struct Nodes<T: Float> {
     pub(super) held: bool,
     /// Whether they are held as nodes are found along with the derivative, in the modes that stand here.
     pub(super) held_for_rates: bool,
+    /// Whether all lines of nodes carry in these.
+    pub(super) all_carry: bool,
     /// Room for `Quantity::Rates`, no number before they are found; empty where the nodes are not found that way.
     pub(crate) rates: Vec<T>,
     /// The same at the stages inside a step.
@@ -124,6 +127,7 @@ impl<T: Float> Nodes<T> {
             kept: false,
             held: false,
             held_for_rates: false,
+            all_carry: false,
             rates: vec![T::from_f64(f64::NAN); layout.len(Quantity::Rates)],
             inner: list(INNER * layout.len(Quantity::Rates)),
             certificates: first..first + NODE_CERTIFICATE * layout.nodes.len(),
@@ -286,12 +290,14 @@ impl<T: Float> Nodes<T> {
 
     /// A trial step begins: nothing is known of it.
     pub(crate) fn enter(&mut self, memory: &NodeMemory<T>) {
-        let known = memory.against.iter().copied();
-        let all = known.chain(std::iter::repeat(T::zero()));
-        self.against
-            .iter_mut()
-            .zip(all)
-            .for_each(|(x, known)| *x = known);
+        // `rate` nodes are not searched for.
+        if self.spanned {
+            return;
+        }
+        let known = memory.against.len().min(self.against.len());
+        let (own, unknown) = self.against.split_at_mut(known);
+        copy(&memory.against, own);
+        unknown.fill(T::zero());
     }
 
     /// The same for lists of the right lengths.

@@ -192,7 +192,7 @@ impl<T: Float> Rates<T> for System<T> {
             return false;
         }
         let functions = self.has_functions();
-        let (memory, out) = (&self.memory, (rates, &mut *next));
+        let (memory, out) = (&self.memory, (rates, next));
         let held = stage(&*self.model, span[0], state, &self.held);
         let mut inputs = functions.then(|| {
             self.controls
@@ -204,9 +204,7 @@ impl<T: Float> Rates<T> for System<T> {
         let made =
             self.nodes
                 .make_inner_stages((held, supplied), span, memory, &mut self.work, out);
-        // What is not finite is told by the stage in which it is found, one by one: no rate that is not makes an end that is.
-        let finite = inputs.is_none_or(|inputs| inputs.finite) && all_finite(next);
-        let made = made && finite;
+        let made = made && inputs.is_none_or(|inputs| inputs.finite);
         if made {
             self.counters.rhs = self.counters.rhs.saturating_add(INNER as u64);
             self.nodes.count_solves(INNER);
