@@ -402,10 +402,8 @@ fn a_rate_node_moves_as_the_dampers_of_its_carrying_lines_let_it() {
                     largest = largest.max(push.abs() + opening.abs());
                     most = most.max(pull);
                 }
-                agreed = agreed.min(match carries {
-                    true => stretch.min(pull),
-                    false => -stretch.min(pull),
-                });
+                // Positive where a line does what was held of it.
+                agreed = agreed.min((carried[index] - 0.5) * stretch.min(pull));
                 stretches.push(stretch);
                 pulls.push(pull);
             }
@@ -413,17 +411,14 @@ fn a_rate_node_moves_as_the_dampers_of_its_carrying_lines_let_it() {
             assert_close(&certificates[2..3], &[most], 1e-9, 1e-9, "most");
             assert_close(&certificates[3..4], &[agreed], 1e-9, 1e-9, "agreed");
             assert_close(&certificates[4..], &stretches, 1e-9, 1e-9, "stretches");
-            // The accelerations are those of the same pulls.
+            // The accelerations are those of the pulls that balance the node; where all lines do what was held of them, these are what each pulls by itself.
             for (index, pull) in pulls.into_iter().enumerate() {
                 let (u, _, stretch) = leg(index);
-                let pull = match carried[index] {
-                    -1.0 => 0.0,
-                    1.0 => pull,
-                    _ if stretch > 0.0 => pull.max(0.0),
-                    _ => 0.0,
-                };
+                let tension = if carried[index] > 0.0 { pull } else { 0.0 };
+                let by_itself = if stretch > 0.0 { pull.max(0.0) } else { 0.0 };
+                assert!(agreed <= 0.0 || tension == by_itself);
                 let v = layout.nq + 3 * index;
-                let want = u * (-pull / 1.5);
+                let want = u * (-tension / 1.5);
                 assert_close(
                     &rates[v..v + 3],
                     want.as_slice(),
