@@ -158,7 +158,7 @@ pub fn declared_beside(
 
 /// Puts bodies of a scene in relative coordinates where they are known: per body its numbers as in absolute coordinates (position, attitude, velocity,
 /// angular velocity), in the world, or `None`. A joint of the tree whose child is not known keeps the coordinates it has in the state. What the
-/// joints of the tree forbid is taken out. In absolute coordinates the bodies have slots of their own, and this does nothing.
+/// joints of the tree forbid is taken out: of velocities by the impulses of these joints. In absolute coordinates the bodies have slots of their own, and this does nothing.
 pub fn place_bodies(
     scene: &Scene,
     layout: &Layout,
@@ -196,6 +196,8 @@ pub fn place_bodies(
             }
         }
     }
+    let said = |body: usize| known.get(body).is_some_and(Option::is_some);
+    absolute.meet((scene, layout), (&placed, &said), from, state);
 }
 
 /// [`place`](crate::place) with the starts that the scene declares for the coordinates that are not given. Where these do not fit together, the given

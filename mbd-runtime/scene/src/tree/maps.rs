@@ -3,7 +3,11 @@
 //! ```text
 //! R12 = R1ᵀ R2,  s = R1ᵀ (o2 − o1)               q: what the joint measures of them; an attitude is R12 as a quaternion        (1)
 //! [x; k] = R1ᵀ [v2 − v1 − ω1 × R1 s; ω2 − ω1]   u: least squares of H u = [x; k]                                             (2)
+//! M Δu = Jᵀ M_b (V − V(u))                      bodies whose velocities V are not those V(u) = J u + … of any u meet      (3)
 //! ```
+//!
+//! (3) is the plastic impact that the joints of the tree hand on: the least change of the velocities, weighted by mass, as rows make it in absolute
+//! coordinates. Rejected: (2) alone, by which a child takes the velocity of its parent, and what it had is lost.
 //!
 //! The way back is [`Quantity::Bodies`](crate::Quantity::Bodies).
 
@@ -16,6 +20,9 @@ use crate::{
     AngularVelocity, Arguments, Coordinates, Layout, PointSlots, Quantity, Relative, Scene,
     StartFrom, Twist,
 };
+
+/// Velocities that differ by less, over the largest, are those that the joints of a tree leave.
+const SAME: f64 = 1e-12;
 
 /// The same scene in absolute coordinates, as far as states need it: nothing is planned.
 pub(crate) struct Absolute {
@@ -61,6 +68,67 @@ impl Absolute {
         }
         copy_others((layout, state), (&self.layout, &mut out));
         out
+    }
+
+    /// Changes the speeds of a state in relative coordinates by (3), where bodies of which velocities are said in `placed`, a state in absolute ones,
+    /// have others.
+    pub fn meet(
+        &self,
+        (scene, layout): (&Scene, &Layout),
+        (placed, said): (&[f64], &dyn Fn(usize) -> bool),
+        from: StartFrom<'_>,
+        state: &mut [f64],
+    ) {
+        let bodies = |state: &[f64]| self.state((scene, layout), from, state);
+        let speeds =
+            |state: &[f64]| DVector::from_column_slice(&state[self.layout.nq..][..self.layout.nv]);
+        let here = bodies(state);
+        let had = speeds(&here);
+        let mut change = DVector::zeros(self.layout.nv);
+        let per_body = layout.directions.speeds();
+        for (_, slots) in self.layout.own_bodies().filter(|(body, _)| said(*body)) {
+            for at in slots.v..slots.v + per_body {
+                change[at] = placed[self.layout.nq + at] - had[at];
+            }
+        }
+        let largest = had.amax().max((&had + &change).amax());
+        if change.amax() <= SAME * largest {
+            return;
+        }
+        let mass = |scene: &Scene, layout: &Layout, state: &[f64]| {
+            let arguments = Arguments::before_a_run(scene, layout, from, state);
+            let mut mass = vec![0.0; layout.len(Quantity::MassMatrix)];
+            let scratch = &mut Scratch::new(layout);
+            let numbers = Numbers::new(scene, from.params);
+            let what = Quantity::MassMatrix;
+            evaluate(
+                what,
+                scene,
+                layout,
+                &numbers,
+                &arguments.at(),
+                scratch,
+                &mut mass,
+            );
+            DMatrix::from_row_slice(layout.nv, layout.nv, &mass)
+        };
+        let impulse = mass(&self.scene, &self.layout, &here) * change;
+        let own = layout.nq..layout.nq + layout.nv;
+        let mut trial = state.to_vec();
+        trial[own.clone()].fill(0.0);
+        let at_rest = speeds(&bodies(&trial));
+        let along = own.clone().map(|unit| {
+            trial[unit] = 1.0;
+            let column = speeds(&bodies(&trial)) - &at_rest;
+            trial[unit] = 0.0;
+            column.dot(&impulse)
+        });
+        let along = DVector::from_iterator(layout.nv, along);
+        let factor = mass(scene, layout, state).cholesky();
+        if let Some(found) = factor.map(|factor| factor.solve(&along)) {
+            let speeds = state[own].iter_mut().zip(found.iter());
+            speeds.for_each(|(speed, change)| *speed += change);
+        }
     }
 
     /// Writes the state in relative coordinates.

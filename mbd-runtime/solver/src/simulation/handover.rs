@@ -16,6 +16,7 @@ use mbd_scene::{
 };
 
 use super::Simulation;
+use super::moved::moved_body;
 use crate::columns::body_name;
 use crate::error::{RunError, StepError};
 use crate::laws::params_of;
@@ -54,6 +55,25 @@ pub struct Given<'a, T> {
     pub placed: &'a [String],
 }
 
+/// What became of the bodies of a tree.
+#[derive(Clone, Debug, Default)]
+struct AlongTree {
+    /// Those that go on where joints of the tree carry them.
+    carried: Vec<String>,
+    /// Speeds of bodies that have their own in the state, and by how much the impulses of joints change them.
+    pushed: Vec<(usize, f64)>,
+    /// Per body of the scene its numbers as in absolute coordinates, in the world, before the joints; `None` where nothing says them.
+    known: Vec<Option<Vec<f64>>>,
+}
+
+/// A state that goes on, what it is measured from, what became of everything, and where bodies of a tree were.
+type StateAfter = (
+    Vec<f64>,
+    Option<MovingOrigin>,
+    Handover,
+    Vec<Option<Vec<f64>>>,
+);
+
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::take_over`] does.
     pub(crate) fn go_on_from(
@@ -68,7 +88,7 @@ impl<T: Float> Simulation<T> {
         }
         let before = (last.momentum(), last.energies());
         let map = last.map_of(given.event)?;
-        let (state, origin, mut handover) = self
+        let (state, origin, mut handover, placed) = self
             .state_after(last, given, &map)
             .map_err(|cause| self.failed(cause))?;
         self.put(last.time, origin, &state)?;
@@ -79,19 +99,30 @@ impl<T: Float> Simulation<T> {
         self.system
             .count_on(&last.system, &same, &last.state, &mut self.state);
         self.begin_after(true)?;
+        if to.layout().tree.is_some() {
+            // Joints of a tree hold whatever the state: what they moved is not in it.
+            let names: Vec<String> = to.scene().bodies.iter().map(|it| it.name.clone()).collect();
+            self.moved.retain(|moved| !names.contains(&moved.name));
+            let bodies = self.bodies_in_world().into_iter().zip(placed);
+            let directions = to.layout().directions;
+            let carried =
+                bodies.filter_map(|((name, now), was)| moved_body(name, directions, [&was?, &now]));
+            self.moved.extend(carried);
+            self.moved.sort_by(|a, b| b.distance.total_cmp(&a.distance));
+        }
         let after = (self.momentum(), self.energies());
         handover.momentum = [before.0, after.0];
         handover.energies = [before.1, after.1];
         Ok(handover)
     }
 
-    /// The state that this run begins with, what it is measured from, and what became of everything.
+    /// The state that this run begins with.
     fn state_after(
         &mut self,
         last: &mut Self,
         given: Given<'_, T>,
         map: &HandoverMap,
-    ) -> Result<(Vec<f64>, Option<MovingOrigin>, Handover), StepError> {
+    ) -> Result<StateAfter, StepError> {
         let (from, to) = (last.system.model.clone(), self.system.model.clone());
         same_axes(&*from, &*to)?;
         let said = |name: &str| map.has(name) || given.numbers.iter().any(|(own, _)| *own == name);
@@ -124,7 +155,12 @@ impl<T: Float> Simulation<T> {
         let place = origin.unwrap_or_default().at(last.time);
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let bodies = last.bodies_in_world();
-        let along_tree = self.put_along_tree(last, (map, &bodies), &mut state, &mut handover)?;
+        let along_tree = self.put_along_tree(
+            last,
+            (map, &bodies, given.numbers),
+            &mut state,
+            &mut handover,
+        )?;
         let measured = MeasuredFrom::new(to.layout());
         measured.measure_from(&mut state, &place);
         for new in &news {
@@ -174,7 +210,11 @@ impl<T: Float> Simulation<T> {
                 None => handover.carried.push(new.name.clone()),
             }
         }
-        handover.carried.extend(along_tree);
+        // What joints of the tree push against a body that the state has itself.
+        for &(at, change) in &along_tree.pushed {
+            state[at] += change;
+        }
+        handover.carried.extend(along_tree.carried.iter().cloned());
         let goes_on = |name: &str| handover.carried.iter().any(|carried| carried == name);
         let old_bodies = bodies.iter().map(|(name, _)| name);
         let others = olds.iter().filter(|old| old.kind != OwnerKind::Body);
@@ -184,7 +224,7 @@ impl<T: Float> Simulation<T> {
         handover.dropped = dropped;
         let checked: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
         self.check_state(last.time, &checked)?;
-        Ok((state, origin, handover))
+        Ok((state, origin, handover, along_tree.known))
     }
 
     /// Puts the joints of a tree where the bodies they carry are; says which bodies these are. A joint that is the same in both models goes on with its
@@ -192,18 +232,28 @@ impl<T: Float> Simulation<T> {
     fn put_along_tree(
         &self,
         last: &Self,
-        (map, bodies): (&HandoverMap, &[(String, Vec<f64>)]),
+        (map, bodies, given): (&HandoverMap, &[(String, Vec<f64>)], &[(&str, &[T])]),
         state: &mut [f64],
         handover: &mut Handover,
-    ) -> Result<Vec<String>, StepError> {
+    ) -> Result<AlongTree, StepError> {
         let (from, to) = (&last.system.model, &self.system.model);
         let (scene, layout) = (to.scene(), to.layout());
+        let mut along = AlongTree::default();
         if layout.tree.is_none() {
-            return Ok(Vec::new());
+            return Ok(along);
         }
         let world = last.system.origin().unwrap_or_default().at(last.time);
         let mut known = Vec::with_capacity(scene.bodies.len());
         for body in &scene.bodies {
+            if let Some((_, own)) = given.iter().find(|(name, _)| *name == body.name) {
+                let motion = layout.directions.motion();
+                if own.len() != motion {
+                    let name = format!("`{}`", body.name);
+                    return Err(StepError::length(&name, own.len(), motion));
+                }
+                known.push(Some(own.iter().map(|x| x.to_f64()).collect()));
+                continue;
+            }
             let mapped =
                 map.body_in_world(body, layout.directions, scene.angular_velocity, &world)?;
             let old = bodies.iter().find(|(name, _)| *name == body.name);
@@ -217,15 +267,27 @@ impl<T: Float> Simulation<T> {
             &known,
             state,
         );
-        let mut carried = Vec::new();
+        let speeds = layout.directions.speeds();
+        for (body, slots) in layout.own_bodies() {
+            let own = known.get(body).and_then(Option::as_ref);
+            let had = own.and_then(|own| own.get(layout.directions.coordinates()..));
+            let at = layout.nq + slots.v..layout.nq + slots.v + speeds;
+            let changes = at.zip(had.unwrap_or_default());
+            let changes = changes.map(|(at, had)| (at, state[at] - had));
+            along
+                .pushed
+                .extend(changes.filter(|(_, change)| *change != 0.0));
+        }
+        let is_given = |name: &str| given.iter().any(|(own, _)| *own == name);
         for (joint, link) in layout.joint_links() {
             let name = body_name(scene, link.body).to_owned();
             match known.get(link.body) {
-                Some(Some(_)) => carried.push(name),
+                Some(Some(_)) if !is_given(&name) => along.carried.push(name),
                 _ => handover.started.push(name),
             }
             let same = same_link((from.scene(), from.layout()), (scene, joint));
-            if let Some(old) = same.filter(|_| !map.has(body_name(scene, link.body))) {
+            let elsewhere = |name: &str| map.has(name) || is_given(name);
+            if let Some(old) = same.filter(|_| !elsewhere(body_name(scene, link.body))) {
                 let pairs = [
                     (old.slots.q, link.slots.q, link.coordinates),
                     (
@@ -255,7 +317,8 @@ impl<T: Float> Simulation<T> {
                 }
             }
         }
-        Ok(carried)
+        along.known = known;
+        Ok(along)
     }
 
     /// Every body with its position, attitude, velocity and angular velocity as in absolute coordinates, in the world.

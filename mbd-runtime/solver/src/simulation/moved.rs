@@ -8,6 +8,9 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use crate::columns::part_name;
 use crate::moving::moving;
 
+/// Changes of a body that joints of a tree carry that are rounding, over one SI unit and its size.
+const ROUNDED: f64 = 1e-9;
+
 /// How far the start moved a body or a point with mass so that the joints hold: see [`Simulation::start_moved`](crate::Simulation::start_moved).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moved {
@@ -80,6 +83,50 @@ pub(super) fn moved<T: Float>(
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     all
+}
+
+/// How far a body is moved, of its numbers as [`Quantity::Bodies`](mbd_scene::Quantity::Bodies) has them; `None` where that is rounding.
+pub(super) fn moved_body(
+    name: String,
+    directions: Directions,
+    [before, after]: [&[f64]; 2],
+) -> Option<Moved> {
+    let (coordinates, lengths) = (directions.coordinates(), directions.translations().len());
+    let part = |numbers: &[f64], own: Range<usize>| -> Vec<f64> {
+        numbers.get(own).unwrap_or_default().to_vec()
+    };
+    let sized = |own: Range<usize>| {
+        let [before, after] = [before, after].map(|numbers| part(numbers, own.clone()));
+        let pairs = after.iter().zip(&before);
+        let set = size(before.iter().copied());
+        let change = size(pairs.map(|(after, before)| after - before));
+        (
+            if change > ROUNDED * (1.0 + set) {
+                change
+            } else {
+                0.0
+            },
+            set,
+        )
+    };
+    let (distance, _) = sized(0..lengths);
+    let angle = match directions.plane {
+        None => turn(quaternion(before, lengths), quaternion(after, lengths)),
+        Some(_) => (after.get(lengths)? - before.get(lengths)?).abs(),
+    };
+    let angle = if angle > ROUNDED { angle } else { 0.0 };
+    let (velocity, speed) = sized(coordinates..coordinates + lengths);
+    let (angular_velocity, angular_speed) = sized(coordinates + lengths..directions.motion());
+    let changed = distance + angle + velocity + angular_velocity != 0.0;
+    changed.then_some(Moved {
+        name,
+        distance,
+        angle,
+        velocity,
+        angular_velocity,
+        speed,
+        angular_speed,
+    })
 }
 
 /// The body that is furthest from where it was, by number, with its distance [m] and the angle between its attitudes [rad], of two lists as

@@ -19,7 +19,7 @@ use crate::describe::warnings_of_reactions;
 use crate::run::{
     CampaignMistakes, Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
     cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
-    publish_gltf, publish_phases, short_of_digits, summary_json, warning,
+    publish_gltf, publish_phases, short_of_digits, summary_json, warning, warning_of_handover,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -210,6 +210,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             &segment.plan,
             &segment.outcome,
         ));
+        warnings.extend(warning_of_handover(phase.model.scene(), segment));
         warnings.extend(warnings_of_reactions(phase.model.scene()));
         warnings.extend(undefined(&segment.outcome));
         warnings.extend(short_of_digits(

@@ -21,7 +21,7 @@ pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{cut_windows_of_all, publish_phases, summary as phases_json};
 pub use quality::{Quality, not_finite};
-pub use start::{warning, warning_before, warning_of};
+pub use start::{warning, warning_before, warning_of, warning_of_handover};
 pub use summary::summary_json;
 
 #[cfg(test)]

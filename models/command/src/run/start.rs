@@ -6,6 +6,7 @@ use mbd_runtime::scene::{Scene, plain};
 use mbd_runtime::{Generic, Layout, Moved, PassedStop, Simulation};
 
 use super::outcome::{RunOutcome, begun};
+use super::phases::Segment;
 
 /// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
 const FAR: f64 = 1e-3;
@@ -54,7 +55,33 @@ pub fn warning(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<St
     told(scene, plan, found, outcome.singular_start)
 }
 
-/// The same before any run of a plan; `None` also where it cannot start, which is told where it is run.
+/// One sentence where a body or a point does not go on from where the scene before left it, because joints of its scene hold it elsewhere.
+#[must_use]
+pub fn warning_of_handover(scene: &Scene, segment: &Segment) -> Option<String> {
+    let handover = segment.handover.as_ref()?;
+    let least = FAR * size(scene, &segment.plan).max(FAR);
+    let far = |moved: &&Moved| {
+        let elsewhere = moved.distance > least || moved.angle > ROTATED;
+        handover.carried.contains(&moved.name) && elsewhere
+    };
+    let all: Vec<&Moved> = segment.outcome.moved.iter().filter(far).collect();
+    let worst = all.first()?;
+    let others = match all.len() {
+        1 => String::new(),
+        2 => " (and another)".to_owned(),
+        n => format!(" (and {} others)", n - 1),
+    };
+    Some(format!(
+        "warning: `{}` does not go on in `{}` where it was: the joints there do not hold at that place, and it jumps by {} m and {:.2}°{others}; \
+         let the event happen where they hold, or say in its `map` from what it goes on",
+        worst.name,
+        scene.name,
+        plain(worst.distance, 4),
+        worst.angle.to_degrees(),
+    ))
+}
+
+/// The same as [`warning`] before any run of a plan; `None` also where it cannot start, which is told where it is run.
 #[must_use]
 pub fn warning_before(scene: &Scene, plan: &RunPlan) -> Option<String> {
     let model = Generic::<f64>::new(scene.clone(), &plan.params).ok()?;

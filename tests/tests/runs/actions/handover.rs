@@ -2,7 +2,12 @@
 
 use std::f64::consts::PI;
 
-use mbd_runtime::{Handover, Model, Options, PointState, Simulation, StepError, Stop, model};
+use mbd_runtime::{
+    Generic, Handover, Model, Options, PointState, Simulation, StepError, Stop, model,
+};
+use mbd_scene::Scene;
+use tests::declared::read;
+use tests::largest_difference;
 
 use super::methods;
 
@@ -330,5 +335,150 @@ fn joints_of_a_tree_go_on_where_their_bodies_are_whatever_their_law() {
         same([state.elbow().coordinates[0], elbow.coordinates[0]]);
         same([state.elbow().speeds[0], elbow.speeds[0]]);
         same([state.pin().speeds[0], pin.speeds[0]]);
+    }
+}
+
+const FAMILIES: [[&str; 2]; 4] = [
+    ["absolute", "absolute"],
+    ["relative", "relative"],
+    ["absolute", "relative"],
+    ["relative", "absolute"],
+];
+
+/// Two bodies with what joins them, how the first starts, and what more is said of the second.
+fn two_bodies(family: &str, [start, comes]: [&str; 2], joints: &str) -> Scene {
+    read(&format!(
+        "model Two {{ gravity: none; coordinates: {family};
+            body a {{ mass: 5 kg, inertia: diag(1, 2, 3) kg*m^2, frame tip at [0.5, 0, 0] m, start at {start} }}
+            body b {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, frame root at [-0.3, 0, 0] m {comes} }}
+            joint a_free: free from world to a.com;
+            {joints}
+            output a_v = a.velocity; output a_w = a.omega_world; output b_v = b.velocity; output b_w = b.omega_world; }}"
+    ))
+}
+
+/// A run of the second scene that takes over from one of the first at once.
+fn goes_on(first: &Scene, second: &Scene, given: &[(&str, &[f64])]) -> (Simulation<f64>, Handover) {
+    let begin = |scene: &Scene| {
+        let model = Generic::new(scene.clone(), &[]).expect("a scene");
+        Simulation::new(&model, Options::tsit5(1e-9)).expect("options")
+    };
+    let (mut first, mut second) = (begin(first), begin(second));
+    let handover = second.take_over(&mut first, given).expect("a start");
+    (second, handover)
+}
+
+/// Velocities and angular velocities of both bodies.
+fn velocities(run: &mut Simulation<f64>) -> Vec<f64> {
+    let names = ["a_v", "a_w", "b_v", "b_w"];
+    let each = names
+        .iter()
+        .flat_map(|name| ["x", "y", "z"].map(|k| format!("{name}.{k}")));
+    each.map(|name| run.output(&name).expect("a component"))
+        .collect()
+}
+
+#[test]
+fn bodies_that_meet_on_a_hinge_of_the_next_scene_share_their_momentum_in_both_families() {
+    // b comes with 1 m/s across: impulse J at the hinge, 5 v = J, 3 w = J/2, u + 1 = −J, 0.3 s = −0.3 J, v + w/2 = u − 0.3 s.
+    let impulse = -1.0 / (1.0 / 5.0 + 0.25 / 3.0 + 1.0 + 0.3);
+    let exact = [impulse / 5.0, 0.5 * impulse / 3.0, -1.0 - impulse, impulse];
+    for [family, next] in FAMILIES {
+        let flying = "joint b_free: free from world to b.com; ";
+        let comes = ", start at [0.8, 0, 0] m velocity [0, -1, 0] m/s";
+        let first = two_bodies(family, ["[0, 0, 0] m", comes], flying);
+        let hinge = "joint pin: hinge from a.tip to b.root { axis: z }";
+        let second = two_bodies(next, ["[9, 9, 9] m", ""], hinge);
+        let (mut run, handover) = goes_on(&first, &second, &[]);
+        let found = velocities(&mut run);
+        for (found, exact) in [1, 5, 7, 11].map(|k| found[k]).into_iter().zip(exact) {
+            assert!(
+                (found - exact).abs() < 1e-12,
+                "{family} {next}: {found} {exact}"
+            );
+        }
+        let [before, after] = handover.momentum;
+        for k in 0..6 {
+            assert!((before[k] - after[k]).abs() < 1e-12, "{family} {next} {k}");
+        }
+    }
+}
+
+#[test]
+fn a_joint_that_loses_a_freedom_in_the_next_scene_takes_its_motion_by_an_impulse_in_both_families()
+{
+    let start = "[1, 2, 3] m rotated rpy(0.3, 0.2, 0.1) velocity [0.4, 0.5, 0.6] m/s angular_velocity [0.1, 0.2, 0.3] rad/s";
+    let universal = "joint pin: universal from a.tip to b.root { axes: [x, z], angle1: { start_rate: 0.7 rad/s }, angle2: { start: 40 deg, start_rate: -0.4 rad/s } }";
+    let hinge = "joint pin: hinge from a.tip to b.root { axis: z }";
+    let mut all = Vec::new();
+    for [family, next] in FAMILIES {
+        let first = two_bodies(family, [start, ""], universal);
+        let second = two_bodies(next, [start, ""], hinge);
+        let (mut run, handover) = goes_on(&first, &second, &[]);
+        let [before, after] = handover.momentum;
+        for k in 0..6 {
+            assert!((before[k] - after[k]).abs() < 1e-11, "{family} {next} {k}");
+        }
+        let [before, after] = handover.energies.map(|own| own.expect("no gravity")[0]);
+        assert!(after < before - 1e-3, "{family} {next}: {before} {after}");
+        all.push(velocities(&mut run));
+    }
+    for found in &all[1..] {
+        assert!(
+            largest_difference(found, &all[0]) < 1e-11,
+            "{found:?} {:?}",
+            all[0]
+        );
+    }
+}
+
+#[test]
+fn a_body_that_the_caller_gives_begins_there_where_a_joint_of_a_tree_carries_it() {
+    let hinge = "joint pin: hinge from a.tip to b.root { axis: z } output angle = pin.angle; output rate = pin.angle_rate;";
+    let first = two_bodies("absolute", ["[0, 0, 0] m", ""], hinge);
+    for family in ["absolute", "relative"] {
+        let second = two_bodies(family, ["[0, 0, 0] m", ""], hinge);
+        let (s, c) = 0.7_f64.sin_cos();
+        let (half_s, half_c) = 0.35_f64.sin_cos();
+        // At 0.7 rad, with 2 rad/s.
+        let given = [
+            0.5 + 0.3 * c,
+            0.3 * s,
+            0.0,
+            half_c,
+            0.0,
+            0.0,
+            half_s,
+            -0.6 * s,
+            0.6 * c,
+            0.0,
+            0.0,
+            0.0,
+            2.0,
+        ];
+        let (mut run, handover) = goes_on(&first, &second, &[("b", &given)]);
+        assert_eq!(handover.started, ["b"], "{family}");
+        assert_eq!(handover.carried, ["a"], "{family}");
+        for (name, exact) in [("angle", 0.7), ("rate", 2.0)] {
+            let found = run.output(name).expect("an output");
+            assert!((found - exact).abs() < 1e-12, "{family} {name}: {found}");
+        }
+    }
+}
+
+#[test]
+fn what_joints_of_the_next_scene_move_is_told_in_both_families() {
+    let flying = "joint b_free: free from world to b.com; ";
+    let hinge = "joint pin: hinge from a.tip to b.root { axis: z }";
+    for [family, next] in FAMILIES {
+        // b is at the origin; the hinge holds it 0.8 m from there.
+        let first = two_bodies(family, ["[0, 0, 0] m", ""], flying);
+        let second = two_bodies(next, ["[0, 0, 0] m", ""], hinge);
+        let (run, _) = goes_on(&first, &second, &[]);
+        let moved: f64 = run.start_moved().iter().map(|it| it.distance).sum();
+        assert!((moved - 0.8).abs() < 0.1, "{family} {next}: {moved}");
+        // And nothing where they hold already.
+        let (run, _) = goes_on(&second, &second, &[]);
+        assert!(run.start_moved().is_empty(), "{family} {next}");
     }
 }

@@ -618,3 +618,37 @@ fn what_a_run_draws_has_files_of_its_own_whatever_it_is_called() {
     }
     assert!(pictures.iter().any(|file| file.starts_with("tttt")));
 }
+
+#[test]
+fn a_body_that_joints_of_the_next_scene_hold_elsewhere_is_told_in_both_families() {
+    let folder = Folder::new("phases_elsewhere");
+    let bodies = "body a { mass: 5 kg, inertia: diag(1, 2, 3) kg*m^2, frame tip at [0.5, 0, 0] m, start at [0, 0, 0] m }
+        joint a_free: free from world to a.com;";
+    let first = |b: &str| {
+        format!(
+            "model First {{ gravity: none; {bodies}
+                body b {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, start at {b} m }}
+                joint b_free: free from world to b.com;
+                event docked = time rises 1 s {{ then: scene \"second.mbd\" }} }}
+            [run]\nuntil = \"2 s\"\n"
+        )
+    };
+    for family in ["absolute", "relative"] {
+        folder.file(
+            "second.mbd",
+            &format!(
+                "model Second {{ gravity: none; coordinates: {family}; {bodies}
+                    body b {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, frame root at [-0.3, 0, 0] m }}
+                    joint pin: hinge from a.tip to b.root {{ axis: z }} }}"
+            ),
+        );
+        let warned = |b: &str| {
+            let file = folder.file("first.mbd", &first(b));
+            let out = folder.0.join("out").display().to_string();
+            let told = run(&["run", &file, "--out", &out]).expect("a run");
+            told.contains("`b` does not go on in `Second` where it was")
+        };
+        assert!(!warned("[0.8, 0, 0]"), "{family}: the hinge holds there");
+        assert!(warned("[0.8, 0, 0.1]"), "{family}: 0.1 m beside it");
+    }
+}
