@@ -419,3 +419,20 @@ fn the_largest_value_is_seen_where_a_quantity_is_the_same_at_both_ends_of_its_st
         assert!((found - exact).abs() < 1e-8, "{name}: {found}, {exact}");
     }
 }
+
+#[test]
+fn the_braces_of_a_metric_stand_behind_an_if_with_its_values_in_brackets() {
+    let scene = scene(
+        "model Pulse {
+            gravity: none;
+            state x = 0 m { rate: 1 m/s }
+            metric high = time_above if(x > 1 m && x < 3 m, 5, 0) { level: 2 };
+            metric low = time_above if x > 1 m && x < 3 m { 5 } else { 0 } { level: 2, to: 2 s };
+        }",
+    );
+    let (history, _) = recorded(&scene, Options::tsit5(1e-8), (10.0, Sampling::Steps));
+    for (name, exact) in [("high", 2.0), ("low", 1.0)] {
+        let found = value(&history, &scene, name);
+        assert!((found - exact).abs() < 1e-7, "{name}: {found}");
+    }
+}

@@ -337,10 +337,7 @@ impl Parser {
     fn named(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let mut ahead = *cursor;
         let name = ahead.word();
-        let called = ahead.group(Bracket::Round).filter(|group| {
-            // `if (a < b) { … }`: what is in brackets is the condition, or a part of it.
-            cursor.peek_word() != Some("if") || Cursor::new(*group).comma_separated().len() > 1
-        });
+        let called = ahead.group(Bracket::Round).filter(|_| is_call(*cursor));
         if let (Some(name), Some(group)) = (name, called) {
             *cursor = ahead;
             let (arguments, depth) = self.list(group)?;
@@ -466,6 +463,14 @@ impl Parser {
             }
         }
     }
+}
+
+/// Whether a word and brackets behind it are a call: not `if (a < b) { … }`, where what is in brackets is the condition, or a part of it.
+pub fn is_call(mut cursor: Cursor<'_>) -> bool {
+    let is_if = cursor.peek_word() == Some("if");
+    cursor.take();
+    let group = cursor.group(Bracket::Round);
+    group.is_some_and(|group| !is_if || Cursor::new(group).comma_separated().len() > 1)
 }
 
 /// Whether something is compared in brackets, not in brackets inside them, nor in an `if` there, which is a value.

@@ -1,5 +1,6 @@
 //! Items and fields: split into keyword, name, clauses and braces. After a mistake reading goes on at the next item.
 
+use super::expression::is_call;
 use super::model::docs;
 use super::words::{self, Clause, ItemWord};
 use super::{ClauseValue, Cursor, Item, NameSyntax, ValueSyntax, Word, foreign};
@@ -383,7 +384,9 @@ fn clause_value<'a>(
             return Err(say::led_over(cursor.here()));
         }
         conditional = match cursor.peek_word() {
-            Some("if" | "else") => true,
+            // `if(a < b, this, that)` has no branches in braces.
+            Some("if") => !is_call(*cursor),
+            Some("else") => true,
             _ => conditional && !brace,
         };
         cursor.take_tree();
