@@ -66,6 +66,9 @@ struct AlongTree {
     known: Vec<Option<Vec<f64>>>,
 }
 
+/// A body by name, with its numbers as in absolute coordinates.
+type NamedBody = (String, Vec<f64>);
+
 /// A state that goes on, what it is measured from, what became of everything, and where bodies of a tree were.
 type StateAfter = (
     Vec<f64>,
@@ -155,12 +158,8 @@ impl<T: Float> Simulation<T> {
         let place = origin.unwrap_or_default().at(last.time);
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let bodies = last.bodies_in_world();
-        let along_tree = self.put_along_tree(
-            last,
-            (map, &bodies, given.numbers),
-            &mut state,
-            &mut handover,
-        )?;
+        let along_tree =
+            self.put_along_tree(last, (map, &bodies, given), &mut state, &mut handover)?;
         let measured = MeasuredFrom::new(to.layout());
         measured.measure_from(&mut state, &place);
         for new in &news {
@@ -232,7 +231,7 @@ impl<T: Float> Simulation<T> {
     fn put_along_tree(
         &self,
         last: &Self,
-        (map, bodies, given): (&HandoverMap, &[(String, Vec<f64>)], &[(&str, &[T])]),
+        (map, bodies, given): (&HandoverMap, &[NamedBody], Given<'_, T>),
         state: &mut [f64],
         handover: &mut Handover,
     ) -> Result<AlongTree, StepError> {
@@ -245,7 +244,7 @@ impl<T: Float> Simulation<T> {
         let world = last.system.origin().unwrap_or_default().at(last.time);
         let mut known = Vec::with_capacity(scene.bodies.len());
         for body in &scene.bodies {
-            if let Some((_, own)) = given.iter().find(|(name, _)| *name == body.name) {
+            if let Some((_, own)) = given.numbers.iter().find(|(name, _)| *name == body.name) {
                 let motion = layout.directions.motion();
                 if own.len() != motion {
                     let name = format!("`{}`", body.name);
@@ -278,7 +277,7 @@ impl<T: Float> Simulation<T> {
                 .pushed
                 .extend(changes.filter(|(_, change)| *change != 0.0));
         }
-        let is_given = |name: &str| given.iter().any(|(own, _)| *own == name);
+        let is_given = |name: &str| given.numbers.iter().any(|(own, _)| *own == name);
         for (joint, link) in layout.joint_links() {
             let name = body_name(scene, link.body).to_owned();
             match known.get(link.body) {
@@ -322,7 +321,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Every body with its position, attitude, velocity and angular velocity as in absolute coordinates, in the world.
-    fn bodies_in_world(&mut self) -> Vec<(String, Vec<f64>)> {
+    fn bodies_in_world(&mut self) -> Vec<NamedBody> {
         let model = self.system.model.clone();
         let (scene, layout) = (model.scene(), model.layout());
         if layout.tree.is_none() {
