@@ -237,7 +237,8 @@ impl<'a> Configuration<'a> {
     pub fn system_rows(&self, joint: usize, all: &mut Rows<f64>, rows: &mut Rows<f64>) {
         self.rows(joint, all);
         self.look(|evaluation| {
-            if let Some(ends) = evaluation.ends(joint, AngularVelocity::World) {
+            // In the components of the bodies: in a plane the rows that are left go along the axes of the parent, as those of the system do.
+            if let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) {
                 all.keep(RowSet::all(all.rows().len()), &ends, rows);
             }
         });

@@ -46,6 +46,8 @@ pub(crate) struct SavedStrategy {
     held: HeldRows,
     base: RowStrategy,
     lasting: bool,
+    #[serde(default)]
+    most: usize,
 }
 
 /// The chain of one run.
@@ -69,6 +71,8 @@ pub(crate) struct Fallback {
     pub(super) regularised: bool,
     /// Whether rows have lost rank for longer than an instant.
     pub(super) lasting: bool,
+    /// The most rows that were chosen at once, in runs that choose them all along, since rows began or an event changed them.
+    pub(super) most: usize,
     /// Distance over which a motion changes [m], once it was asked for.
     pub(super) reach: Option<f64>,
     /// Room for h.
@@ -150,6 +154,7 @@ impl Fallback {
         };
         to.base = self.base;
         to.lasting = self.lasting;
+        to.most = self.most;
     }
 
     /// Takes up what another run held, for the stage at its last step; [`Fallback::commit`] follows.
@@ -157,6 +162,7 @@ impl Fallback {
         self.next.clone_from(&footing.held);
         self.base = footing.base;
         self.lasting = footing.lasting;
+        self.most = footing.most;
         self.at_end = true;
     }
 }

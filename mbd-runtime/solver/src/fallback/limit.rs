@@ -22,9 +22,9 @@ use crate::moving::moving;
 use crate::system::System;
 
 /// Limits of multipliers and accelerations at a state where rows lose rank.
-struct SingularLimit {
-    multipliers: Vec<f64>,
-    accelerations: Vec<f64>,
+pub(super) struct SingularLimit {
+    pub multipliers: Vec<f64>,
+    pub accelerations: Vec<f64>,
 }
 
 impl<T: Float> System<T> {
@@ -123,9 +123,16 @@ impl<T: Float> System<T> {
                 own.fill(f64::NAN);
             }
         }
-        let tell_all = rows.len() >= self.rank();
+        let tell_all = rows.len() >= self.full_rank();
         self.fallback.spare = rows;
+        if tell_all && self.solves_chosen() {
+            return [multipliers, determined, forced];
+        }
         match self.find_limit(time, state, &forced) {
+            // Of rows chosen all along some repeat others: how they share the load is one choice of many.
+            Some(limit) if self.solves_chosen() => {
+                [limit.multipliers, determined, limit.accelerations]
+            }
             // Rows that are as many as there ever are leave nothing of v̇ open.
             Some(limit) if tell_all => [limit.multipliers.clone(), limit.multipliers, forced],
             Some(limit) => [
@@ -145,7 +152,7 @@ impl<T: Float> System<T> {
     /// Whether limits are ever taken.
     pub(super) fn has_limits(&self) -> bool {
         // Forces at equilibrium points do not follow a state that is only looked at.
-        self.projection.any() && !self.solves_chosen() && self.model.layout().nodes.is_empty()
+        self.projection.any() && self.model.layout().nodes.is_empty()
     }
 
     /// λ and v̇ by (1), for accelerations `forced` by rows chosen at the state; `None` where they have no limit.
@@ -182,6 +189,7 @@ impl<T: Float> System<T> {
         let model = self.model.clone();
         let layout = model.layout();
         let (near, far) = (4.0 / 6.0, -1.0 / 6.0);
+        let mut rows = Vec::new();
         let mut sum = SingularLimit {
             multipliers: vec![0.0; layout.nc],
             accelerations: vec![0.0; layout.nv],
@@ -192,7 +200,7 @@ impl<T: Float> System<T> {
             (2.0 * step, far),
             (-2.0 * step, far),
         ] {
-            let one = self.after(time, step, state, rates)?;
+            let one = self.after(time, step, (state, rates), &mut rows)?;
             let add = |sum: &mut [f64], one: &[f64]| {
                 sum.iter_mut().zip(one).for_each(|(s, x)| *s += weight * x);
             };
@@ -203,7 +211,7 @@ impl<T: Float> System<T> {
     }
 
     /// The largest of speeds over the reach of the joints and of angular speeds over a radian [1/s]; of accelerations likewise [1/s²].
-    fn crossings(&mut self, speeds: &[f64]) -> f64 {
+    pub(super) fn crossings(&mut self, speeds: &[f64]) -> f64 {
         let reach = self.reach();
         let mut most: f64 = 0.0;
         for part in moving(self.model.layout()) {
@@ -225,8 +233,14 @@ impl<T: Float> System<T> {
         })
     }
 
-    /// λ and v̇ at (2).
-    fn after(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<SingularLimit> {
+    /// λ and v̇ at (2); where rows are chosen all along, by the same `rows` at all of these states, chosen at the first.
+    fn after(
+        &mut self,
+        time: f64,
+        step: f64,
+        (state, rates): (&[T], &[f64]),
+        rows: &mut Vec<usize>,
+    ) -> Option<SingularLimit> {
         let model = self.model.clone();
         let layout = model.layout();
         let time = time + step;
@@ -239,6 +253,9 @@ impl<T: Float> System<T> {
         self.put_on_joints(time, &mut moved).ok()?;
         self.fallback.margin = f64::NAN;
         self.measure(time, &moved);
+        if self.solves_chosen() {
+            return self.by_all_rows(time, &moved, rows);
+        }
         let mut multipliers = vec![0.0; layout.nc];
         self.by_laws(Quantity::Multipliers, time, &moved, &mut multipliers);
         let mut accelerations = vec![0.0; layout.len(Quantity::Derivative)];

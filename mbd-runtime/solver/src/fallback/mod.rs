@@ -34,6 +34,7 @@ use crate::options::Stabilise;
 use crate::system::System;
 
 mod chain;
+mod chosen;
 mod conditioning;
 mod dense;
 mod dependence;
@@ -75,7 +76,7 @@ impl<T: Float> System<T> {
     /// Part of a row that is new in rows that are independent.
     pub(crate) fn new_from(&self) -> f64 {
         // Where masses and not a position ask for another strategy, a row is left out only if it cannot be told from others.
-        let lasting = self.fallback.lasting || self.fallback.base != RowStrategy::Emitted;
+        let lasting = self.fallback.lasting || self.fallback.base == RowStrategy::Whole;
         self.trusted_from(lasting).sqrt()
     }
 
@@ -122,6 +123,7 @@ impl<T: Float> System<T> {
         self.read_dense(time, state);
         let mut rows = std::mem::take(&mut self.fallback.next.rows);
         self.fallback.dense.choose(&mut rows);
+        self.fallback.most = self.fallback.most.max(rows.len());
         let whole_step = strategy == RowStrategy::Whole
             || self.fallback.base == RowStrategy::Chosen
             || self.fallback.next.outdone;
@@ -162,8 +164,8 @@ impl<T: Float> System<T> {
         let Fallback { now, next, .. } = &self.fallback;
         let margins = [now.size, next.size].map(|size| size * size);
         let nearest = usize::from(margins[1] < margins[0]);
-        let is_emitted = self.fallback.base == RowStrategy::Emitted && !self.fallback.lasting;
-        let may = is_emitted && self.has_limits() && self.trusted_from(false) < wide::<T>();
+        let is_passed = self.fallback.base != RowStrategy::Whole && !self.fallback.lasting;
+        let may = is_passed && self.has_limits() && self.trusted_from(false) < wide::<T>();
         if !may || now.wide {
             return false;
         }
@@ -187,7 +189,7 @@ impl<T: Float> System<T> {
             self.read_dense(time, state);
             let Fallback { dense, spare, .. } = &mut self.fallback;
             dense.choose(spare);
-            stays = self.fallback.spare.len() < self.rank();
+            stays = self.fallback.spare.len() < self.full_rank();
         }
         self.fallback.held_mut().wide = stays;
         stays
@@ -291,7 +293,7 @@ impl<T: Float> System<T> {
             dense.factor(&held.rows);
             dense.accelerate(&held.rows);
             // As many as there ever are: nothing is left open.
-            if self.fallback.held().rows.len() < self.rank() {
+            if self.fallback.held().rows.len() < self.full_rank() {
                 self.approach_limit(time, state);
             }
             // Speeds that the rows allow at an instant need not belong to any motion; rows left out for what little is new in them disagree.

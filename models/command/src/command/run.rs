@@ -19,7 +19,8 @@ use crate::describe::warnings_of_reactions;
 use crate::run::{
     CampaignMistakes, Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
     cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
-    publish_gltf, publish_phases, short_of_digits, summary_json, warning, warning_of_handover,
+    publish_gltf, publish_phases, regularised, short_of_digits, summary_json, warning,
+    warning_of_handover,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -213,6 +214,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         warnings.extend(warning_of_handover(phase.model.scene(), segment));
         warnings.extend(warnings_of_reactions(phase.model.scene()));
         warnings.extend(undefined(&segment.outcome));
+        warnings.extend(regularised(phase.model.scene(), &segment.outcome));
         warnings.extend(short_of_digits(
             phase.model.scene(),
             &segment.plan,
@@ -314,6 +316,7 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, CommandFailure> {
     let doubt = doubt(&scene, &plan, &outcome);
     let many = warnings_of_reactions(&scene);
     let warning = warning.into_iter().chain(many).chain(undefined(&outcome));
+    let warning = warning.chain(regularised(&scene, &outcome));
     let warning = warning.chain(short_of_digits(&scene, &plan, &outcome));
     let warning = warning.chain(doubt.clone()).chain(unmoved);
     let short = match outcome.error {

@@ -7,6 +7,7 @@ mod phases;
 mod publish;
 mod publish_phases;
 mod quality;
+mod singular;
 mod start;
 mod summary;
 
@@ -21,6 +22,7 @@ pub use phases::{Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{cut_windows_of_all, publish_phases, summary as phases_json};
 pub use quality::{Quality, not_finite};
+pub use singular::regularised;
 pub use start::{warning, warning_before, warning_of, warning_of_handover};
 pub use summary::summary_json;
 

@@ -7,5 +7,6 @@ mod functions;
 mod generated;
 mod near_flat;
 mod planar;
+mod redundant_loops;
 mod runs;
 mod vanishing_row;
