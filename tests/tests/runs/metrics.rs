@@ -436,3 +436,45 @@ fn the_braces_of_a_metric_stand_behind_an_if_with_its_values_in_brackets() {
         assert!((found - exact).abs() < 1e-7, "{name}: {found}");
     }
 }
+
+#[test]
+fn a_window_that_begins_or_ends_at_a_jump_holds_its_own_side_of_it() {
+    // Both quantities are 1 at 3 s itself.
+    let text = |event: &str| {
+        format!(
+            "model Jump {{
+                gravity: none;
+                point a {{ mass: 1 kg, start at [1 m, 0 m, 0 m] }}
+                load k on a = -1 N/m * a.position;
+                {event}
+                metric behind = max if(time < 3 s, 5 m, 1 m) {{ from: 3 s }};
+                metric level = rms if(time < 3 s, 5 m, 1 m) {{ from: 3 s }};
+                metric passed = first_above if(time < 3 s, 5 m, 1 m) {{ level: 2 m, from: 3 s }};
+                metric before = max if(time > 3 s, 5 m, 1 m) {{ to: 3 s }};
+                metric least = min if(time > 3 s, -5 m, 1 m) {{ to: 3 s }};
+            }}"
+        )
+    };
+    for event in ["", "event tick = time rises 3 s;"] {
+        let scene = scene(&text(event));
+        for options in [
+            Options::tsit5(1e-6),
+            Options::vern7(1e-9),
+            Options::rodas5p(1e-6),
+            Options::rk4(0.01),
+            Options::rk4(0.07),
+        ] {
+            let (history, _) = recorded(&scene, options, (5.0, Sampling::Every(0.1)));
+            for name in ["behind", "level", "before", "least"] {
+                let value = value(&history, &scene, name);
+                assert!(
+                    (value - 1.0).abs() < 1e-9,
+                    "{event} {:?}: {name} {value}",
+                    options.method
+                );
+            }
+            let passed = value(&history, &scene, "passed");
+            assert!(passed.is_nan(), "{event} {:?}: {passed}", options.method);
+        }
+    }
+}

@@ -20,7 +20,7 @@ use crate::error::StepError;
 use crate::metric::{MetricReader, MissingMetric};
 use polynomial::{DEGREE, POINTS, Polynomial};
 use step::{FASTEST, Half};
-use sum::{MeasuredPart, QuantityAt, Sum};
+use sum::{MeasuredPart, QuantityAt, Sum, one_time};
 
 pub(crate) use parts::MeasuredRun;
 pub(crate) use step::MeasuredStep;
@@ -219,6 +219,7 @@ impl Measures {
                 nothing: 0.0,
                 gap: (!value.is_finite()).then_some(time),
                 rough: false,
+                encloses_jump: false,
                 open: 0.0,
             };
             sum.add(reader, part, &mut |_| Ok(value))?;
@@ -240,11 +241,13 @@ impl Measures {
     ) -> Result<(), StepError> {
         let end = step.end;
         if self.is_over_time() {
-            let known = step.continues && self.held == step.time;
+            let opens = self.opens_at(step.time);
+            let known = step.continues && self.held == step.time && opens.is_none();
             if known {
                 self.copy((Half::WHOLE, DEGREE), (Half::WHOLE, 0));
             } else {
-                at(0.0, self.row(Half::WHOLE, 0))?;
+                let behind = opens.map_or(0.0, |time| (time - step.time) / step.size);
+                at(behind.min(1.0), self.row(Half::WHOLE, 0))?;
             }
             self.held = f64::NAN;
             at(1.0, self.row(Half::WHOLE, DEGREE))?;
@@ -277,6 +280,14 @@ impl Measures {
         }
         self.until = end;
         Ok(())
+    }
+
+    /// Where a window begins at an instant: a time right behind it, since of what jumps there the window holds the side behind [s].
+    fn opens_at(&self, instant: f64) -> Option<f64> {
+        let apart = one_time(instant);
+        let begins = self.readers.iter().map(|(reader, _)| reader.window[0]);
+        let here = begins.filter(|from| (from - instant).abs() <= apart);
+        here.map(|from| from.max(instant) + apart).reduce(f64::max)
     }
 
     /// The values at a point of a half.
@@ -601,6 +612,7 @@ impl Measures {
                 nothing: step.tolerance * size,
                 gap,
                 rough,
+                encloses_jump: rough && half.depth >= DEEPEST,
                 open,
             };
             let (looked, [low, high]) = (&mut self.looked, half.part);

@@ -55,6 +55,8 @@ pub(super) struct MeasuredPart<'a> {
     pub gap: Option<f64>,
     /// Whether the quantity is no polynomial there.
     pub rough: bool,
+    /// Whether it jumps there, in an interval of time that is nothing.
+    pub encloses_jump: bool,
     /// What the polynomial is then off by.
     pub open: f64,
 }
@@ -158,8 +160,9 @@ impl Sum {
             polynomial,
             times: [begin, end],
             rough,
+            encloses_jump,
             open,
-            values: [least, most],
+            mut values,
             allowed,
             nothing,
             ..
@@ -200,6 +203,18 @@ impl Sum {
             self.seen = true;
             return Ok(());
         }
+        // Of a jump at which the window begins or ends it holds its own side: what the polynomial has between both is no value of the quantity.
+        let own_side = match encloses_jump && low < high {
+            true if low > begin && high == end => Some(polynomial.at(1.0)),
+            true if low == begin && high < end => Some(polynomial.at(-1.0)),
+            _ => None,
+        };
+        let constant = own_side.map(Polynomial::constant);
+        let polynomial = constant.as_ref().unwrap_or(polynomial);
+        if let Some(value) = own_side {
+            values = [value; 2];
+        }
+        let [least, most] = values;
         let part = [place(low), place(high)];
         self.last = polynomial.at(part[1]);
         self.span += high - low;
@@ -359,7 +374,7 @@ impl Sum {
 }
 
 /// Events happen up to so much later than the time at which a window begins or ends, where they are at that time [s].
-fn one_time(time: f64) -> f64 {
+pub(super) fn one_time(time: f64) -> f64 {
     resolution(time).max(2.0 * POINT)
 }
 
