@@ -81,7 +81,12 @@ impl<T: Float> System<T> {
         self.normalise(&mut moved);
         self.supply(time, &moved).ok()?;
         self.put_on_joints(time, &mut moved).ok()?;
-        Some(moved)
+        // What is driven goes back to where its time has it, which tells of that place alone.
+        let coordinates = moved.iter().zip(state).take(layout.nq);
+        let far = coordinates.fold(0.0_f64, |far, (x, from)| {
+            far.max((*x - *from).abs().to_f64())
+        });
+        (far > 0.1 * BESIDE * self.reach().min(1.0)).then_some(moved)
     }
 
     /// (1) at a state, in the place of the margin of the emitted elimination.
