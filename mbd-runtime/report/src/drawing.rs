@@ -344,6 +344,9 @@ fn draw_hull(
     }
 }
 
+/// Twice the area of a triangle below which its middle place is on the line between the others: rounding decides of no corner [px²].
+const FLAT: f64 = 1e-6;
+
 /// The corners of the convex hull, in order (Andrew's monotone chain); places closer than half a pixel are one.
 fn hull(mut places: Vec<PagePoint>) -> Vec<PagePoint> {
     places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -356,7 +359,7 @@ fn hull(mut places: Vec<PagePoint>) -> Vec<PagePoint> {
         for place in places {
             while let [.., a, b] = chain[..] {
                 let turn = (b[0] - a[0]) * (place[1] - a[1]) - (b[1] - a[1]) * (place[0] - a[0]);
-                if turn > 0.0 {
+                if turn > FLAT {
                     break;
                 }
                 chain.pop();
