@@ -58,10 +58,14 @@ impl<T: Float> System<T> {
         count
     }
 
-    /// A state that the joints allow a little beside one; `None` where none is found.
+    /// A state that the joints allow a little beside one; `None` where none is found. What is driven goes back to where its time has it, and tells of that
+    /// place alone.
     fn move_beside(&mut self, time: f64, state: &[T]) -> Option<Vec<T>> {
         let model = self.model.clone();
         let layout = model.layout();
+        if layout.joints.iter().any(|slots| slots.driven) {
+            return None;
+        }
         let mut moved = state.to_vec();
         let speeds = moved.iter_mut().skip(layout.nq).take(layout.nv);
         for (index, speed) in speeds.enumerate() {
@@ -81,12 +85,7 @@ impl<T: Float> System<T> {
         self.normalise(&mut moved);
         self.supply(time, &moved).ok()?;
         self.put_on_joints(time, &mut moved).ok()?;
-        // What is driven goes back to where its time has it, which tells of that place alone.
-        let coordinates = moved.iter().zip(state).take(layout.nq);
-        let far = coordinates.fold(0.0_f64, |far, (x, from)| {
-            far.max((*x - *from).abs().to_f64())
-        });
-        (far > 0.1 * BESIDE * self.reach().min(1.0)).then_some(moved)
+        Some(moved)
     }
 
     /// (1) at a state, in the place of the margin of the emitted elimination.
