@@ -35,47 +35,60 @@ fn size(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.map(|x| x * x).sum::<f64>().sqrt()
 }
 
+impl Moved {
+    /// From one list to another, of what has its position, attitude, velocity and angular velocity at these places; changes up to a part of one SI unit and of
+    /// what was set are `rounding`. `None` where nothing else is left.
+    fn between<T: Float>(
+        name: String,
+        [position, attitude, velocity, spin]: [Range<usize>; 4],
+        [before, after]: [&[T]; 2],
+        rounding: f64,
+    ) -> Option<Self> {
+        let numbers = |list: &[T], own: &Range<usize>| -> Vec<f64> {
+            let own = list.get(own.clone()).unwrap_or_default();
+            own.iter().map(|x| x.to_f64()).collect()
+        };
+        let set = |own: &Range<usize>| size(numbers(before, own).into_iter());
+        let beyond = |change: f64, set: f64| match change <= rounding * (1.0 + set) {
+            true => 0.0,
+            false => change,
+        };
+        let difference = |own: &Range<usize>| {
+            let pairs = numbers(after, own).into_iter().zip(numbers(before, own));
+            beyond(size(pairs.map(|(after, before)| after - before)), set(own))
+        };
+        let moved = Moved {
+            name,
+            distance: difference(&position),
+            angle: match attitude.len() {
+                4 => {
+                    let [before, after] = [before, after].map(|x| quaternion(x, attitude.start));
+                    beyond(turn(before, after), 0.0)
+                }
+                _ => difference(&attitude),
+            },
+            speed: set(&velocity),
+            angular_speed: set(&spin),
+            velocity: difference(&velocity),
+            angular_velocity: difference(&spin),
+        };
+        let changes = moved.distance + moved.angle + moved.velocity + moved.angular_velocity;
+        (changes != 0.0).then_some(moved)
+    }
+}
+
 /// Everything that is elsewhere after the start, or moves otherwise, the largest distance first.
 pub(super) fn moved<T: Float>(
     (scene, layout): (&Scene, &Layout),
     before: &[T],
     after: &[T],
 ) -> Vec<Moved> {
-    let difference = |own: Range<usize>| {
-        let [before, after] = [before, after].map(|state| state.get(own.clone()));
-        let pairs = after
-            .unwrap_or_default()
-            .iter()
-            .zip(before.unwrap_or_default());
-        size(pairs.map(|(after, before)| after.to_f64() - before.to_f64()))
-    };
-    let set = |own: Range<usize>| {
-        size(
-            before
-                .get(own)
-                .unwrap_or_default()
-                .iter()
-                .map(|x| x.to_f64()),
-        )
-    };
-    let all = moving(layout).map(|part| Moved {
-        name: part_name(scene, part.part).to_owned(),
-        distance: difference(part.position),
-        angle: match part.attitude.len() {
-            4 => {
-                let [before, after] = [before, after].map(|x| quaternion(x, part.attitude.start));
-                turn(before, after)
-            }
-            _ => difference(part.attitude),
-        },
-        speed: set(part.velocity.clone()),
-        angular_speed: set(part.spin.clone()),
-        velocity: difference(part.velocity),
-        angular_velocity: difference(part.spin),
+    let all = moving(layout).filter_map(|part| {
+        let name = part_name(scene, part.part).to_owned();
+        let places = [part.position, part.attitude, part.velocity, part.spin];
+        Moved::between(name, places, [before, after], 0.0)
     });
-    let mut all: Vec<Moved> = all
-        .filter(|one| one.distance + one.angle + one.velocity + one.angular_velocity != 0.0)
-        .collect();
+    let mut all: Vec<Moved> = all.collect();
     let order = |moved: &Moved| (moved.distance, moved.angle, moved.velocity);
     all.sort_by(|a, b| {
         order(b)
@@ -86,47 +99,15 @@ pub(super) fn moved<T: Float>(
 }
 
 /// How far a body is moved, of its numbers as [`Quantity::Bodies`](mbd_scene::Quantity::Bodies) has them; `None` where that is rounding.
-pub(super) fn moved_body(
-    name: String,
-    directions: Directions,
-    [before, after]: [&[f64]; 2],
-) -> Option<Moved> {
+pub(super) fn moved_body(name: String, directions: Directions, ends: [&[f64]; 2]) -> Option<Moved> {
     let (coordinates, lengths) = (directions.coordinates(), directions.translations().len());
-    let part = |numbers: &[f64], own: Range<usize>| -> Vec<f64> {
-        numbers.get(own).unwrap_or_default().to_vec()
-    };
-    let sized = |own: Range<usize>| {
-        let [before, after] = [before, after].map(|numbers| part(numbers, own.clone()));
-        let pairs = after.iter().zip(&before);
-        let set = size(before.iter().copied());
-        let change = size(pairs.map(|(after, before)| after - before));
-        (
-            if change > ROUNDED * (1.0 + set) {
-                change
-            } else {
-                0.0
-            },
-            set,
-        )
-    };
-    let (distance, _) = sized(0..lengths);
-    let angle = match directions.plane {
-        None => turn(quaternion(before, lengths), quaternion(after, lengths)),
-        Some(_) => (after.get(lengths)? - before.get(lengths)?).abs(),
-    };
-    let angle = if angle > ROUNDED { angle } else { 0.0 };
-    let (velocity, speed) = sized(coordinates..coordinates + lengths);
-    let (angular_velocity, angular_speed) = sized(coordinates + lengths..directions.motion());
-    let changed = distance + angle + velocity + angular_velocity != 0.0;
-    changed.then_some(Moved {
-        name,
-        distance,
-        angle,
-        velocity,
-        angular_velocity,
-        speed,
-        angular_speed,
-    })
+    let places = [
+        0..lengths,
+        lengths..coordinates,
+        coordinates..coordinates + lengths,
+        coordinates + lengths..directions.motion(),
+    ];
+    Moved::between(name, places, ends, ROUNDED)
 }
 
 /// The body that is furthest from where it was, by number, with its distance [m] and the angle between its attitudes [rad], of two lists as
