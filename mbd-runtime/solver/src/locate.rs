@@ -454,8 +454,9 @@ impl<T: Float> Simulation<T> {
         self.switches = switches;
         switched?;
         self.inside.copy_from_slice(self.method.first());
+        let ahead = self.behind_jump();
         self.method
-            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
         self.limit_stiff_pace();
         self.begin_noting()?;
         self.begin_behind()

@@ -34,7 +34,6 @@ mod beyond_stops;
 mod control;
 mod digits;
 mod drive;
-mod energy_jumps;
 mod given;
 mod handover;
 mod impulse;

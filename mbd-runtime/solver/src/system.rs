@@ -17,6 +17,7 @@ use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::origin::Following;
 use crate::projection::Projection;
 use crate::supply::Law;
+use crate::trajectory::resolution;
 use crate::turns::Turning;
 use crate::unilateral::Mode;
 use crate::watch;
@@ -114,8 +115,9 @@ pub(crate) struct System<T: Float> {
     pub following: Option<Following>,
     /// Room for a state in the world.
     world: Vec<T>,
-    /// Times known beforehand at which what acts has a kink [s].
+    /// Times known beforehand on which steps end: where something has a kink or a jump, or where what acts jumps alone.
     breaks: Vec<Break>,
+    passes_kinks: bool,
     /// What changes with time alone.
     pub of_time: Arc<TimeFunctions>,
 }
@@ -183,6 +185,7 @@ impl<T: Float> System<T> {
             following: Following::new(model.scene(), layout),
             world: Vec::new(),
             breaks: breaks(model.scene(), &params_of(model.params())),
+            passes_kinks: false,
             of_time: Arc::new(TimeFunctions::new(
                 model.scene(),
                 &params_of(model.params()),
@@ -191,23 +194,51 @@ impl<T: Float> System<T> {
         }
     }
 
-    /// The next of the times known beforehand at which what acts has a kink or a jump.
-    pub(crate) fn next_break(&self, time: f64) -> Option<Break> {
-        let behind = self.breaks.partition_point(|at| at.time <= time);
-        self.breaks.get(behind).copied()
+    /// Steps end on jumps of what acts alone from here on.
+    pub(crate) fn pass_kinks(&mut self) {
+        self.passes_kinks = true;
+        self.breaks.retain(|at| at.jumps && at.acts);
     }
 
-    /// Whether what acts jumps at one of these times in a span, whose ends count.
-    pub(crate) fn jumps_within(&self, [from, to]: [f64; 2]) -> bool {
-        let first = self.breaks.partition_point(|at| at.time < from);
+    /// The next of the times known beforehand that a step ends on, of those that are later than the time of now by more than rounding [s].
+    #[inline]
+    pub(crate) fn next_break(&self, now: f64) -> Option<f64> {
+        match self.breaks.is_empty() {
+            true => None,
+            false => {
+                let later = now + resolution(now);
+                let behind = self.breaks.partition_point(|at| at.time <= later);
+                self.breaks.get(behind).map(|at| at.time)
+            }
+        }
+    }
+
+    /// Whether something jumps at a time, but for rounding: of what a step ends on by itself half as far before it as behind it [s].
+    pub(crate) fn jumps_at(&self, time: f64) -> bool {
+        let apart = resolution(time);
+        let first = self
+            .breaks
+            .partition_point(|at| at.time < time - 0.5 * apart);
         let later = self.breaks.iter().skip(first);
-        later.take_while(|at| at.time <= to).any(|at| at.jumps)
+        later
+            .take_while(|at| at.time <= time + apart)
+            .any(|at| at.jumps)
+    }
+
+    /// The times inside a span at which what acts jumps, in order [s].
+    pub(crate) fn jumps_inside(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+        let all = self.breaks.iter().filter(|at| at.jumps);
+        let inside = all.filter(move |at| from < at.time && at.time < to);
+        inside.map(|at| at.time)
     }
 
     /// Runs the same scene with other parameters from here on.
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
         let params = params_of(model.params());
         self.breaks = breaks(model.scene(), &params);
+        if self.passes_kinks {
+            self.pass_kinks();
+        }
         Arc::make_mut(&mut self.of_time).set_params(params);
         self.model = model;
         self.laws = None;

@@ -10,6 +10,7 @@ mod far_away;
 mod fast_outputs;
 mod growing;
 mod invariance;
+mod known_jumps;
 mod long_runs;
 mod measures;
 mod metrics;

@@ -1,11 +1,12 @@
-//! Times known beforehand at which what acts has a kink or a jump: adaptive steps end there, so that none leaps over a pulse.
+//! Times known beforehand at which what acts has a kink or a jump: adaptive steps end there, so that none leaps over a pulse, and fixed steps at jumps.
 //!
 //! ```text
 //! table(a + b t): t = (x_k − a)/b at every entry x_k;     |f|, min, max and choices over f = a + b t: t = −a/b            (1)
 //! ```
 //!
 //! A step that begins where nothing changes has an error of zero, whatever lies inside it: what it leaps over, the next one never sees. Functions of
-//! time that are not linear, as sin and exp, have no such times. Derived.
+//! time that are not linear, as sin and exp, have no such times. What f is at such a time corrects it: a late one is the difference of numbers as large as it is, and a
+//! step would end beside the jump. Derived.
 
 use crate::laws::formula::scalar;
 use crate::laws::ground::with_params;
@@ -20,20 +21,24 @@ const LINEAR: f64 = 1e-9;
 pub struct Break {
     /// When [s].
     pub time: f64,
-    /// Whether what acts may jump there: at a choice.
+    /// Whether something may jump there: at a choice.
     pub jumps: bool,
+    /// Whether it acts, and is not only told.
+    pub acts: bool,
 }
 
 /// The times of (1) for these params, in order, of everything that a run reads.
 #[must_use]
 pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<Break> {
     let mut breaks = Vec::new();
-    let mut add = |time: f64, jumps: bool| {
-        if time.is_finite() {
-            breaks.push(Break { time, jumps });
-        }
-    };
-    for formula in scene.read_by_runs() {
+    let told = scene.told_by_runs().map(|formula| (formula, false));
+    let acting = scene.acting_formulas().map(|formula| (formula, true));
+    for (formula, acts) in told.chain(acting) {
+        let mut add = |time: f64, jumps: bool| {
+            if time.is_finite() {
+                breaks.push(Break { time, jumps, acts });
+            }
+        };
         scene.walk(formula, &mut |part| match part {
             Formula::Lookup(table, arguments) => {
                 let Some(table) = scene.tables.get(*table) else {
@@ -42,17 +47,17 @@ pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<Break> {
                 let second = table.second.iter().map(|second| &second.z);
                 let entries = std::iter::once(&table.x).chain(second);
                 for (argument, entries) in arguments.iter().zip(entries) {
-                    if let Some([a, b]) = linear(scene, params, [argument, &ZERO]) {
-                        entries.iter().for_each(|x| add((x - a) / b, false));
+                    if let Some(line) = Straight::of(scene, params, [argument, &ZERO]) {
+                        entries.iter().for_each(|x| add(line.time_of(*x), false));
                     }
                 }
             }
             Formula::Apply(function, parts) => {
-                if let Some([a, b]) = compared(*function, parts)
-                    .and_then(|difference| linear(scene, params, difference))
+                if let Some(line) = compared(*function, parts)
+                    .and_then(|difference| Straight::of(scene, params, difference))
                 {
                     let jumps = matches!(function, Function::IfLess | Function::IfAtMost);
-                    add(-a / b, jumps);
+                    add(line.time_of(0.0), jumps);
                 }
             }
             _ => {}
@@ -62,6 +67,7 @@ pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<Break> {
     breaks.dedup_by(|later, kept| {
         let same = later.time == kept.time;
         kept.jumps |= same && later.jumps;
+        kept.acts |= same && later.acts;
         same
     });
     breaks
@@ -80,18 +86,44 @@ fn compared(function: Function, parts: &[Formula]) -> Option<[&Formula; 2]> {
     }
 }
 
-/// a and b of a difference that is a + b t; `None` of another one.
-fn linear(scene: &Scene, params: &[f64], difference: [&Formula; 2]) -> Option<[f64; 2]> {
-    if !difference.iter().all(|part| scene.is_of_time(part)) {
-        return None;
+/// A difference that is a + b t.
+struct Straight<'s> {
+    scene: &'s Scene,
+    params: &'s [f64],
+    difference: [&'s Formula; 2],
+    a: f64,
+    b: f64,
+}
+
+impl<'s> Straight<'s> {
+    /// `None` of a difference that is not, and of one that stays.
+    fn of(scene: &'s Scene, params: &'s [f64], difference: [&'s Formula; 2]) -> Option<Self> {
+        if !difference.iter().all(|part| scene.is_of_time(part)) {
+            return None;
+        }
+        let mut line = Straight {
+            scene,
+            params,
+            difference,
+            a: 0.0,
+            b: 0.0,
+        };
+        let [a, at_one, later] = LOOKS.map(|time| line.at(time));
+        (line.a, line.b) = (a, at_one - a);
+        let off = (later - a - LOOKS[2] * line.b).abs();
+        let straight = off <= LINEAR * (a.abs() + at_one.abs() + later.abs());
+        (straight && line.b != 0.0).then_some(line)
     }
-    let [a, at_one, later] = LOOKS.map(|time| {
-        let context = with_params(scene, params, time);
-        let [first, second] = difference.map(|part| scalar(part, &context));
+
+    fn at(&self, time: f64) -> f64 {
+        let context = with_params(self.scene, self.params, time);
+        let [first, second] = self.difference.map(|part| scalar(part, &context));
         first - second
-    });
-    let rate = at_one - a;
-    let off = (later - a - LOOKS[2] * rate).abs();
-    let straight = off <= LINEAR * (a.abs() + at_one.abs() + later.abs());
-    (straight && rate != 0.0).then_some([a, rate])
+    }
+
+    /// When it has a value [s].
+    fn time_of(&self, value: f64) -> f64 {
+        let time = (value - self.a) / self.b;
+        time + (value - self.at(time)) / self.b
+    }
 }

@@ -25,6 +25,8 @@ const SAMPLES: u32 = 64;
 const MOST_SPANS: u32 = 128;
 const MOST_SPANS_OF_GUARDS: u32 = 16_384;
 const SHORTEST: f64 = 1e-12;
+/// Times closer than this part of them are one time.
+const SAME: f64 = 1e-14;
 /// Spans that wait at a time: every bisection leaves one more.
 const WAITING: usize = MOST_SPANS as usize + 1;
 
@@ -337,10 +339,17 @@ impl TimeFunctions {
     }
 
     /// A time in a span at which a number that acts is unseen by (1) in every step of a size around it, whose ends and middle are looked at, by more than a
-    /// tenth of all that it is in the span [s]; `None` where steps see it, or where it swings so often that this is not known.
+    /// tenth of all that it is in the span [s]; `None` where steps see it, or where it swings so often that this is not known. Steps end on `ends`, where
+    /// it may jump.
     #[must_use]
-    pub fn hidden_from_steps(&self, scene: &Scene, whole: [f64; 2], step: f64) -> Option<f64> {
-        let hidden = |number| self.hidden_of(scene, number, whole, step);
+    pub fn hidden_from_steps(
+        &self,
+        scene: &Scene,
+        whole: [f64; 2],
+        step: f64,
+        ends: &[f64],
+    ) -> Option<f64> {
+        let hidden = |number| self.hidden_of(scene, number, whole, (step, ends));
         let mut of_time = self.acting.iter().filter(|own| !own.follows_states);
         of_time.find_map(hidden)
     }
@@ -350,7 +359,7 @@ impl TimeFunctions {
         scene: &Scene,
         number: &TimeFunction,
         [begin, end]: [f64; 2],
-        step: f64,
+        (step, ends): (f64, &[f64]),
     ) -> Option<f64> {
         if self.keeps_going(scene, number, [begin, end]) {
             return None;
@@ -370,6 +379,15 @@ impl TimeFunctions {
             if span[1] - span[0] > step {
                 spans.add([middle, span[1]], 0.0);
                 spans.add([span[0], middle], 0.0);
+                continue;
+            }
+            // What jumps at the end of a step is on both its sides what their steps see.
+            let apart = |time: f64| SAME * time.abs();
+            let inside =
+                |time: &&f64| span[0] + apart(**time) < **time && **time < span[1] - apart(**time);
+            if let Some(&cut) = ends.iter().find(inside) {
+                spans.add([cut + apart(cut), span[1]], 0.0);
+                spans.add([span[0], cut - apart(cut)], 0.0);
                 continue;
             }
             let looks = [span[0], middle, span[1]];
@@ -697,7 +715,7 @@ mod tests {
                 acting: vec![TimeFunction::new(&Scene::default(), formula)],
                 ..TimeFunctions::default()
             };
-            functions.hidden_from_steps(&Scene::default(), [0.0, 20.0], step)
+            functions.hidden_from_steps(&Scene::default(), [0.0, 20.0], step, &[])
         };
         let tau = std::f64::consts::TAU;
         let found = hidden(pulse(10.2037, 1e-4), 0.01).expect("a pulse between stages");

@@ -552,13 +552,17 @@ impl Scene {
 impl Scene {
     /// The formulas that change during a run: what acts, what is measured, what drives.
     pub(crate) fn read_by_runs(&self) -> impl Iterator<Item = &Formula> {
+        self.told_by_runs().chain(self.acting_formulas())
+    }
+
+    /// Those of them that are no [`Scene::acting_formulas`].
+    pub(crate) fn told_by_runs(&self) -> impl Iterator<Item = &Formula> {
         let lets = self.lets.iter().map(|named| &named.value);
         let outputs = self.outputs.iter().map(|output| &output.value);
         let guards = self.events.iter().map(|event| &event.guard);
         let settings = self.events.iter().flat_map(|event| &event.actions.set);
         let set = settings.map(|setting| &setting.value);
-        let read = lets.chain(outputs).chain(guards).chain(set);
-        read.chain(self.acting_formulas())
+        lets.chain(outputs).chain(guards).chain(set)
     }
 }
 

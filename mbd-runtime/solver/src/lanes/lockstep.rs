@@ -13,7 +13,8 @@ use crate::trajectory::resolution;
 /// [`Options::rk4`](crate::Options::rk4) gives, to the bit.
 ///
 /// For scenes in which nothing happens and nothing is solved: no rows of joints (open trees in relative coordinates have none), no equilibrium points,
-/// no lines and stops that may let go, no events. A lane that stops being finite disturbs no other.
+/// no lines and stops that may let go, no events. A run ends a step where what acts jumps at a time known beforehand, `if(time < 3 s, …)`; steps of lanes, whose params may
+/// say other times, do not. A lane that stops being finite disturbs no other.
 ///
 /// ```
 /// use mbd_runtime::{Lanes, Lanes8, LockStep, Model, model};

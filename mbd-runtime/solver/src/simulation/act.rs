@@ -312,8 +312,9 @@ impl<T: Float> Simulation<T> {
         self.system
             .start(self.time, &mut self.state, Some(&nodes))?;
         self.begin_watch()?;
+        let ahead = self.behind_jump();
         self.method
-            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
         self.method
             .prepare(&mut self.system, self.time, &self.state)?;
         self.limit_pace();

@@ -3,7 +3,6 @@
 use std::f64::consts::PI;
 
 use mbd_scene::Float;
-use mbd_scene::laws::breaks::Break;
 
 use super::{Pace, Simulation};
 use crate::accuracy::FINER_STEP;
@@ -11,6 +10,19 @@ use crate::error::{Collapse, StepError};
 use crate::integrate::Verdict;
 use crate::trajectory::resolution;
 use crate::watch::Instability;
+
+/// A step that is to be tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NextStep {
+    /// Its size [s].
+    pub size: f64,
+    /// When it ends [s]: on what it lands on to the last digit, its start and its size but for rounding.
+    pub end: f64,
+    /// Whether it lands on something: fixed steps count from there.
+    pub lands: bool,
+    /// Whether what acts jumps at its end: its stages see what is before that.
+    pub on_jump: bool,
+}
 
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
@@ -21,33 +33,63 @@ impl<T: Float> Simulation<T> {
         matches!(self.pace, Pace::Adaptive(..))
     }
 
-    /// The next time that a step does not pass: a sample of a controller, of adaptive steps a kink that is known beforehand [s].
-    pub(super) fn next_landing(&self) -> f64 {
-        let kink = self.next_break().map_or(f64::INFINITY, |it| it.time);
-        self.next_sample().min(kink)
+    /// The step that is tried next, on the way to a time. It does not pass a sample of a controller, and no time known beforehand at which what acts
+    /// jumps, nor adaptive ones a kink. A step of the grid that ends on a jump but for rounding is made as it is: it lands on nothing, and ends there.
+    #[inline]
+    pub(super) fn plan(&self, until: f64) -> NextStep {
+        let until = until.min(self.next_sample());
+        match self.system.next_break(self.time) {
+            // What jumps at the end of a run or at a sample, but for rounding, is on the way there.
+            Some(at) if at < until + resolution(until) => self.plan_to_break(until, at),
+            _ => self.plan_to(until),
+        }
     }
 
-    /// The next kink that adaptive steps end on.
-    fn next_break(&self) -> Option<Break> {
-        let now = self.time + resolution(self.time);
-        self.is_adaptive()
-            .then(|| self.system.next_break(now))
-            .flatten()
+    fn plan_to(&self, until: f64) -> NextStep {
+        let (size, lands) = self.propose(until);
+        let end = if lands { until } else { self.end_of(size) };
+        NextStep {
+            size,
+            end,
+            lands,
+            on_jump: false,
+        }
     }
 
-    /// Whether something jumps at a time that the next step ends on.
-    pub(super) fn jumps_at(&self, end: f64) -> bool {
-        self.next_break()
-            .is_some_and(|it| it.jumps && it.time == end)
+    fn plan_to_break(&self, until: f64, at: f64) -> NextStep {
+        let same = 0.5 * resolution(at);
+        let is_on_the_way = at < until - same;
+        let step = self.plan_to(if is_on_the_way { at } else { until });
+        if let (Pace::Fixed(size), true) = (&self.pace, is_on_the_way)
+            && (self.end_of(*size) - at).abs() <= same
+        {
+            return NextStep {
+                size: *size,
+                end: at,
+                lands: false,
+                on_jump: true,
+            };
+        }
+        NextStep {
+            on_jump: step.lands && self.system.jumps_at(step.end),
+            ..step
+        }
+    }
+
+    /// How much later than now the first stage of a step is evaluated, so that what jumps at the time of now has jumped [s]. Nothing moves in that time.
+    pub(crate) fn behind_jump(&self) -> f64 {
+        match self.system.jumps_at(self.time) {
+            true => resolution(self.time).max(2.0 * T::EPSILON.to_f64() * self.time.abs()),
+            false => 0.0,
+        }
     }
 
     /// Evaluates the first stage on the far side of a jump that the last step ended on.
     pub(super) fn begin_behind_jump(&mut self) -> Result<(), StepError> {
-        self.stays = false;
-        let ahead = resolution(self.time);
-        let from = self.time + ahead;
+        (self.stays, self.jumped) = (false, true);
+        let from = self.time + self.behind_jump();
         self.method
-            .begin(&mut self.system, from, ahead, &self.state)?;
+            .begin(&mut self.system, from, 0.0, &self.state)?;
         self.jump_energy(from);
         Ok(())
     }
@@ -67,7 +109,8 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The size of the next step, and whether it ends at `until`.
-    pub(super) fn propose(&self, until: f64) -> (f64, bool) {
+    #[inline]
+    fn propose(&self, until: f64) -> (f64, bool) {
         let left = until - self.time;
         let step = self.step_ahead();
         if step >= left * (1.0 - 1e-9) {

@@ -3,6 +3,7 @@
 use mbd_scene::Float;
 
 use super::Simulation;
+use super::stability::Meter;
 use crate::balance::EnergyReading;
 use crate::error::StepError;
 use crate::locate::AT_REST;
@@ -34,6 +35,7 @@ impl<T: Float> Simulation<T> {
 
     /// Evaluates the first stage at what was looked at, so much later [s].
     fn begin_at_look(&mut self, ahead: f64) -> Result<(), StepError> {
+        let ahead = ahead.max(self.behind_jump());
         let (from, inside) = (self.time + ahead, &self.inside);
         self.method.begin(&mut self.system, from, ahead, inside)
     }
@@ -42,12 +44,12 @@ impl<T: Float> Simulation<T> {
     /// is no work of the next step.
     pub(crate) fn energy_behind(&mut self) -> Option<EnergyReading> {
         self.inside.copy_from_slice(&self.state);
-        let mut from = self.time;
+        let mut from = self.time + self.behind_jump();
         if self.system.may_jump() && self.margins.are_at_value() {
             for ahead in AHEAD {
                 if self.margins.are_at_value() {
                     self.look_ahead(ahead).ok()?;
-                    from = self.time + ahead;
+                    from = from.max(self.time + ahead);
                 }
             }
             if self.margins.are_at_value() {
@@ -60,6 +62,20 @@ impl<T: Float> Simulation<T> {
             self.read_margins(self.time, 0.0).ok()?;
         }
         reading
+    }
+
+    /// Goes on behind what jumped at the end of the last step, with the energy at a time there [s]: where nothing moves time alone lets the energy of lines jump, of a
+    /// `static` node whose load jumps, of a free length that does. Between balances that is the work of what jumps, and a step neither makes nor loses it.
+    pub(super) fn jump_energy(&mut self, time: f64) {
+        // What the laws are asked for now and then is given and taken by nothing.
+        if self.meter == Meter::Laws {
+            return;
+        }
+        let now = self.system.energy_and_power(self.meter, time, &self.state);
+        if let (Some(balance), Some(now)) = (&mut self.balance, now) {
+            balance.jump(now.total() - balance.energy());
+            balance.take_up(now);
+        }
     }
 
     /// Reads the margins where the rates of now lead in a time [s], and at least to the next number: what is far from zero moves by less than numbers tell apart.

@@ -65,19 +65,18 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
         let now = resolution(self.time);
         let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
-        let landing = self.next_landing();
-        if !begins || landing <= self.time + now || course.until - self.time <= now {
+        let is_due = self.next_sample() <= self.time + now;
+        if !begins || is_due || course.until - self.time <= now {
             return None;
         }
         let holds = self.holds_on() || {
             let is_plain = self.method.explicit().is_some() && self.system.is_plain();
             is_plain && self.system.hold_plain()
         };
-        let until = course.until.min(landing);
-        let (step, lands) = self.propose(until);
+        let next = self.plan(course.until);
         // The stages of a step that ends where something jumps see what is before it alone: its run makes it.
-        let on_jump = lands && self.jumps_at(until);
-        (step >= now && holds && !on_jump).then_some([self.time, step])
+        let is_offered = next.size >= now && holds && !next.on_jump;
+        is_offered.then_some([self.time, next.size])
     }
 
     /// Whether inputs and the modes of elements are those of the last step, which was received.
@@ -114,9 +113,8 @@ impl<T: Float> Simulation<T> {
         [time, step]: [f64; 2],
         history: &Trajectory,
     ) -> u64 {
-        let until = course.until.min(self.next_sample());
-        let (size, lands) = self.propose(until);
-        let is_this = !lands && [self.time, size] == [time, step];
+        let next = self.plan(course.until);
+        let is_this = !next.lands && !next.on_jump && [self.time, next.size] == [time, step];
         let inside = self.looks_inside([time, step], history);
         let system = &self.system;
         let held = system.memory.turns.is_empty() && system.needs_no_ends();
@@ -130,6 +128,8 @@ impl<T: Float> Simulation<T> {
         let tried = self.options.max_steps.saturating_sub(course.trials);
         // The step before the last that ends before the next instant that counts does so by more than rounding.
         let row = history.due().unwrap_or(f64::INFINITY);
+        let jump = system.next_break(time).unwrap_or(f64::INFINITY);
+        let until = course.until.min(self.next_sample()).min(jump);
         let ahead = (until.min(row) - time) / step - 2.0;
         counted.min(tried).min((ahead as u64).max(1))
     }

@@ -192,8 +192,9 @@ impl<T: Float> Simulation<T> {
         self.system
             .follow_commands(self.time, Some(0.0), &self.state)?;
         self.inside.copy_from_slice(self.method.first());
+        let ahead = self.behind_jump();
         self.method
-            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
         self.limit_pace();
         self.rebase();
         self.begin_noting()?;

@@ -2,6 +2,7 @@
 
 use mbd_scene::{Float, Quantity};
 
+use super::attempt::NextStep;
 use super::offered::emitted;
 use super::{Pace, Simulation, Stop};
 use crate::error::{RunError, StepError};
@@ -100,7 +101,9 @@ impl<T: Float> Simulation<T> {
     fn look_for_hidden(&mut self, until: f64) {
         if let (Pace::Fixed(step), None) = (&self.pace, self.hidden) {
             let (scene, span) = (self.system.model.scene(), [self.time, until]);
-            self.hidden = self.system.of_time.hidden_from_steps(scene, span, *step);
+            let ends: Vec<f64> = self.system.jumps_inside(span).collect();
+            let of_time = &self.system.of_time;
+            self.hidden = of_time.hidden_from_steps(scene, span, *step, &ends);
         }
     }
 
@@ -258,9 +261,12 @@ impl<T: Float> Simulation<T> {
         if self.changes.stop.is_some() {
             return Ok(());
         }
-        let until = until.min(self.next_landing());
-        let (step, lands) = self.propose(until);
-        let on_jump = lands && self.jumps_at(until);
+        let NextStep {
+            size: step,
+            end,
+            lands,
+            on_jump,
+        } = self.plan(until);
         // Nothing but a row inside the step can make it be taken back.
         let inside = trajectory
             .as_ref()
@@ -270,10 +276,6 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         let Some(found) = self.find_event(step)? else {
-            let end = match lands {
-                true => until,
-                false => self.end_of(step),
-            };
             self.system.check_end(end, step, self.method.next())?;
             self.watch_step(step)?;
             let changes = self.sees_stiffness(step);
@@ -296,7 +298,7 @@ impl<T: Float> Simulation<T> {
             if !acts {
                 self.record_step(trajectory)?;
             }
-            if lands && until.is_finite() {
+            if lands {
                 self.regrid();
             }
             return self.look_back();

@@ -372,9 +372,10 @@ impl<T: Float> Simulation<T> {
         self.as_declared = false;
         self.watch_weights.clone_from(&snapshot.watch_weights);
         self.system.fallback.resume(&snapshot.rows);
+        let ahead = self.behind_jump();
         let begun = self
             .method
-            .begin(&mut self.system, self.time, 0.0, &self.state);
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state);
         self.system.fallback.commit();
         self.resume_watch(snapshot);
         self.system.count_turns(self.time, &self.state);

@@ -60,6 +60,9 @@ impl<T: Float> Simulation<T> {
         system.projection.stabilise = options.stabilise;
         let sizes = RunSizes::of(&mut system, &options);
         let fixed = options.method.fixed_step().is_some();
+        if fixed {
+            system.pass_kinks();
+        }
         let length = system.length();
         let layout = model.layout();
         let noisy = fixed && options.guard_tolerance.is_none();
