@@ -90,7 +90,6 @@ impl<T: Float> System<T> {
         if !self.projection.any() {
             return self.check_plane(time, state);
         }
-        self.projection.extent = self.extent_of_tree();
         if self.may_need_repeated_rows() {
             self.choose_always();
         }
@@ -367,15 +366,17 @@ impl<T: Float> System<T> {
             .max(self.projection.extent)
     }
 
-    /// How far the places of a tree are from the origin: its arms and what it hangs on.
-    fn extent_of_tree(&mut self) -> f64 {
-        if self.model.layout().tree.is_none() {
-            return 0.0;
-        }
-        let numbers = numbers_of(&*self.model);
-        let far = numbers.world_frames.iter();
-        let far = far.map(|frame| frame.position.norm());
-        far.fold(self.reach(), f64::max)
+    /// Finds how far the places of a tree are from the origin, of the params of now: its arms and what it hangs on.
+    pub(crate) fn take_extent_of_tree(&mut self) {
+        self.projection.extent = match self.model.layout().tree.is_some() && self.projection.any() {
+            true => {
+                let numbers = numbers_of(&*self.model);
+                let far = numbers.world_frames.iter();
+                let far = far.map(|frame| frame.position.norm());
+                far.fold(self.reach(), f64::max)
+            }
+            false => 0.0,
+        };
     }
 
     /// The largest speed; zero where one is not finite.

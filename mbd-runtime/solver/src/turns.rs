@@ -88,6 +88,12 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// Another state comes at the time that was looked at: a step that is made again ends beside where it ended.
+    #[inline]
+    pub(crate) fn forget_angles(&mut self) {
+        self.turning.seen = f64::NAN;
+    }
+
     /// By how much the angle that turns most turns over a step that was tried, by the rates at its ends [rad].
     #[inline]
     pub(crate) fn angle_swept(&mut self, step: f64, end: f64, state: &[T]) -> f64 {

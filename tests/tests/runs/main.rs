@@ -18,6 +18,7 @@ mod no_number;
 mod origin;
 mod precision;
 mod pulses;
+mod resumed;
 mod sampled_outputs;
 mod snapshots;
 mod time_jumps;

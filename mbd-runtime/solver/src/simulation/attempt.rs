@@ -257,6 +257,7 @@ impl<T: Float> Simulation<T> {
     pub(super) fn make_own_step(&mut self, step: f64) -> Result<(), StepError> {
         let (time, state) = (self.time, &self.state);
         (self.attempted, self.beside, self.lacks_stages) = (f64::NAN, false, false);
+        self.system.forget_angles();
         if let Err(cause) = self.method.attempt(&mut self.system, time, step, state) {
             self.attempt_again(step, cause)?;
         }

@@ -36,6 +36,7 @@ impl RunSizes {
         let model = system.model.clone();
         let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
         system.projection.length = scales.length;
+        system.take_extent_of_tree();
         let stiffness = Stiffness::new(&*model, system.numbers().clone());
         let arm = system.projection.any().then(|| system.reach());
         let joined = (model.layout(), model.scene().joints.as_slice());
