@@ -453,6 +453,11 @@ impl<T: Float> Simulation<T> {
         let switched = self.switch(&switches);
         self.switches = switches;
         switched?;
+        self.begin_switched()
+    }
+
+    /// Starts again from the accepted state, behind what switched there.
+    pub(crate) fn begin_switched(&mut self) -> Result<(), StepError> {
         self.inside.copy_from_slice(self.method.first());
         let ahead = self.behind_jump();
         self.method
@@ -495,11 +500,14 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    fn switch(&mut self, switches: &[(usize, Mode)]) -> Result<(), StepError> {
+    pub(crate) fn switch(&mut self, switches: &[(usize, Mode)]) -> Result<(), StepError> {
         if switches.is_empty() {
             return Ok(());
         }
-        self.system.switch(self.time, &self.state, switches)?;
+        let finest = self.margins.finest();
+        let within = if finest.is_finite() { finest } else { 0.0 };
+        self.system
+            .switch(self.time, &self.state, (switches, within))?;
         if self.system.nodes.carries_by_place() {
             // The line that goes slack may have held a node beside there by as much as its tolerance.
             self.system.project(&mut self.state);

@@ -397,16 +397,17 @@ impl<T: Float> System<T> {
         self.memory.modes()
     }
 
-    /// Changes the modes of elements at an accepted state, and of what hangs on them.
+    /// Changes the modes of elements at an accepted state, where the margins that vanish there are known to `within` [m or rad], and of what hangs on them.
     pub(crate) fn switch(
         &mut self,
         time: f64,
         state: &[T],
-        switches: &[(usize, Mode)],
+        (switches, within): (&[(usize, Mode)], f64),
     ) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
+        let switches = (switches, T::from_f64(within));
         let switched = self
             .nodes
             .switch(stage, switches, &mut self.memory, &mut self.work);
@@ -420,6 +421,16 @@ impl<T: Float> System<T> {
             && self
                 .nodes
                 .project(state.get_mut(..self.nx).unwrap_or_default())
+    }
+
+    /// Puts nodes on the line or plane that their lines are about to be drawn into without force, and lists the lines that are slack there; true when the
+    /// state changed.
+    #[inline]
+    pub(crate) fn straighten(&self, state: &mut [T], slack: &mut Vec<(usize, Mode)>) -> bool {
+        self.nodes.has_networks()
+            && self
+                .nodes
+                .straighten(state.get_mut(..self.nx).unwrap_or_default(), slack)
     }
 
     /// The last solve was at the end of a step that is accepted.

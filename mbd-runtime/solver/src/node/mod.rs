@@ -29,7 +29,7 @@ pub use balance::{Balance, BalanceEvaluation, Tie, Tied};
 pub use error::{NodeError, UNEVEN, Uneven};
 pub use factor::{Block, BlockCholesky};
 pub use memory::NodeMemory;
-pub use rate::{Leg, RateNode, RateOutcome};
+pub use rate::{Crossing, Leg, RateNode, RateOutcome};
 pub(crate) use rate::{inverse, projection, spanned};
 pub(crate) use scene::{NetworkPlan, own_anchors};
 pub(crate) use solver::WARM_STEPS;

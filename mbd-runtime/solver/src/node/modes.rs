@@ -20,14 +20,15 @@ impl<T: Float> Leg<T> {
 
 impl<T: Float> Nodes<T> {
     /// Puts the elements of `switches` (element, new mode) into their new modes at a located event, then decides the active sets of their
-    /// nodes again where the switch left a line pushing, or idle although it would pull. The unknowns are those of the new modes afterwards.
+    /// nodes again where the switch left a line pushing, or idle although it would pull. The unknowns are those of the new modes afterwards. A pull that
+    /// vanishes is known to `within` [m of stretch]: the sets are those behind the event, where it has vanished, or come, by that.
     ///
     /// # Errors
     /// As [`Nodes::solve`].
     pub fn switch(
         &mut self,
         stage: Stage<'_, T>,
-        switches: &[(usize, Mode)],
+        (switches, within): (&[(usize, Mode)], T),
         memory: &mut NodeMemory<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
@@ -48,8 +49,18 @@ impl<T: Float> Nodes<T> {
             nodes.place_rate(stage, plan, memory);
             // Another set of lines spans other directions.
             plan.rate.hold_rank(3);
+            for (index, (_, line)) in plan.legs.iter().enumerate() {
+                let mut switches = switches.iter();
+                if let Some((_, mode)) = switches.find(|(element, _)| *element == line.line) {
+                    let pulls = *mode == Mode::Active;
+                    plan.rate
+                        .lengthen(index, if pulls { within } else { -within });
+                }
+            }
             plan.rate.solve_frozen();
             let decided = !plan.rate.inconsistent() || plan.rate.decide();
+            plan.rate.place_again();
+            plan.rate.solve_frozen();
             let result = nodes.finish_rate(plan, decided);
             memory.ranks[plan.index] = plan.rate.rank();
             for (leg, (_, line)) in plan.rate.legs().iter().zip(&plan.legs) {
@@ -175,12 +186,32 @@ impl<T: Float> Nodes<T> {
     pub fn project(&self, state: &mut [T]) -> bool {
         let mut changed = false;
         for plan in self.plans.iter().filter(|_| !self.spanned) {
-            let crossing = || plan.rate.crossing(self.span).map(|(place, _)| place);
+            let crossing = || plan.rate.crossing(self.span);
+            let crossing = || crossing().filter(|it| it.taut).map(|it| it.place);
             if let Some(z) = plan.z
                 && let Some(p) = plan.rate.projected().or_else(crossing)
                 && let Some(target) = state.get_mut(z..z + 3)
             {
                 target.copy_from_slice(p.as_slice());
+                changed = true;
+            }
+        }
+        changed
+    }
+
+    /// Puts rate nodes whose lines are about to be drawn straight without force on the line or plane through their anchors (rule 5), where modes are held,
+    /// and lists the lines that are slack there. Call it as [`Nodes::project`]; `true`: the state changed.
+    pub(crate) fn straighten(&self, state: &mut [T], slack: &mut Vec<(usize, Mode)>) -> bool {
+        let mut changed = false;
+        for plan in self.plans.iter().filter(|_| self.frozen && !self.spanned) {
+            if let Some(z) = plan.z
+                && let Some(crossing) = plan.rate.crossing(self.span).filter(|it| !it.taut)
+                && let Some(target) = state.get_mut(z..z + 3)
+            {
+                target.copy_from_slice(crossing.place.as_slice());
+                let legs = plan.rate.legs().iter().zip(&plan.legs);
+                let slackens = legs.filter(|(leg, _)| leg.active && !crossing.keeps_taut(leg));
+                slack.extend(slackens.map(|(_, (_, line))| (line.line, Mode::Slack)));
                 changed = true;
             }
         }

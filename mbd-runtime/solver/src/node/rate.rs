@@ -15,7 +15,8 @@
 //!    too few for that a load W completes it: two lines carry W in the plane through both anchors along W, one line right in front of its anchor, and
 //!    the node is put there at the lengths that its lines have. Ẇ is that of [`Scene::tells_load_rate`](mbd_scene::Scene::tells_load_rate), zero of other
 //!    loads: what these leave beside that place is an error of the step.
-//! 5. Independent taut lines without force that pull the node into such a line or plane: it is put there ([`RateNode::crossing`]).
+//! 5. Independent lines without force that pull the node into such a line or plane, with a velocity that grows without bound: it is put there
+//!    ([`RateNode::crossing`]). Lines that are still taut there carry from then on; those that are not go slack until their anchors have drawn them straight.
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
 //!    (`RateNode::limit`).
 //!
@@ -51,6 +52,8 @@ pub(super) const ROUNDING: f64 = 1e4;
 const MOST_CHANGES: usize = 30;
 /// The vanishing dashpot over the largest damping: it only tells the active set.
 const DASHPOT: f64 = 1e-8;
+/// The same below which lines without force are nearly straight (rule 5): before a stage of the next step finds the direction missing.
+const NEARLY: f64 = 1e-5;
 /// ε of rule 6 over the shortest C/K.
 const AHEAD: f64 = 1e-4;
 /// How far a step may leave a node beside the place where its lines carry its load (rule 4), over the length of the shortest of them.
@@ -93,6 +96,26 @@ pub enum RateOutcome {
     Idle,
     /// Directions are missing and something pulls: rule 4.
     Algebraic,
+}
+
+/// Where a node is put that its lines pull into their line or plane without force (rule 5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing<T: Float> {
+    /// On the line or plane through the anchors [m].
+    pub place: Vector3<T>,
+    /// How many directions the lines span there.
+    pub rank: usize,
+    /// Whether they are all longer than their free lengths there: they carry from then on.
+    pub taut: bool,
+}
+
+impl<T: Float> Crossing<T> {
+    /// Whether a line is longer than its free length there.
+    #[must_use]
+    pub fn keeps_taut(&self, leg: &Leg<T>) -> bool {
+        let arm = leg.anchor - self.place;
+        law::geometry(&arm, leg.numbers.free_length).stretch > T::zero()
+    }
 }
 
 /// A rate node with room for its lines.
@@ -224,6 +247,19 @@ impl<T: Float> RateNode<T> {
             leg.opening = leg.direction.dot(&(leg.velocity - self.mean));
             leg.push = leg.pull_at(&Vector3::zeros());
         }
+    }
+
+    /// Makes a line longer than the state has it by so much [m], until the node is placed again: what it is about to be.
+    pub(crate) fn lengthen(&mut self, index: usize, by: T) {
+        if let Some(leg) = self.legs.get_mut(index) {
+            leg.stretch += by;
+            leg.push = leg.pull_at(&Vector3::zeros());
+        }
+    }
+
+    /// Places the node where it is: every line is as long as the state has it.
+    pub(crate) fn place_again(&mut self) {
+        self.place(self.position, [self.load, self.load_rate]);
     }
 
     /// Every line with positive stretch is taut, every other slack.
@@ -496,11 +532,12 @@ impl<T: Float> RateNode<T> {
         ratio.is_finite().then(|| center + load.map(|w| ratio * w))
     }
 
-    /// Rule 5, the singular approach: independent taut lines without force whose node reaches the line or plane through their anchors within
-    /// half a step `span` [s], still taut there. Its velocity grows without bound on the way, so it is put there, where the lines carry.
-    /// The place [m], and the rank to hold from then on.
+    /// Rule 5, the singular approach: independent lines without force whose node reaches the line or plane through their anchors, with a velocity that grows
+    /// without bound on the way. It is put there within half a step `span` [s] of it where they are all still taut there, and carry. Where the lines are
+    /// as long as they are without force, the anchors draw them straight: put there earlier, where D is about to lose a direction, the node does not feel
+    /// it, as nothing pulls, and its lines are slack until then.
     #[must_use]
-    pub fn crossing(&self, span: T) -> Option<(Vector3<T>, usize)> {
+    pub fn crossing(&self, span: T) -> Option<Crossing<T>> {
         let rounding = self.rounding();
         let idle = !self.legs.iter().any(|leg| leg.pulls(rounding));
         if !idle || span <= T::zero() || self.load != Vector3::zeros() {
@@ -509,17 +546,22 @@ impl<T: Float> RateNode<T> {
         let (directions, rank) = spanned(&self.damping());
         let weakest = rank.checked_sub(1).filter(|weakest| *weakest > 0)?;
         let offset = self.to_hull(weakest, |leg| leg.active);
-        let there = self.position + offset;
-        let stays_taut = |leg: &Leg<T>| {
-            let geometry = law::geometry(&(leg.anchor - there), leg.numbers.free_length);
-            geometry.stretch > T::zero()
+        let mut crossing = Crossing {
+            place: self.position + offset,
+            rank: weakest,
+            taut: true,
         };
-        if !self.legs.iter().filter(|leg| leg.active).all(stays_taut) {
-            return None;
-        }
-        let speed = directions[weakest].1.dot(&self.slip) * span;
-        let half = T::from_f64(0.25) * offset.dot(&offset);
-        (speed * speed > half).then_some((there, weakest))
+        let active = || self.legs.iter().filter(|leg| leg.active);
+        crossing.taut = active().all(|leg| crossing.keeps_taut(leg));
+        let reached = if crossing.taut {
+            let speed = directions[weakest].1.dot(&self.slip) * span;
+            speed * speed > T::from_f64(0.25) * offset.dot(&offset)
+        } else {
+            let hull = mean(active().map(|leg| leg.velocity - self.mean));
+            let nears = offset.dot(&(self.slip - hull)) > T::zero();
+            nears && directions[weakest].0 < T::from_f64(NEARLY) * directions[0].0
+        };
+        reached.then_some(crossing)
     }
 
     /// From the node to its projection on the line (`rank` 1) or plane (2) that fits the anchors of the chosen lines best.

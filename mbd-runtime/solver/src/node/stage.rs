@@ -489,8 +489,8 @@ impl<T: Float> Nodes<T> {
         memory.stretch.copy_from_slice(&self.stretch);
         memory.nodes.copy_from_slice(&self.nodes);
         for plan in self.plans.iter().filter(|plan| plan.z.is_some()) {
-            let crossing = plan.rate.crossing(self.span);
-            memory.ranks[plan.index] = crossing.map_or(plan.rate.rank(), |(_, rank)| rank);
+            let crossing = plan.rate.crossing(self.span).filter(|it| it.taut);
+            memory.ranks[plan.index] = crossing.map_or(plan.rate.rank(), |it| it.rank);
             for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact(3)) {
                 memory.nodes[3 * node..3 * node + 3].copy_from_slice(p);
             }

@@ -361,13 +361,26 @@ impl<T: Float> Simulation<T> {
             self.begin_noting()?;
         }
         let length = self.sizes.length();
-        match self.system.keep_up(end, length, &mut self.state) {
-            true => {
-                self.stays = false;
-                self.method.begin(&mut self.system, end, 0.0, &self.state)
-            }
-            false => Ok(()),
+        if self.system.keep_up(end, length, &mut self.state) {
+            self.stays = false;
+            self.method.begin(&mut self.system, end, 0.0, &self.state)?;
         }
+        self.straighten()
+    }
+
+    /// Puts nodes where their lines are about to be drawn straight without force, which are slack there, and starts again from there.
+    fn straighten(&mut self) -> Result<(), StepError> {
+        let mut switches = std::mem::take(&mut self.switches);
+        switches.clear();
+        let changed = self.system.straighten(&mut self.state, &mut switches);
+        let switched = self.switch(&switches);
+        self.switches = switches;
+        switched?;
+        if changed {
+            self.stays = false;
+            self.begin_switched()?;
+        }
+        Ok(())
     }
 
     /// Notes a located event.

@@ -283,7 +283,12 @@ fn a_switch_to_slack_releases_the_lines_that_would_push() {
         inputs: &[],
     };
     run.nodes
-        .switch(stage, &[(1, Mode::Slack)], &mut run.memory, &mut run.work)
+        .switch(
+            stage,
+            (&[(1, Mode::Slack)], 0.0),
+            &mut run.memory,
+            &mut run.work,
+        )
         .unwrap();
     assert_eq!(run.memory.modes()[1], Mode::Slack);
     run.solve(0.0, 0.0, &state).unwrap();

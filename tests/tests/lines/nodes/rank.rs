@@ -181,6 +181,62 @@ fn a_misaligned_pair_jumps_to_its_tension_when_it_is_straight() {
     }
 }
 
+/// A bob on a knot that two lines hold to the world: from 0.1 s to 0.3 s it rises freely, and draws two of the three lines straight without force.
+fn hung(knot: &str) -> mbd_scene::Scene {
+    read(&format!(
+        "model Hung {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            world {{ frame left at [-1.0, 0.0, 2.0] m, frame right at [1.0, 0.0, 2.0] m }}
+            point bob {{ mass: 1 kg, start at [0.2, 0.1, 0.6] m }}
+            point knot {{ {knot} }}
+            line la from world.left to knot {{ free_length: 1.1 m, stiffness: 2 kN/m, damping: 20 N*s/m }}
+            line lb from world.right to knot {{ free_length: 1.2 m, stiffness: 2 kN/m, damping: 20 N*s/m }}
+            line lc from knot to bob {{ free_length: 0.5 m, stiffness: 2 kN/m, damping: 20 N*s/m }}
+        }}"
+    ))
+}
+
+/// Where the bob is at a time [m].
+fn bob_at(knot: &str, options: Options, time: f64) -> [f64; 3] {
+    let model = Interpreted::<f64>::new(hung(knot), &[]).expect("no params");
+    let method = options.method;
+    let mut run = Simulation::new(&model, options).expect("a method");
+    run.run(time)
+        .unwrap_or_else(|error| panic!("{method:?}: {error}"));
+    [0, 1, 2].map(|axis| run.state()[axis])
+}
+
+#[test]
+fn lines_that_are_drawn_straight_without_force_stop_no_method_at_any_tolerance() {
+    // At 0.300277 s and 0.9337 s the velocity of the knot grows without bound: the lines have no force, and the bob does not feel it. At 0.05165 s three
+    // lines in one plane stop pulling at once: two of them relax from there, and none pushes.
+    let exact = bob_at("equilibrium: rate", Options::vern7(1e-12), 1.2);
+    for rtol in [1e-8, 1e-9, 1e-10, 1e-11] {
+        let methods = [
+            Options::tsit5(rtol),
+            Options::vern7(rtol),
+            Options::rodas5p(rtol),
+        ];
+        for options in methods {
+            let method = options.method;
+            let found = bob_at("equilibrium: rate", options, 1.2);
+            let error = largest_difference(&found, &exact);
+            println!("{method:?}: {error:e} m");
+            assert!(error < 1e-9 + 10.0 * rtol, "{method:?}: {error:e} m");
+        }
+    }
+    // A light point between the same lines tends to it with its mass.
+    let start = "start at [-0.019776514773157294, 0.05580995488523501, 1.21866063160671] m";
+    let limit = bob_at("equilibrium: rate", Options::vern7(1e-10), 0.36);
+    let errors = [1e-3, 1e-4].map(|mass| {
+        let knot = format!("mass: {mass} kg, {start}");
+        let found = bob_at(&knot, Options::rodas5p(1e-8), 0.36);
+        largest_difference(&found, &limit)
+    });
+    println!("{errors:?} m");
+    assert!(errors[1] < 2e-4 && errors[1] < 0.3 * errors[0]);
+}
+
 /// A knot of four damped lines to the world; the anchor of the fourth rises through the plane of the others at 0.5 s.
 fn passing(knot: &str) -> mbd_scene::Scene {
     read(&format!(
