@@ -20,8 +20,8 @@ impl<T: Float> Leg<T> {
 
 impl<T: Float> Nodes<T> {
     /// Puts the elements of `switches` (element, new mode) into their new modes at a located event, then decides the active sets of their
-    /// nodes again where the switch left a line pushing, or idle although it would pull. The unknowns are those of the new modes afterwards. A pull that
-    /// vanishes is known to `within` [m of stretch]: the sets are those behind the event, where it has vanished, or come, by that.
+    /// nodes again where the switch left a line pushing, or idle although it would pull. The unknowns are those of the new modes afterwards. Pulls are
+    /// known to `within` [m of stretch]: one below that counts as none, but that of a line which begins to pull.
     ///
     /// # Errors
     /// As [`Nodes::solve`].
@@ -49,12 +49,12 @@ impl<T: Float> Nodes<T> {
             nodes.place_rate(stage, plan, memory);
             // Another set of lines spans other directions.
             plan.rate.hold_rank(3);
-            for (index, (_, line)) in plan.legs.iter().enumerate() {
-                let mut switches = switches.iter();
-                if let Some((_, mode)) = switches.find(|(element, _)| *element == line.line) {
-                    let pulls = *mode == Mode::Active;
-                    plan.rate
-                        .lengthen(index, if pulls { within } else { -within });
+            let switched = |line: usize| switches.iter().find(|(element, _)| *element == line);
+            let mut legs = plan.legs.iter();
+            if legs.any(|(_, leg)| switched(leg.line).is_some()) {
+                for (index, (_, line)) in plan.legs.iter().enumerate() {
+                    let begins = matches!(switched(line.line), Some((_, Mode::Active)));
+                    plan.rate.look_behind(index, begins, within);
                 }
             }
             plan.rate.solve_frozen();

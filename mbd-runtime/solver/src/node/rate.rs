@@ -249,10 +249,12 @@ impl<T: Float> RateNode<T> {
         }
     }
 
-    /// Makes a line longer than the state has it by so much [m], until the node is placed again: what it is about to be.
-    pub(crate) fn lengthen(&mut self, index: usize, by: T) {
+    /// Until the node is placed again, makes a line shorter by what lengths are known to [m], so that a pull below that is none behind an event; or longer,
+    /// if it was taut there and begins to pull.
+    pub(crate) fn look_behind(&mut self, index: usize, begins: bool, within: T) {
         if let Some(leg) = self.legs.get_mut(index) {
-            leg.stretch += by;
+            let rises = begins && leg.stretch > within;
+            leg.stretch += if rises { within } else { -within };
             leg.push = leg.pull_at(&Vector3::zeros());
         }
     }
@@ -533,9 +535,9 @@ impl<T: Float> RateNode<T> {
     }
 
     /// Rule 5, the singular approach: independent lines without force whose node reaches the line or plane through their anchors, with a velocity that grows
-    /// without bound on the way. It is put there within half a step `span` [s] of it where they are all still taut there, and carry. Where the lines are
-    /// as long as they are without force, the anchors draw them straight: put there earlier, where D is about to lose a direction, the node does not feel
-    /// it, as nothing pulls, and its lines are slack until then.
+    /// without bound on the way. Where they are all still taut there they carry from then on, and it is put there within half a step `span` [s] of it. Where
+    /// the lines are as long as they are without force, the anchors draw them straight, and they are slack until then: the bodies do not feel where the
+    /// node is, as nothing pulls, and it is put there before D loses a direction inside a step.
     #[must_use]
     pub fn crossing(&self, span: T) -> Option<Crossing<T>> {
         let rounding = self.rounding();

@@ -211,7 +211,7 @@ fn lines_that_are_drawn_straight_without_force_stop_no_method_at_any_tolerance()
     // At 0.300277 s and 0.9337 s the velocity of the knot grows without bound: the lines have no force, and the bob does not feel it. At 0.05165 s three
     // lines in one plane stop pulling at once: two of them relax from there, and none pushes.
     let exact = bob_at("equilibrium: rate", Options::vern7(1e-12), 1.2);
-    for rtol in [1e-8, 1e-9, 1e-10, 1e-11] {
+    for rtol in [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11] {
         let methods = [
             Options::tsit5(rtol),
             Options::vern7(rtol),
@@ -222,7 +222,7 @@ fn lines_that_are_drawn_straight_without_force_stop_no_method_at_any_tolerance()
             let found = bob_at("equilibrium: rate", options, 1.2);
             let error = largest_difference(&found, &exact);
             println!("{method:?}: {error:e} m");
-            assert!(error < 1e-9 + 10.0 * rtol, "{method:?}: {error:e} m");
+            assert!(error < 1e-9 + 100.0 * rtol, "{method:?}: {error:e} m");
         }
     }
     // A light point between the same lines tends to it with its mass.
