@@ -45,6 +45,7 @@ impl<S: Real> Geometry<S> {
 }
 
 /// Geometry of a line whose ends are `vector` = p_to − p_from apart.
+#[inline]
 pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
     let vector = labelled(*vector, ["e_x", "e_y", "e_z"]);
     let length = vector.dot(&vector).sqrt().label("length");
@@ -189,11 +190,13 @@ impl<S: Real> Tangent<S> {
 }
 
 /// Tension of a node line [N] by (4).
+#[inline]
 pub fn effective_tension<S: Real>(stiffness: S, stretch: S) -> S {
     (stiffness * stretch.max(S::zero())).label("tension")
 }
 
 /// Stiffness J of a taut line by (5), zero when slack [N/m]. `tangent` is that of the law that gave `tension`.
+#[inline]
 pub fn stiffness<S: Real>(geometry: &Geometry<S>, tangent: &Tangent<S>, tension: S) -> Matrix3<S> {
     let zero = S::zero();
     let taut = zero.le(geometry.stretch);

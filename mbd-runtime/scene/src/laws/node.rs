@@ -37,6 +37,7 @@ pub struct Pulled<S: Real> {
 
 impl<S: Real> Pulled<S> {
     /// Between two places [m], each with the node that is there, with K_e [N/m] and L_e [m].
+    #[inline]
     pub fn new(ends: [(Option<usize>, Vector3<S>); 2], [stiffness, free_length]: [S; 2]) -> Self {
         let mut reach = S::zero();
         for (_, p) in ends.iter().filter(|(node, _)| node.is_some()) {
@@ -105,6 +106,7 @@ pub fn equilibrium<'s, S: Real>(
 }
 
 /// Writes (1) in the order of [`Quantity::Equilibrium`](crate::Quantity::Equilibrium): g of nodes under `loads` [N], the `blocks` of H, three sums.
+#[inline]
 pub fn balance<S: Real>(
     blocks: &[(usize, usize)],
     loads: impl Iterator<Item = Vector3<S>>,
@@ -117,48 +119,67 @@ pub fn balance<S: Real>(
         write(out, first, &-load);
         first += 3;
     }
-    let (sums, zero) = (first + 6 * blocks.len(), S::zero());
+    let (nodes, zero) = (first / 3, S::zero());
+    let (gradient, rest) = out.split_at_mut(first);
+    let (stiffness, sums) = rest.split_at_mut(6 * blocks.len());
+    let (gradient, stiffness) = (
+        gradient.as_chunks_mut::<3>().0,
+        stiffness.as_chunks_mut::<6>().0,
+    );
     for line in lines {
         let force = labelled(
             line.geometry.direction.map(|u| line.tension * u),
             ["force_x", "force_y", "force_z"],
         );
         for (node, force) in line.nodes.iter().zip([-force, force]) {
-            if let Some(node) = node {
-                let sum = vector(out, 3 * node) + force;
-                write(out, 3 * node, &sum);
-            }
-        }
-        for (pair, &(row, column)) in blocks.iter().enumerate() {
-            if let Some(sign) = share(line.nodes, row, column) {
-                let own = out[first + 6 * pair..].iter_mut();
-                for (slot, element) in own.zip(elements(&line.block)) {
-                    *slot = if sign {
-                        *slot + element
-                    } else {
-                        *slot - element
-                    };
+            if let Some(own) = node.and_then(|node| gradient.get_mut(node)) {
+                for (sum, &force) in own.iter_mut().zip(&force) {
+                    *sum += force;
                 }
             }
         }
+        for (place, sign) in shares(blocks, nodes, line.nodes) {
+            for (slot, element) in stiffness[place].iter_mut().zip(elements(&line.block)) {
+                *slot = if sign {
+                    *slot + element
+                } else {
+                    *slot - element
+                };
+            }
+        }
         let taut = zero.le(line.geometry.stretch);
-        out[sums] += line.tension;
-        out[sums + 1] += S::select(
+        sums[0] += line.tension;
+        sums[1] += S::select(
             taut,
             line.stiffness * (line.geometry.length + line.reach),
             zero,
         );
-        out[sums + 2] += S::select(zero.lt(line.geometry.stretch), S::one(), zero);
+        sums[2] += S::select(zero.lt(line.geometry.stretch), S::one(), zero);
     }
 }
 
-/// How a line at these nodes enters block (row, column) of H: added, subtracted or not at all.
-fn share(nodes: [Option<usize>; 2], row: usize, column: usize) -> Option<bool> {
-    if row == column {
-        nodes.contains(&Some(row)).then_some(true)
-    } else {
-        (nodes == [Some(row), Some(column)] || nodes == [Some(column), Some(row)]).then_some(false)
-    }
+/// The blocks of H that a line at these nodes enters, by their place in `blocks`, each with whether it is added there or subtracted: found and not
+/// looked for one by one, so that what a network costs grows with its lines and not with their square.
+#[inline]
+fn shares(
+    blocks: &[(usize, usize)],
+    diagonals: usize,
+    nodes: [Option<usize>; 2],
+) -> impl Iterator<Item = (usize, bool)> {
+    // The diagonal comes first, and the pairs follow in order.
+    let pairs = blocks.get(diagonals..).unwrap_or_default();
+    let pair = match nodes {
+        [Some(from), Some(to)] => pairs
+            .binary_search(&(from.max(to), from.min(to)))
+            .ok()
+            .map(|place| (diagonals + place, false)),
+        _ => None,
+    };
+    let own = nodes
+        .into_iter()
+        .flatten()
+        .filter(move |&node| node < diagonals);
+    own.map(|node| (node, true)).chain(pair)
 }
 
 /// A line by index, the nodes at its ends and its J.
@@ -169,10 +190,8 @@ fn regularised<S: Real>(network: &Network, lines: &[StiffnessBlock<S>]) -> (DMat
     let n = network.nodes.len();
     let mut h = DMatrix::from_element(3 * n, 3 * n, S::zero());
     for (_, nodes, block) in lines {
-        for &(row, column) in &network.blocks {
-            let Some(sign) = share(*nodes, row, column) else {
-                continue;
-            };
+        for (place, sign) in shares(&network.blocks, n, *nodes) {
+            let (row, column) = network.blocks[place];
             for i in 0..3 {
                 for j in 0..3 {
                     let element = block[(i.min(j), i.max(j))];

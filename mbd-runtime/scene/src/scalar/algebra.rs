@@ -7,11 +7,13 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use crate::Real;
 
 /// The symmetric matrix with elements xx xy xz yy yz zz.
+#[inline]
 pub fn symmetric<S: Real>([xx, xy, xz, yy, yz, zz]: [S; 6]) -> Matrix3<S> {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
 /// The elements xx xy xz yy yz zz of a symmetric matrix.
+#[inline]
 pub fn elements<S: Real>(m: &Matrix3<S>) -> [S; 6] {
     [
         m[(0, 0)],
@@ -148,6 +150,7 @@ pub fn quaternion_of<S: Real>(r: &Matrix3<S>) -> [S; 4] {
 }
 
 /// Names the three components of a vector.
+#[inline]
 pub fn labelled<S: Real>(v: Vector3<S>, names: [&'static str; 3]) -> Vector3<S> {
     Vector3::new(
         v.x.label(names[0]),

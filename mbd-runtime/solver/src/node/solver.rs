@@ -4,14 +4,16 @@
 //! balanced     |g| ≤ rel (ΣT + |W|) + abs Σ K (d + |p|₁)            relative, plus the rounding of the lengths
 //! direction    (H + r 1) δ = −g,  r = 4.5 ε tr H, × 100 until every pivot is positive; by cofactors for one node with
 //!              λ_min > 1e-5 λ_max
-//! search       ψ(t) = g(p + t δ)·δ rises with t; accept |ψ(t)| ≤ |ψ(0)|/10
-//! strategy 1       Newton from the given start, at most 12 steps
+//! search       ψ(t) = g(p + t δ)·δ rises with t; accept |ψ(t)| ≤ |ψ(0)|/10, for more than one node also −9/10 |ψ(0)| ≤ ψ(t) ≤ 0
+//! strategy 1       Newton from the given start, at most 12 steps; for more than one node up to 100, from the 13th on by slope search
 //! strategy 2       from the stiffness-weighted mean of the anchors through K_max (K/K_max)^a, a = 1/8 … 1
 //! strategy 3       slope search to a cap of 300, of 5000 for more than one node
 //! ```
 //!
 //! Strategy 3 descends a convex function with Lipschitz gradient and compact level sets, so it converges from everywhere; the slope and not
 //! the energy decides the step, because the energy cannot resolve the last digits. Plain Newton alone cycles (`tests/node_counterexamples.rs`).
+//! A network begins far from its balance in some nodes and near it in most: a search from where Newton came to needs a third of the steps of a
+//! homotopy, which gives all that up; and a step along which every slope falls lowers the energy, whatever is left of the slope.
 
 use mbd_scene::Float;
 use mbd_scene::laws::line;
@@ -46,7 +48,7 @@ impl<T: Float> Tolerance<T> {
 
     /// What warm Newton is judged by with it.
     pub(crate) fn warm(self) -> Targets<T> {
-        Limits::warm(self).targets()
+        Limits::warm(self, 1).targets()
     }
 
     fn floored(relative: f64, absolute: f64) -> Self {
@@ -173,6 +175,8 @@ struct Limits<T> {
 }
 
 pub(crate) const WARM_STEPS: usize = 12;
+/// With the steps by search that follow where there is more than one node.
+const NETWORK_WARM_CAP: usize = 100;
 const HOMOTOPY_STAGES: usize = 8;
 const HOMOTOPY_PLAIN: usize = 15;
 const HOMOTOPY_CAP: usize = 40;
@@ -216,7 +220,7 @@ impl<T: Float> Solver<T> {
     }
 
     /// Solves g(p) = 0 from `p` with stiffness `k` > 0 [N/m] and free length `l` ≥ 0 [m]; `p` holds the balance if one was found and is
-    /// unchanged otherwise. At most 12 + 8·40 + 300 Newton steps, with 5000 for the 300 where there is more than one node.
+    /// unchanged otherwise. At most 12 + 8·40 + 300 Newton steps, with 100 for the 12 and 5000 for the 300 where there is more than one node.
     pub fn solve<B: Balance<T>>(
         &mut self,
         balance: &mut B,
@@ -278,7 +282,8 @@ impl<T: Float> Solver<T> {
         l: &[T],
         tolerance: Tolerance<T>,
     ) -> (Strategy, DescentEnd<T>) {
-        let warm = self.descent.newton(balance, k, l, Limits::warm(tolerance));
+        let limits = Limits::warm(tolerance, balance.nodes());
+        let warm = self.descent.newton(balance, k, l, limits);
         if !matches!(warm, DescentEnd::Stopped) {
             return (Strategy::Warm, warm);
         }
@@ -343,9 +348,13 @@ impl<T: Float> Limits<T> {
         }
     }
 
-    /// Newton from the given start, without a search.
-    fn warm(balanced: Tolerance<T>) -> Self {
-        Limits::steps(balanced, WARM_STEPS, WARM_STEPS)
+    /// Newton from the given start; a search follows where there is more than one node.
+    fn warm(balanced: Tolerance<T>, nodes: usize) -> Self {
+        let cap = match nodes {
+            0 | 1 => WARM_STEPS,
+            _ => NETWORK_WARM_CAP,
+        };
+        Limits::steps(balanced, WARM_STEPS, cap)
     }
 
     fn search(balanced: Tolerance<T>, nodes: usize) -> Self {
@@ -543,18 +552,22 @@ impl<T: Float> Descent<T> {
         norm(&self.delta).is_finite().then_some(must_search)
     }
 
-    /// A step length t at which the slope g(p + t δ)·δ has fallen to a tenth.
+    /// A step length t at which the slope g(p + t δ)·δ has fallen to a tenth; of several nodes, to nine tenths where it has not changed its sign.
     fn search<B: Balance<T>>(&mut self, balance: &mut B, k: &[T], l: &[T]) -> T {
         let start = inner(self.here.gradient(), &self.delta).abs();
         let (mut t, mut low, mut high) = (T::one(), T::zero(), None);
         let (tenth, half, four) = (T::from_f64(0.1), T::from_f64(0.5), T::from_f64(4.0));
+        let left = match balance.nodes() {
+            0 | 1 => tenth,
+            _ => T::from_f64(0.9),
+        };
         for _ in 0..SEARCH_EVALUATIONS {
             for ((x, &p), &delta) in self.trial.iter_mut().zip(&self.p).zip(&self.delta) {
                 *x = p + t * delta;
             }
             balance.evaluate(&self.trial, k, l, &mut self.there);
             let slope = inner(self.there.gradient(), &self.delta);
-            if slope.abs() <= tenth * start {
+            if slope <= tenth * start && slope >= -left * start {
                 break;
             }
             if slope < T::zero() {
