@@ -4,6 +4,7 @@
 //! detached. Positions and velocities are those of centres of mass. What the next model has not is dropped; what it has besides starts where it
 //! is given, or declared.
 
+mod hung;
 mod map;
 mod owned;
 
@@ -22,6 +23,7 @@ use crate::error::{RunError, StepError};
 use crate::laws::params_of;
 use crate::origin::{MeasuredFrom, MovingOrigin};
 use crate::unilateral::Mode;
+use hung::hang;
 pub(super) use map::HandedBefore;
 use map::HandoverMap;
 use owned::{Owned, OwnerKind, owned};
@@ -162,6 +164,7 @@ impl<T: Float> Simulation<T> {
             self.put_along_tree(last, (map, &bodies, given), &mut state, &mut handover)?;
         let measured = MeasuredFrom::new(to.layout());
         measured.measure_from(&mut state, &place);
+        let mut nowhere = Vec::new();
         for new in &news {
             let own = given.numbers.iter().find(|(name, _)| new.name == *name);
             let mapped = map.numbers(new, to.layout().directions, to.scene().angular_velocity)?;
@@ -195,8 +198,9 @@ impl<T: Float> Simulation<T> {
                     continue;
                 }
                 (None, None, None, None) => {
-                    let (name, model) = (new.name.clone(), to.scene().name.clone());
-                    return Err(StepError::StartsNowhere { name, model });
+                    handover.started.push(new.name.clone());
+                    nowhere.push(new);
+                    continue;
                 }
             };
             for (at, number) in new.places().zip(numbers) {
@@ -209,6 +213,7 @@ impl<T: Float> Simulation<T> {
                 None => handover.carried.push(new.name.clone()),
             }
         }
+        self.put_on_joints(last.time, (&measured, &place), &nowhere, &mut state)?;
         // What joints of the tree push against a body that the state has itself.
         for &(at, change) in &along_tree.pushed {
             state[at] += change;
@@ -224,6 +229,46 @@ impl<T: Float> Simulation<T> {
         let checked: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
         self.check_state(last.time, &checked)?;
         Ok((state, origin, handover, along_tree.known))
+    }
+
+    /// Puts bodies that nothing else places where joints hold them, in absolute coordinates.
+    ///
+    /// # Errors
+    /// [`StepError::StartsNowhere`] for the first that none holds.
+    fn put_on_joints(
+        &self,
+        time: f64,
+        (measured, origin): (&MeasuredFrom, &[[f64; 3]; 2]),
+        nowhere: &[&Owned],
+        state: &mut [f64],
+    ) -> Result<(), StepError> {
+        if nowhere.is_empty() {
+            return Ok(());
+        }
+        let model = &self.system.model;
+        let (scene, layout) = (model.scene(), model.layout());
+        let body_of = |new: &&Owned| {
+            let mut bodies = scene.bodies.iter();
+            let body = bodies.position(|body| body.name == new.name);
+            body.filter(|_| new.kind == OwnerKind::Body && layout.tree.is_none())
+        };
+        let bodies: Vec<usize> = nowhere.iter().filter_map(body_of).collect();
+        // Joints to the world hold in the world.
+        let own = state.iter().enumerate();
+        let mut placed: Vec<f64> = own.map(|(at, x)| x + measured.of(at, origin)).collect();
+        let params = params_of(model.params());
+        let from = StartFrom::new(&params, time);
+        let hung = hang(scene, layout, from, &bodies, &mut placed)?;
+        for new in nowhere {
+            if body_of(new).is_none_or(|body| !hung.contains(&body)) {
+                let (name, model) = (new.name.clone(), scene.name.clone());
+                return Err(StepError::StartsNowhere { name, model });
+            }
+            for at in new.places() {
+                state[at] = placed[at] - measured.of(at, origin);
+            }
+        }
+        Ok(())
     }
 
     /// Puts the joints of a tree where the bodies they carry are; says which bodies these are. A joint that is the same in both models goes on with its

@@ -467,6 +467,56 @@ fn a_body_that_the_caller_gives_begins_there_where_a_joint_of_a_tree_carries_it(
 }
 
 #[test]
+fn a_new_body_begins_where_its_joint_does_on_one_that_goes_on_in_both_families() {
+    let start = "[1, 2, 3] m rotated rpy(0.3, 0.2, 0.1) velocity [0.4, 0.5, 0.6] m/s angular_velocity [0.1, 0.2, 0.3] rad/s";
+    // b hangs on a, which goes on, and c on b, which is new as well.
+    let joints = "body c { mass: 2 kg, inertia: diag(0.3, 0.2, 0.1) kg*m^2, frame root at [0, 0.2, 0] m }
+        joint pin: universal from a.tip to b.root { axes: [x, z], angle2: { start: 40 deg, start_rate: -0.4 rad/s } }
+        joint slider: prismatic from b.com to c.root { axis: y, start: 0.3 m, start_rate: 0.2 m/s }
+        output angle1 = pin.angle1; output angle = pin.angle2; output rate = pin.angle2_rate;
+        output slide = slider.slide; output slide_rate = slider.slide_rate;";
+    let first = read(&format!(
+        "model One {{ gravity: none; body a {{ mass: 5 kg, inertia: diag(1, 2, 3) kg*m^2, start at {start} }} joint a_free: free from world to a.com; }}"
+    ));
+    let said = [
+        ("angle1", 0.0),
+        ("angle", 40_f64.to_radians()),
+        ("rate", -0.4),
+        ("slide", 0.3),
+        ("slide_rate", 0.2),
+    ];
+    let mut all = Vec::new();
+    for family in ["absolute", "relative"] {
+        let second = two_bodies(family, ["[9, 9, 9] m", ""], joints);
+        let (mut run, handover) = goes_on(&first, &second, &[]);
+        assert_eq!(handover.carried, ["a"], "{family}");
+        assert_eq!(handover.started, ["b", "c"], "{family}");
+        assert!(run.start_moved().is_empty(), "{family}");
+        for (name, exact) in said {
+            let found = run.output(name).expect("an output");
+            assert!((found - exact).abs() < 1e-12, "{family} {name}: {found}");
+        }
+        // What goes on is not moved by what comes.
+        let found = run.output("a_v.y").expect("a component");
+        assert!((found - 0.5).abs() < 1e-12, "{family}: {found}");
+        run.run(1.0).expect("a flight");
+        all.push(velocities(&mut run));
+    }
+    assert!(largest_difference(&all[0], &all[1]) < 1e-7, "{all:?}");
+    // A joint that says nothing of its coordinate holds it anywhere.
+    let joint = "joint pin: hinge from a.tip to b.root { axis: z }";
+    let second = two_bodies("absolute", ["[9, 9, 9] m", ""], joint);
+    let begin = |scene: &Scene| {
+        let model = Generic::new(scene.clone(), &[]).expect("a scene");
+        Simulation::new(&model, Options::tsit5(1e-9)).expect("options")
+    };
+    let error = begin(&second).take_over(&mut begin(&first), &[]);
+    let error = error.expect_err("b is nowhere");
+    let nowhere = matches!(&error.cause, StepError::StartsNowhere { name, .. } if name == "b");
+    assert!(nowhere, "{error}");
+}
+
+#[test]
 fn what_joints_of_the_next_scene_move_is_told_in_both_families() {
     let flying = "joint b_free: free from world to b.com; ";
     let hinge = "joint pin: hinge from a.tip to b.root { axis: z }";
