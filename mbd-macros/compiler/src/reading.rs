@@ -168,8 +168,9 @@ pub(crate) fn finish(
     messages: Messages,
     lexed: bool,
 ) -> Reading {
-    let mut resolver = resolve(model);
-    check(&mut resolver, model, messages.is_empty());
+    let whole = messages.is_empty();
+    let mut resolver = resolve(model, whole);
+    check(&mut resolver, model, whole);
     let mut errors = messages;
     if lexed && (errors.is_empty() || !model.items.is_empty()) {
         errors.extend(std::mem::take(&mut resolver.messages));

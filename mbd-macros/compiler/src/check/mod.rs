@@ -23,9 +23,8 @@ use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
 use crate::syntax::ModelSyntax;
 
-/// Runs all checks. Where items were lost in reading (not `whole`), what seems missing may be one of them.
+/// Runs all checks; `whole`: no item was lost in reading, so that each must have come somewhere.
 pub fn check(resolver: &mut Resolver<'_>, model: &ModelSyntax<'_>, whole: bool) {
-    resolver.whole &= whole;
     if whole {
         complete::check_complete(resolver, model);
     }

@@ -105,20 +105,23 @@ impl Resolver<'_> {
 
     /// Tells of coordinates that events free, or whose locks are asked for, and none locks.
     pub(super) fn unlocked(&mut self) {
-        let mut asked = std::mem::take(&mut self.asked_of_locks);
-        let mut freed = std::mem::take(&mut self.freed);
+        let asked = std::mem::take(&mut self.asked_of_locks);
+        let freed = std::mem::take(&mut self.freed);
         if self.any_bad("event") {
             // What an event with a mistake of its own would lock is not known.
-            asked.clear();
-        }
-        if self.dropped.contains("event") {
-            freed.clear();
+            return;
         }
         let say: [fn(Region, &str) -> _; 2] = [say::freed_never_locked, say::asked_never_locked];
         let freed = freed.into_iter().map(|one| (one, say[0]));
         let asked = asked.into_iter().map(|one| (one, say[1]));
         for ((lock, at), say) in freed.chain(asked) {
             let what = Detachable::Joint(lock);
+            let held = self.scene.joints.get(lock);
+            let is_bad = |&(joint, _): &(usize, usize)| self.bad.contains(&Named::Joint(joint));
+            if held.is_some_and(|held| held.law.couples().iter().any(is_bad)) {
+                // Its own `at_start` may be what is wrong.
+                continue;
+            }
             let locks = |attach: &Vec<Detachable>| attach.contains(&what);
             let mut events = self.scene.events.iter();
             let from_the_start = !self.scene.starts.detached.contains(&what);

@@ -193,9 +193,10 @@ enum ResolvedSoFar {
     Outputs,
 }
 
-/// Resolves a model as far as it goes.
-pub fn resolve<'a>(model: &'a ModelSyntax<'a>) -> Resolver<'a> {
+/// Resolves a model as far as it goes. Where items were lost in reading (not `whole`), what seems missing may be one of them.
+pub fn resolve<'a>(model: &'a ModelSyntax<'a>, whole: bool) -> Resolver<'a> {
     let mut resolver = Resolver::new(model);
+    resolver.whole = whole;
     resolver.settings(model);
     resolver.collect_numbers(model);
     resolver.consts();
