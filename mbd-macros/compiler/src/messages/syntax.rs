@@ -180,6 +180,8 @@ pub fn unknown_item(at: Region, word: &str) -> LexemeMessage {
     } else if let Some(kind) = joint_kind(word) {
         let form = joint_form(kind);
         format!("; `{kind}` is a kind of joint, `{form}`")
+    } else if let Some(answer) = foreign::translated(foreign::EXPECTED_JOINTS, word) {
+        format!("; {answer}")
     } else if similar::nearest(word, known.iter().copied().chain([THE_RUN])) == Some(THE_RUN) {
         let answer = foreign::translated(foreign::EXPECTED_ITEMS, THE_RUN).unwrap_or_default();
         format!("; did you mean `{THE_RUN}`? {answer}")
@@ -213,10 +215,13 @@ pub fn shown_without_name(at: Region, item: &ItemWord, word: &str) -> LexemeMess
 const THE_RUN: &str = "run";
 
 /// The joint that a word means, in the language or in that of another tool.
-fn joint_kind(word: &str) -> Option<&'static str> {
-    let own = JointLaw::KEYWORDS.iter().find(|known| **known == word);
-    own.copied()
-        .or_else(|| foreign::translated(foreign::FOREIGN_JOINTS, word))
+pub fn joint_kind(word: &str) -> Option<&'static str> {
+    let kind = |word: &str| {
+        let own = JointLaw::KEYWORDS.iter().find(|known| **known == word);
+        own.copied()
+            .or_else(|| foreign::translated(foreign::FOREIGN_JOINTS, word))
+    };
+    kind(word).or_else(|| kind(foreign::bare_joint(word)))
 }
 
 /// How a joint of this kind is written.

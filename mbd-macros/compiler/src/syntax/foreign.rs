@@ -38,7 +38,6 @@ pub const FOREIGN_ITEMS: Dictionary = &[
     ("parameter", "param"),
     ("marker", "frame"),
     ("site", "frame"),
-    ("constraint", "joint"),
     ("ground", "world"),
     ("mate", "joint"),
     ("part", "body"),
@@ -71,6 +70,9 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ("integrator", INTEGRAL),
     ("ode", INTEGRAL),
     ("der", INTEGRAL),
+    ("constraint", HELD),
+    ("constrain", HELD),
+    ("equation", HELD),
     ("contact", CONTACT),
     ("collision", CONTACT),
     ("pulley", LED_OVER),
@@ -131,6 +133,7 @@ pub const EXPECTED_ITEMS: Dictionary = &[
 ];
 
 const THE_RUN: &str = "how long and by which method a model runs is no part of its declaration: it stands in `[run]` of a scene file, behind the last `}` of a `.mbd`, with `until = \"3 s\"` on a line of its own, or behind `mbd run`, `--until \"3 s\"`";
+const HELD: &str = "what holds bodies is a joint of some kind, `joint pin: hinge from world to link.top { axis: y }`, and what holds two coordinates to each other a gear, `joint teeth: gear from pin.angle to way.slide { ratio: 40 mm }`; a coordinate that follows a course has a `motor`, and no other equation can be declared";
 const CONTACT: &str = "contact cannot be declared yet; a soft one is a load, such as `load push on body at foot = max(0, -body.foot.position.z) * [0, 0, 100] kN/m`";
 /// A line over a pulley.
 pub const LED_OVER: &str =
@@ -615,7 +618,40 @@ pub const FOREIGN_JOINTS: Dictionary = &[
     ("mimic", "gear"),
     ("transmission", "gear"),
     ("coupler", "gear"),
+    ("belt", "gear"),
+    ("chain", "gear"),
+    ("worm", "gear"),
+    ("pinion", "gear"),
+    ("bearing", "hinge"),
+    ("axle", "hinge"),
+    ("rail", "prismatic"),
+    ("cylinder", "cylindrical"),
+    ("slot", "point_on_line"),
     ("floating", "free"),
     ("freejoint", "free"),
     ("six_dof", "free"),
 ];
+
+/// Joints that people expect, and how what they mean is said here.
+pub const EXPECTED_JOINTS: Dictionary = &[
+    ("rolling", ROLLING),
+    ("roll", ROLLING),
+    ("rolls", ROLLING),
+    ("wheel", ROLLING),
+    ("no_slip", ROLLING),
+    ("pulley", LED_OVER),
+    ("contact", CONTACT),
+];
+
+const ROLLING: &str = "what rolls along a line is held to its way by a gear, whose ratio is the radius: `joint way: prismatic from world to carriage.com { axis: x }`, `joint axle: hinge from carriage.com to wheel.com { axis: y }`, `joint rolling: gear from axle.angle to way.slide { ratio: 0.3 m }`; what rolls in any direction cannot be declared";
+
+/// How another tool calls joints, in front of their kind or behind it.
+const IS_A_JOINT: &str = "joint";
+
+/// A word of another tool without what says that it is a joint: `universal` of `universal_joint`.
+pub fn bare_joint(word: &str) -> &str {
+    let behind = word.strip_suffix(IS_A_JOINT);
+    let before = || word.strip_prefix(IS_A_JOINT);
+    let bare = behind.or_else(before).unwrap_or(word).trim_matches('_');
+    if bare.is_empty() { word } else { bare }
+}

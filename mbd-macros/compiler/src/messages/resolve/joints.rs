@@ -5,23 +5,43 @@ use mbd_scene::{Dimension, JointLaw};
 
 use crate::lexeme::Region;
 use crate::messages::LexemeMessage;
-use crate::messages::similar::did_you_mean;
-use crate::messages::syntax::ended;
+use crate::messages::similar::{all_nearest, did_you_mean};
+use crate::messages::syntax::{ended, joint_kind};
 use crate::syntax::{foreign, quantities};
 use crate::units::{self, described};
 
 pub fn joint_law(at: Region, word: &str) -> LexemeMessage {
     let known = JointLaw::KEYWORDS;
-    let text = if let Some(ours) = foreign::translated(foreign::FOREIGN_JOINTS, word) {
-        format!("unknown joint `{word}`; here it is called `{ours}`")
+    let answer = if let Some(ours) = joint_kind(word) {
+        format!("; here it is called `{ours}`")
+    } else if let Some(answer) = foreign::translated(foreign::EXPECTED_JOINTS, word) {
+        format!("; {answer}")
     } else {
         format!(
-            "unknown joint `{word}`{} joints: {}",
-            ended(did_you_mean(word, known.iter().copied())),
+            "{} joints: {}",
+            ended(nearest_kind(foreign::bare_joint(word))),
             known.join(", ")
         )
     };
-    LexemeMessage::new(at, text)
+    LexemeMessage::new(at, format!("unknown joint `{word}`{answer}"))
+}
+
+/// The kind that was probably meant, by our word for it or by that of another tool.
+fn nearest_kind(word: &str) -> String {
+    let own = did_you_mean(word, JointLaw::KEYWORDS.iter().copied());
+    if !own.is_empty() {
+        return own;
+    }
+    let theirs = foreign::FOREIGN_JOINTS.iter().map(|(theirs, _)| *theirs);
+    let near = all_nearest(word, theirs).into_iter();
+    let mut ours: Vec<&str> = near
+        .filter_map(|theirs| foreign::translated(foreign::FOREIGN_JOINTS, theirs))
+        .collect();
+    ours.dedup();
+    match ours[..] {
+        [ours] => format!("; did you mean `{ours}`?"),
+        _ => String::new(),
+    }
 }
 
 pub fn joint_on_massless(at: Region, name: &str) -> LexemeMessage {
