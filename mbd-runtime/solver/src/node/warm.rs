@@ -5,6 +5,9 @@ use nalgebra::Vector3;
 
 use super::balance::{BalanceEvaluation, inner};
 
+/// Rounding that is more than this part of all forces, over the root of the tolerance of rounding, resolves no balance: 1e-5 of them in f64, 0.2 in f32.
+const UNRESOLVED: f64 = 300.0;
+
 /// Where a descent stands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Standing<S: Real> {
@@ -39,7 +42,17 @@ impl<S: Real> Targets<S> {
         let is_zero = |x: S| S::both(x.le(zero), zero.le(x));
         let faint = S::select(tension.le(self.slack * floor), one, zero);
         let idle = S::select(is_zero(here.stretched()), one, faint);
-        let target = self.relative * (tension + load) + self.absolute * floor;
+        let (scale, rounding) = (tension + load, self.absolute * floor);
+        // Several nodes that nothing holds against their load fly off, until rounding of their places outweighs it: that is no balance.
+        let rounding = match here.gradient().len() {
+            0..=3 => rounding,
+            _ => {
+                let most = S::from_f64(UNRESOLVED) * self.absolute.sqrt() * scale;
+                let too_much = S::both(zero.lt(load), most.lt(rounding));
+                S::select(too_much, most, rounding)
+            }
+        };
+        let target = self.relative * scale + rounding;
         Standing {
             slack: S::both(is_zero(load), zero.lt(idle)),
             balanced: residual.le(target),

@@ -83,7 +83,8 @@ fn tensions_of_a_network_are_unique_from_any_start() {
 #[test]
 fn forces_on_every_node_of_a_network_balance_its_load() {
     let mut random = Random::new(6);
-    for _ in 0..200 {
+    let mut refused = 0;
+    for _ in 0..2000 {
         let mut web = network(&mut random);
         for load in &mut web.loads {
             *load = random.vector(50.0);
@@ -92,7 +93,10 @@ fn forces_on_every_node_of_a_network_balance_its_load() {
         let found = match web.solve(&start, Tolerance::inside_step()) {
             Ok(found) => found,
             // A loaded group of nodes that no line ties to an anchor has no balance.
-            Err(NodeError::NotConverged { .. }) => continue,
+            Err(NodeError::NotConverged { .. }) => {
+                refused += 1;
+                continue;
+            }
             Err(other) => panic!("{other}"),
         };
         let mut balance = WebBalance::new(&web);
@@ -102,6 +106,8 @@ fn forces_on_every_node_of_a_network_balance_its_load() {
         let strongest = found.tensions.iter().fold(50.0f64, |m, t| m.max(*t));
         assert!(at.gradient().iter().all(|g| g.abs() < 1e-9 * strongest));
     }
+    // Such groups fly off until rounding of their places outweighs their load.
+    assert!((1..50).contains(&refused), "{refused}");
 }
 
 #[test]
