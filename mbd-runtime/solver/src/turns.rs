@@ -5,6 +5,7 @@ use mbd_scene::{Detachable, Float, JointStart, Layout, begin_next_to, said_coord
 
 use crate::laws::Laws;
 use crate::system::System;
+use crate::unilateral::Mode;
 
 /// The most that an angle turns over an adaptive step [rad]: beyond half a turn it would not be known which turn it is.
 pub(crate) const MOST: f64 = 2.0;
@@ -40,16 +41,31 @@ impl<T: Float> System<T> {
     /// What a run remembers where it begins: the turns of angles, and where coordinates are that are locked from the start.
     pub(crate) fn remember_starts(&mut self, given: &[JointStart], at: (f64, &[T])) {
         self.count_turns_from_starts(given, at);
+        let model = self.model.clone();
+        self.hold_locks(at, |lock| !model.scene().starts.detached.contains(&lock));
+    }
+
+    /// What a run remembers where it goes on from another one, whose locks may have measured their coordinates from elsewhere: where its own are here that
+    /// are locked.
+    pub(crate) fn remember_locked(&mut self, at: (f64, &[T])) {
+        let (model, modes) = (self.model.clone(), self.memory.modes().to_vec());
+        let is_locked = |lock: Detachable| {
+            let switch = model.layout().switch_of(lock);
+            switch.is_some_and(|at| modes.get(at) != Some(&Mode::Detached))
+        };
+        self.hold_locks(at, is_locked);
+    }
+
+    /// Some locks hold their coordinates where these are.
+    fn hold_locks(&mut self, at: (f64, &[T]), which: impl Fn(Detachable) -> bool) {
         if self.model.layout().locks == 0 {
             return;
         }
         let places = self.locked(at.0, at.1);
         let model = self.model.clone();
-        for joint in 0..model.layout().joints.len() {
-            let what = Detachable::Joint(joint);
-            if !model.scene().starts.detached.contains(&what) {
-                self.memory.hold_at(model.layout(), what, &places);
-            }
+        let joints = (0..model.layout().joints.len()).map(Detachable::Joint);
+        for lock in joints.filter(|&lock| which(lock)) {
+            self.memory.hold_at(model.layout(), lock, &places);
         }
         self.nodes.hold_modes(&self.memory);
         self.probe.hold_modes(&self.memory);

@@ -7,6 +7,7 @@
 mod hung;
 mod map;
 mod owned;
+mod unkept;
 
 use std::f64::consts::TAU;
 
@@ -27,6 +28,7 @@ use hung::hang;
 pub(super) use map::HandedBefore;
 use map::HandoverMap;
 use owned::{Owned, OwnerKind, owned};
+use unkept::{alike, detachables, unkept};
 
 /// Coordinates of a joint that differ by less are those that it had [m or rad, or of the size of the coordinate].
 const SAME: f64 = 1e-9;
@@ -40,6 +42,10 @@ pub struct Handover {
     pub dropped: Vec<String>,
     /// Those that the last model had not.
     pub started: Vec<String>,
+    /// Lines, springs and joints that were detached and hold in the next model, where no event detaches or attaches them.
+    pub attached: Vec<String>,
+    /// Coordinates that were locked, `pin.angle`, and move in the next model, where no event locks or frees them.
+    pub freed: Vec<String>,
     /// Linear [kg m/s] and angular [kg m²/s] momentum about the world origin, before and after.
     pub momentum: [[f64; 6]; 2],
     /// Kinetic, gravitational and elastic energy [J], before and after; `None` where gravity is the caller's.
@@ -99,10 +105,12 @@ impl<T: Float> Simulation<T> {
         self.put(last.time, origin, &state)?;
         self.hold_the_same(last);
         self.detach_the_same(last);
+        [handover.attached, handover.freed] = unkept(last, self.system.model.scene());
         let (from, to) = (last.system.model.clone(), self.system.model.clone());
         let same = |joint: usize| same_joint(from.scene(), (to.scene(), joint), &map);
         self.system
             .count_on(&last.system, &same, &last.state, &mut self.state);
+        self.system.remember_locked((self.time, &self.state));
         self.begin_after(true)?;
         if to.layout().tree.is_some() {
             // Joints of a tree hold whatever the state: what they moved is not in it.
@@ -431,15 +439,10 @@ impl<T: Float> Simulation<T> {
     /// Detaches what is detached under the same name.
     fn detach_the_same(&mut self, last: &Self) {
         let (from, to) = (last.system.model.clone(), self.system.model.clone());
-        let all = |scene: &Scene| {
-            let lines = (0..scene.lines.len()).map(Detachable::Line);
-            let joints = (0..scene.joints.len()).map(Detachable::Joint);
-            lines.chain(joints).collect::<Vec<_>>()
-        };
-        for new in all(to.scene()) {
+        for new in detachables(to.scene()) {
             let name = to.scene().detachable_name(new);
-            let mut olds = all(from.scene()).into_iter();
-            let old = olds.find(|old| from.scene().detachable_name(*old) == name);
+            let old = detachables(from.scene())
+                .find(|&old| alike(old, new) && from.scene().detachable_name(old) == name);
             let place = |layout: &Layout, what: Detachable| {
                 layout
                     .switch_of(what)
@@ -454,13 +457,6 @@ impl<T: Float> Simulation<T> {
                     _ => Mode::Free,
                 };
                 self.system.memory.set_mode(at, mode);
-                let held = old.and_then(|old| from.layout().held_of(old));
-                let held = held.and_then(|held| last.system.memory.held.get(held).copied());
-                let slot = to.layout().held_of(new);
-                let slot = slot.and_then(|slot| self.system.memory.held.get_mut(slot));
-                if let (Some(slot), Some(held)) = (slot, held) {
-                    *slot = held;
-                }
             }
         }
     }

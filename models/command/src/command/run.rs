@@ -20,7 +20,7 @@ use crate::run::{
     CampaignMistakes, Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
     cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
     publish_gltf, publish_phases, regularised, short_of_digits, summary_json, warning,
-    warning_of_handover,
+    warning_of_handover, warnings_of_unkept,
 };
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -212,6 +212,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             &segment.outcome,
         ));
         warnings.extend(warning_of_handover(phase.model.scene(), segment));
+        warnings.extend(warnings_of_unkept(phase.model.scene(), segment));
         warnings.extend(warnings_of_reactions(phase.model.scene()));
         warnings.extend(undefined(&segment.outcome));
         warnings.extend(regularised(phase.model.scene(), &segment.outcome));

@@ -23,7 +23,7 @@ pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{cut_windows_of_all, publish_phases, summary as phases_json};
 pub use quality::{Quality, not_finite};
 pub use singular::regularised;
-pub use start::{warning, warning_before, warning_of, warning_of_handover};
+pub use start::{warning, warning_before, warning_of, warning_of_handover, warnings_of_unkept};
 pub use summary::summary_json;
 
 #[cfg(test)]

@@ -81,6 +81,29 @@ pub fn warning_of_handover(scene: &Scene, segment: &Segment) -> Option<String> {
     ))
 }
 
+/// A sentence for each line, spring and joint that was detached and holds in the scene that goes on, and for each coordinate that was locked and moves there,
+/// because no event of that scene says otherwise.
+#[must_use]
+pub fn warnings_of_unkept(scene: &Scene, segment: &Segment) -> Vec<String> {
+    let Some(handover) = &segment.handover else {
+        return Vec::new();
+    };
+    let attached = handover.attached.iter().map(|name| {
+        format!(
+            "warning: `{name}` was detached, and holds in `{}`, where no event detaches or attaches it: if it is to stay detached, leave it out there or give it \
+             `at_start: detached`",
+            scene.name
+        )
+    });
+    let freed = handover.freed.iter().map(|name| {
+        format!(
+            "warning: `{name}` was locked, and moves in `{}`, where no event locks or frees it: if it is to stay where it is, give it `at_start: locked` there",
+            scene.name
+        )
+    });
+    attached.chain(freed).collect()
+}
+
 /// The same as [`warning`] before any run of a plan; `None` also where it cannot start, which is told where it is run.
 #[must_use]
 pub fn warning_before(scene: &Scene, plan: &RunPlan) -> Option<String> {

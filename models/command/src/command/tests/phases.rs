@@ -139,6 +139,147 @@ fn a_scene_without_a_line_goes_on_as_the_same_scene_with_the_line_detached() {
     }
 }
 
+/// A rope of weight m g in its spring at rest, and a bar that stands out at 50 degrees. What the next scene cannot detach or lock is as it declares it: the rope that
+/// was cut pulls again, and the bar falls. With an event for each in the next scene, whenever that happens, both stay as they were.
+#[test]
+fn what_was_detached_or_locked_and_does_not_stay_so_is_told_by_name() {
+    let folder = Folder::new("phases_unkept");
+    let items = "gravity: [0.0, 0.0, -9.81] m/s^2;
+        point bob { mass: 1 kg, start at [0.0, 2.0, -2.0] m }
+        body bar { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [0.0, 0.0, 0.5] m }
+        line rope from world to bob { free_length: 1 m, stiffness: 1 N/m }
+        joint pin: hinge from world to bar.root { axis: y, start: 50 deg }
+        output swing = pin.angle in deg;
+        output pull = rope.tension;";
+    let settings = "[run]\nuntil = \"1 s\"\n";
+    let first = |actions: &str| {
+        format!(
+            "model First {{ {items} event done = time rises 0 s {{ {actions} }}
+                event over = time rises 0.5 s {{ then: scene \"second.mbd\" }} }}\n{settings}"
+        )
+    };
+    let rope = "warning: `rope` was detached, and holds in `Second`";
+    let pin = "warning: `pin.angle` was locked, and moves in `Second`";
+    let flown = |actions: &str, later: &str| {
+        let file = folder.file("first.mbd", &first(actions));
+        folder.file(
+            "second.mbd",
+            &format!("model Second {{ {items} {later} }}\n{settings}"),
+        );
+        let out = folder.0.join("out").display().to_string();
+        let text = run(&["run", &file, "--no-estimate", "--out", &out]).expect("a run");
+        let summary = std::fs::read_to_string(folder.0.join("out/summary.json"));
+        let summary: Value = serde_json::from_str(&summary.expect("a summary")).expect("JSON");
+        let [swing, pull] = ["swing", "pull"].map(|name| last(&summary, 1, name));
+        ([text.contains(rope), text.contains(pin)], swing, pull)
+    };
+    let both = "detach: rope, lock: pin";
+    let (told, swing, pull) = flown(both, "");
+    assert_eq!(told, [true, true]);
+    assert!(swing < 40.0 && pull > 1.0, "{swing} {pull}");
+    let changes = "event late = time rises 9 s { attach: rope, lock: pin }";
+    let (told, swing, pull) = flown(both, changes);
+    assert_eq!(told, [false, false]);
+    assert!((swing - 50.0).abs() < 1e-9 && pull == 0.0, "{swing} {pull}");
+    // What was attached again, and freed again, goes on as it was.
+    let events =
+        "attach: rope, free: pin } event before = time rises -1 s { detach: rope, lock: pin";
+    assert_eq!(flown(events, "").0, [false, false]);
+}
+
+/// An arm that was locked, or that the next scene locks, stays where it is, whatever the angle is measured from there: the frame of its joint is turned by 30 degrees.
+#[test]
+fn a_lock_holds_the_arm_where_it_is_though_the_next_scene_measures_its_angle_from_elsewhere() {
+    let folder = Folder::new("phases_lock");
+    for (coordinates, before, at_start, after) in [
+        (
+            "absolute",
+            "event held = time rises 0.3 s { lock: pin }",
+            "",
+            "event late = time rises 9 s { lock: pin }",
+        ),
+        (
+            "relative",
+            "event held = time rises 0.3 s { lock: pin }",
+            "",
+            "event late = time rises 9 s { lock: pin }",
+        ),
+        (
+            "absolute",
+            "",
+            ", at_start: locked",
+            "event late = time rises 9 s { free: pin }",
+        ),
+        (
+            "relative",
+            "",
+            ", at_start: locked",
+            "event late = time rises 9 s { free: pin }",
+        ),
+    ] {
+        let scene = |name: &str, turned: &str, start: &str, events: &str| {
+            format!(
+                "model {name} {{ gravity: [0.0, 0.0, -9.81] m/s^2; coordinates: {coordinates};
+                    body arm {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [0.0, 0.0, 0.5] m {turned} }}
+                    joint pin: hinge from world to arm.root {{ axis: y{start} }}
+                    {events}
+                    output x = arm.position.x;
+                    output swing = pin.angle in deg; }}
+                [run]\nuntil = \"1 s\"\n"
+            )
+        };
+        let events =
+            format!("{before} event over = time rises 0.6 s {{ then: scene \"second.mbd\" }}");
+        // Beyond a turn: the lock holds the turn, too.
+        let first = folder.file(
+            "first.mbd",
+            &scene("First", "", ", start: 410 deg", &events),
+        );
+        let turned = "rotated about(y, 30 deg)";
+        folder.file("second.mbd", &scene("Second", turned, at_start, after));
+        let summary = flown(&folder, &first, &[]);
+        let [before, after] = [0, 1].map(|phase| last(&summary, phase, "x"));
+        assert!(
+            (after - before).abs() < 1e-9,
+            "{coordinates}: {before} {after}"
+        );
+        let [before, after] = [0, 1].map(|phase| last(&summary, phase, "swing"));
+        assert!(
+            (after - before - 30.0).abs() < 1e-6,
+            "{coordinates}: {before} {after}"
+        );
+    }
+}
+
+/// A bar hangs at rest on the hinge `tie` of the second scene. That a rope called `tie` was cut in the first is nothing to it.
+#[test]
+fn a_joint_is_not_detached_because_a_line_of_its_name_was() {
+    let folder = Folder::new("phases_kinds");
+    let bar = "gravity: [0.0, 0.0, -9.81] m/s^2;
+        body bar { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [0.0, 0.0, 0.5] m, start at [0.0, 0.0, -0.5] m }
+        output height = bar.position.z;";
+    let first = folder.file(
+        "first.mbd",
+        &format!(
+            "model First {{ {bar} joint loose: free from world to bar.com;
+                load hand on bar = [0 N, 0 N, 9.81 N];
+                line tie from world to bar.com {{ free_length: 1 m, stiffness: 1 N/m }}
+                event cut = time rises 0.1 s {{ detach: tie }}
+                event over = time rises 0.2 s {{ then: scene \"second.mbd\" }} }}
+            [run]\nuntil = \"1 s\"\n"
+        ),
+    );
+    folder.file(
+        "second.mbd",
+        &format!(
+            "model Second {{ {bar} joint tie: hinge from world to bar.root {{ axis: y }}
+                event late = time rises 9 s {{ detach: tie }} }}"
+        ),
+    );
+    let height = last(&flown(&folder, &first, &[]), 1, "height");
+    assert!((height + 0.5).abs() < 1e-9, "{height}");
+}
+
 /// A capsule with its heat shield as one body of 100 kg, 0.8 m of which lie between the centres of its parts.
 const STACK: &str = r#"model Stack {
     gravity: none;
