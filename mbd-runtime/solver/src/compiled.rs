@@ -486,13 +486,14 @@ impl<T: Scalar> Simulation<T> {
             numbers: given,
             event: None,
             placed: &[],
+            held: &[],
         };
         T::go_on_from(self, last, given)
     }
 
     /// As [`Simulation::take_over`], after an event of the last model that names the scene of this one (`then: scene "…"`), by its index: what its
     /// `map` names begins where the map says. `placed` are the bodies and points that the state of this run places ([`Simulation::set_state`]), as a
-    /// declaration would.
+    /// declaration would; `held` are the inputs that stay where this run holds them ([`Simulation::set_inputs`]), whatever the last one held.
     ///
     /// # Errors
     /// As [`Simulation::take_over`]; and a map that names what is not there, or of another kind.
@@ -501,11 +502,13 @@ impl<T: Scalar> Simulation<T> {
         last: &mut Simulation<T>,
         event: usize,
         placed: &[String],
+        held: &[String],
     ) -> Result<Handover, RunError> {
         let given = Given {
             numbers: &[],
             event: Some(event),
             placed,
+            held,
         };
         T::go_on_from(self, last, given)
     }

@@ -201,7 +201,7 @@ pub fn go_on(
     let own = own.map_err(|error| unfit(error.to_string()))?;
     let mut run = Simulation::new(&*own, plan.options)?;
     plan.begin(&mut run)?;
-    let handover = run.take_over_at(last, event, &plan.placed)?;
+    let handover = run.take_over_at(last, event, &plan.placed, &plan.held)?;
     // What is carried moves as it did before, not as this scene would begin alone.
     plan.moving.clear();
     plan.turning.clear();

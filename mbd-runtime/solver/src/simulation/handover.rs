@@ -61,6 +61,8 @@ pub struct Given<'a, T> {
     pub event: Option<usize>,
     /// Bodies and points that the state of this run places, as a declaration would.
     pub placed: &'a [String],
+    /// Inputs that this run holds at its own numbers, whatever the last one held.
+    pub held: &'a [String],
 }
 
 /// What became of the bodies of a tree.
@@ -103,7 +105,7 @@ impl<T: Float> Simulation<T> {
             .state_after(last, given, &map)
             .map_err(|cause| self.failed(cause))?;
         self.put(last.time, origin, &state)?;
-        self.hold_the_same(last);
+        self.hold_the_same(last, given.held);
         self.detach_the_same(last);
         [handover.attached, handover.freed] = unkept(last, self.system.model.scene());
         let (from, to) = (last.system.model.clone(), self.system.model.clone());
@@ -409,8 +411,8 @@ impl<T: Float> Simulation<T> {
         momentum
     }
 
-    /// Holds the inputs that the last run held under the same names.
-    fn hold_the_same(&mut self, last: &Self) {
+    /// Holds the inputs that the last run held under the same names, but for those that this run holds at its own numbers.
+    fn hold_the_same(&mut self, last: &Self, own: &[String]) {
         let (from, to) = (&last.system.model, &self.system.model);
         let name = |model: &dyn Model<T>, source: InputSource| match source {
             InputSource::Input(index) => model
@@ -421,7 +423,7 @@ impl<T: Float> Simulation<T> {
             _ => None,
         };
         for slots in &to.layout().inputs {
-            let wanted = name(&**to, slots.source);
+            let wanted = name(&**to, slots.source).filter(|name| !own.contains(name));
             let mut olds = from.layout().inputs.iter();
             let old = olds.find(|old| {
                 wanted.is_some() && old.len == slots.len && name(&**from, old.source) == wanted

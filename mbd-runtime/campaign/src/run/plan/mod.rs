@@ -19,7 +19,7 @@ pub(crate) use start::{about, coordinate_unit, whole_name};
 use method::options;
 use start::{said, start};
 pub(crate) use supplied::repeated;
-use supplied::{inputs, params, together};
+use supplied::{inputs, params, said_to_be_held, together};
 
 /// Everything a run needs, in SI numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +48,8 @@ pub struct RunPlan {
     pub nodes: Option<Vec<f64>>,
     /// What the caller supplies, held constant.
     pub inputs: Vec<f64>,
+    /// The inputs of which the settings say where they are held.
+    pub held: Vec<String>,
     /// Whether a second, finer run tells the error of the first.
     pub estimate: bool,
     /// When the mechanism is drawn [s]; empty: evenly over the run.
@@ -118,6 +120,7 @@ impl RunPlan {
                     assembly: start.assembly,
                     nodes: start.nodes,
                     inputs,
+                    held: said_to_be_held(scene, &settings.inputs),
                     estimate: settings.estimate.unwrap_or(true),
                     instants,
                     figures,

@@ -152,6 +152,15 @@ pub(crate) fn repeated<'s>(scene: &'s Scene, name: &str) -> Vec<&'s Input> {
         .collect()
 }
 
+/// The inputs of which these settings say where they are held, each by itself or all that were declared together.
+pub(super) fn said_to_be_held(scene: &Scene, given: &Table) -> Vec<String> {
+    let said = |name: &str| {
+        given.contains_key(name) || together(name).is_some_and(|all| given.contains_key(all))
+    };
+    let names = scene.inputs.iter().map(|input| &input.name);
+    names.filter(|name| said(name)).cloned().collect()
+}
+
 /// The name that an input was repeated from.
 pub(super) fn together(name: &str) -> Option<&str> {
     name.split_once('[').map(|(all, _)| all)

@@ -280,6 +280,42 @@ fn a_joint_is_not_detached_because_a_line_of_its_name_was() {
     assert!((height + 0.5).abs() < 1e-9, "{height}");
 }
 
+/// A kilogram that an input pushes for a second each: by how much its speed grows in the second scene says which force that was.
+#[test]
+fn an_input_is_held_at_what_the_scene_that_flies_says_of_it_and_else_goes_on() {
+    let folder = Folder::new("phases_inputs");
+    let items = "gravity: none;
+        input push[i in 0..2]: force = 1 N;
+        point sled[i in 0..2] { mass: 1 kg, start at [0, 0, 0] m }
+        load thrust[i in 0..2] on sled[i] = [push[i], 0 N, 0 N];
+        output speed[i in 0..2] = sled[i].velocity.x;";
+    let first = folder.file(
+        "first.mbd",
+        &format!(
+            "model First {{ {items} event over = time rises 1 s {{ then: scene \"second.mbd\" }} }}
+            [run]\nuntil = \"2 s\"\n[run.inputs]\npush = \"3 N\"\n"
+        ),
+    );
+    let gained = |said: &str, more: &[&str]| {
+        let settings = format!("[run]\nuntil = \"2 s\"\n[run.inputs]\n{said}\n");
+        let second = format!("model Second {{ {items} }}\n{settings}");
+        folder.file("second.mbd", &second);
+        let summary = flown(&folder, &first, more);
+        ["speed[0]", "speed[1]"].map(|name| last(&summary, 1, name) - last(&summary, 0, name))
+    };
+    let near = |found: [f64; 2], wanted: [f64; 2]| {
+        let off = [0, 1].map(|k| (found[k] - wanted[k]).abs());
+        assert!(off.iter().all(|off| *off < 1e-9), "{found:?} {wanted:?}");
+    };
+    near(gained("", &[]), [3.0, 3.0]);
+    near(gained("push = \"5 N\"", &[]), [5.0, 5.0]);
+    near(gained("\"push[1]\" = \"7 N\"", &[]), [3.0, 7.0]);
+    near(
+        gained("push = \"5 N\"", &["--input", "push=9 N"]),
+        [9.0, 9.0],
+    );
+}
+
 /// A capsule with its heat shield as one body of 100 kg, 0.8 m of which lie between the centres of its parts.
 const STACK: &str = r#"model Stack {
     gravity: none;
