@@ -425,12 +425,9 @@ impl<T: Float> System<T> {
 
     /// Puts nodes on the line or plane that their lines are about to be drawn into without force, and lists the lines that are slack there; true when the
     /// state changed.
-    #[inline]
     pub(crate) fn straighten(&self, state: &mut [T], slack: &mut Vec<(usize, Mode)>) -> bool {
-        self.nodes.has_networks()
-            && self
-                .nodes
-                .straighten(state.get_mut(..self.nx).unwrap_or_default(), slack)
+        let state = state.get_mut(..self.nx).unwrap_or_default();
+        self.nodes.straighten(state, slack)
     }
 
     /// The last solve was at the end of a step that is accepted.

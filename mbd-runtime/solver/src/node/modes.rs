@@ -203,7 +203,7 @@ impl<T: Float> Nodes<T> {
     /// and lists the lines that are slack there. Call it as [`Nodes::project`]; `true`: the state changed.
     pub(crate) fn straighten(&self, state: &mut [T], slack: &mut Vec<(usize, Mode)>) -> bool {
         let mut changed = false;
-        for plan in self.plans.iter().filter(|_| self.frozen && !self.spanned) {
+        for plan in self.plans.iter().filter(|_| self.frozen) {
             if let Some(z) = plan.z
                 && let Some(crossing) = plan.rate.crossing(self.span).filter(|it| !it.taut)
                 && let Some(target) = state.get_mut(z..z + 3)

@@ -365,7 +365,11 @@ impl<T: Float> Simulation<T> {
             self.stays = false;
             self.method.begin(&mut self.system, end, 0.0, &self.state)?;
         }
-        self.straighten()
+        // Lines that span space are far from straight.
+        match self.system.nodes.has_networks() && !self.system.nodes.spanned {
+            true => self.straighten(),
+            false => Ok(()),
+        }
     }
 
     /// Puts nodes where their lines are about to be drawn straight without force, which are slack there, and starts again from there.
