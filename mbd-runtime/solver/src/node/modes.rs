@@ -51,7 +51,8 @@ impl<T: Float> Nodes<T> {
             plan.rate.hold_rank(3);
             let switched = |line: usize| switches.iter().find(|(element, _)| *element == line);
             let mut legs = plan.legs.iter();
-            if legs.any(|(_, leg)| switched(leg.line).is_some()) {
+            let is_behind = legs.any(|(_, leg)| switched(leg.line).is_some());
+            if is_behind {
                 for (index, (_, line)) in plan.legs.iter().enumerate() {
                     let begins = matches!(switched(line.line), Some((_, Mode::Active)));
                     plan.rate.look_behind(index, begins, within);
@@ -59,8 +60,10 @@ impl<T: Float> Nodes<T> {
             }
             plan.rate.solve_frozen();
             let decided = !plan.rate.inconsistent() || plan.rate.decide();
-            plan.rate.place_again();
-            plan.rate.solve_frozen();
+            if is_behind {
+                plan.rate.place_again();
+                plan.rate.solve_frozen();
+            }
             let result = nodes.finish_rate(plan, decided);
             memory.ranks[plan.index] = plan.rate.rank();
             for (leg, (_, line)) in plan.rate.legs().iter().zip(&plan.legs) {
