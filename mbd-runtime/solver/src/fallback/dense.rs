@@ -57,6 +57,8 @@ pub(crate) struct Dense {
     /// λ of the last accelerations (n_c); zero for rows that were not chosen.
     pub multipliers: Vec<f64>,
     lower: Vec<f64>,
+    /// Where each row of L begins: what stands before is zero (n_v).
+    begins: Vec<usize>,
     /// Q, a row a chosen row.
     units: Vec<f64>,
     /// R, row by row (n_c × n_c).
@@ -64,7 +66,7 @@ pub(crate) struct Dense {
     /// R⁻¹ γ; what is left of rows.
     along: Vec<f64>,
     rest: Vec<f64>,
-    /// What of y of every row is new against those chosen so far (n_c × n_v), and the size of y (n_c).
+    /// What of y of every row is new against those chosen so far (n_c × n_v), and the size of y (n_c), zero of those that were chosen.
     news: Vec<f64>,
     sizes: Vec<f64>,
     whole: Vec<f64>,
@@ -90,6 +92,7 @@ impl Dense {
             free: 0.0,
             multipliers: vec![0.0; nc],
             lower: vec![0.0; nv * nv],
+            begins: vec![0; nv],
             units: vec![0.0; nc * nv],
             mix: vec![0.0; nc * nc],
             along: vec![0.0; nc],
@@ -125,7 +128,7 @@ impl Dense {
     /// L of (1).
     fn factor_mass(&mut self) {
         self.lower.copy_from_slice(&self.mass);
-        Self::factor_square(&mut self.lower, self.nv);
+        self.factor_lower();
     }
 
     /// L of (1) as if every part had the mass 1: whether rows are independent is a matter of lengths alone.
@@ -136,7 +139,16 @@ impl Dense {
                 self.lower[i * n + j] = self.mass[i * n + j] / weight;
             }
         }
-        Self::factor_square(&mut self.lower, n);
+        self.factor_lower();
+    }
+
+    /// L in place; a row of it begins where the row of the matrix does.
+    fn factor_lower(&mut self) {
+        let rows = self.lower.chunks_exact(self.nv.max(1));
+        for (at, (begin, row)) in self.begins.iter_mut().zip(rows).enumerate() {
+            *begin = row.iter().take(at).position(|x| *x != 0.0).unwrap_or(at);
+        }
+        Self::factor_square(&mut self.lower, self.nv);
     }
 
     /// Cholesky of a symmetric matrix in place, from its lower half.
@@ -156,11 +168,13 @@ impl Dense {
         }
     }
 
-    /// x ← L⁻¹ x.
-    fn forward(lower: &[f64], x: &mut [f64]) {
+    /// x ← L⁻¹ x. Of the parts of a row those are left out that are zero: before it `begins`, where that is told, and before x does.
+    fn forward(lower: &[f64], begins: &[usize], x: &mut [f64]) {
         let n = x.len();
-        for i in 0..n {
-            let known: f64 = (0..i).map(|k| lower[i * n + k] * x[k]).sum();
+        let first = x.iter().position(|x| *x != 0.0).unwrap_or(n);
+        for i in first..n {
+            let begin = begins.get(i).map_or(first, |begin| first.max(*begin));
+            let known: f64 = (begin..i).map(|k| lower[i * n + k] * x[k]).sum();
             x[i] = (x[i] - known) / lower[i * n + i];
         }
     }
@@ -179,7 +193,7 @@ impl Dense {
         let (n, nc) = (self.nv, self.nc);
         let mut rest = std::mem::take(&mut self.rest);
         rest.copy_from_slice(self.row(row));
-        Self::forward(&self.lower, &mut rest);
+        Self::forward(&self.lower, &self.begins, &mut rest);
         let before = dot(&rest, &rest).sqrt();
         let line = &mut self.mix[at * nc..at * nc + at];
         line.fill(0.0);
@@ -203,14 +217,20 @@ impl Dense {
         self.factor_lengths();
         chosen.clear();
         self.new_of_rows();
-        while let Some(row) = self.newest(chosen) {
+        while let Some(row) = self.newest() {
             let at = chosen.len();
             let [_, after] = self.reduce(row, at);
             self.add(at, after);
             let unit = &self.units[at * self.nv..(at + 1) * self.nv];
-            for new in self.news.chunks_exact_mut(unit.len()) {
+            // Nobody asks again what of a row that was chosen is new.
+            self.sizes[row] = 0.0;
+            let news = self.news.chunks_exact_mut(unit.len()).zip(&self.sizes);
+            for (new, _) in news.filter(|(_, size)| **size != 0.0) {
                 let along = dot(new, unit);
-                subtract(new, along, unit);
+                // Most rows have no speed in common.
+                if along != 0.0 {
+                    subtract(new, along, unit);
+                }
             }
             chosen.push(row);
         }
@@ -221,17 +241,17 @@ impl Dense {
         self.news.copy_from_slice(&self.jacobian);
         for row in 0..self.nc {
             let new = &mut self.news[row * self.nv..(row + 1) * self.nv];
-            Self::forward(&self.lower, new);
+            Self::forward(&self.lower, &self.begins, new);
             self.sizes[row] = dot(new, new).sqrt().max(self.least(row));
         }
     }
 
     /// The row with the largest part that is new, the first of those that are as good.
-    fn newest(&self, chosen: &[usize]) -> Option<usize> {
+    fn newest(&self) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
         let rows = self.news.chunks_exact(self.nv.max(1)).zip(&self.sizes);
         for (row, (new, size)) in rows.enumerate() {
-            if chosen.contains(&row) || *size == 0.0 {
+            if *size == 0.0 {
                 continue;
             }
             let new = dot(new, new).sqrt() / size;
@@ -283,7 +303,7 @@ impl Dense {
     /// v̇ by (2) into `force`.
     pub(crate) fn accelerate(&mut self, chosen: &[usize]) {
         self.find_along(chosen);
-        Self::forward(&self.lower, &mut self.force);
+        Self::forward(&self.lower, &self.begins, &mut self.force);
         self.rest.copy_from_slice(&self.force);
         Self::backward(&self.lower, &mut self.rest);
         self.free = largest(&self.rest);

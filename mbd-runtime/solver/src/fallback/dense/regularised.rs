@@ -24,11 +24,11 @@ impl Dense {
         let (n, nc) = (self.nv, self.nc);
         let give = GIVE.max(100.0 * epsilon);
         self.factor_mass();
-        Self::forward(&self.lower, &mut self.force);
+        Self::forward(&self.lower, &self.begins, &mut self.force);
         for row in 0..nc {
             let unit = &mut self.units[row * n..(row + 1) * n];
             unit.copy_from_slice(&self.jacobian[row * n..(row + 1) * n]);
-            Self::forward(&self.lower, unit);
+            Self::forward(&self.lower, &self.begins, unit);
             // A row that is all but gone asks for next to nothing.
             let size = dot(unit, unit).max(self.least[row]).sqrt();
             self.spare[row] = if size > 0.0 { size } else { 1.0 };
@@ -61,7 +61,7 @@ impl Dense {
             if stalls || left <= epsilon * scale || left.is_nan() {
                 break;
             }
-            Self::forward(&self.mix, &mut self.along);
+            Self::forward(&self.mix, &[], &mut self.along);
             Self::backward(&self.mix, &mut self.along);
             let news = self.multipliers.iter_mut().zip(&self.along);
             for ((multiplier, more), size) in news.zip(&self.spare) {
