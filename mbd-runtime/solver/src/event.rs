@@ -58,9 +58,11 @@ enum WatchedGuard {
     },
 }
 
-/// The part of what a guard changes between four looks that a parabola may be off by, and of its size that is rounding.
+/// The part of what a guard changes between four looks that a parabola may be off by, and of its size that is rounding: in double precision, and in that of
+/// the run over its digits. A guard that goes up and down by so little of its size does not pass.
 const UNRESOLVED: f64 = 0.03;
 const ROUNDED: f64 = 1e-9;
+const ROUNDED_DIGITS: f64 = 1e3;
 /// Where one of four looks is between two others that are a part apart: no simple fraction of it, so that nothing repeats as they do.
 pub(crate) const BETWEEN: f64 = 0.414;
 
@@ -371,7 +373,8 @@ impl Margins {
 
     /// Whether the margin of a declared event that moves is elsewhere at the last of four looks, a part of [`BETWEEN`] behind the first or the second of three
     /// that are a part apart, than the parabola through these says, by more than a part of what it changes: a guard that goes up and down between them.
-    pub(crate) fn is_unresolved(&self, behind: f64) -> bool {
+    pub(crate) fn is_unresolved<T: Float>(&self, behind: f64) -> bool {
+        let rounded = ROUNDED.max(ROUNDED_DIGITS * T::EPSILON.to_f64());
         let at = |list: &[f64], index: usize| list.get(index).copied().unwrap_or_default();
         let moving = self.watched.iter().enumerate().filter(|(index, watched)| {
             let declared = matches!(watched, WatchedGuard::Declared { of_time: false, .. });
@@ -386,7 +389,7 @@ impl Margins {
             let least = all.into_iter().fold(f64::INFINITY, f64::min);
             let ends = (x - 1.0) * (0.5 * (x - 2.0) * start + 0.5 * x * two);
             let off = (between - ends - x * (2.0 - x) * one).abs();
-            off > UNRESOLVED * (most - least) && off > ROUNDED * most.abs().max(least.abs())
+            off > UNRESOLVED * (most - least) && off > rounded * most.abs().max(least.abs())
         })
     }
 

@@ -67,7 +67,7 @@ impl<T: Float> Simulation<T> {
         self.margins.before.copy_from_slice(&self.margins.now);
         for behind in [0.0, 1.0] {
             self.look_roughly(from + (behind + BETWEEN) * part, step)?;
-            if self.margins.is_unresolved(behind) {
+            if self.margins.is_unresolved::<T>(behind) {
                 return Ok(true);
             }
         }

@@ -19,6 +19,7 @@ mod origin;
 mod precision;
 mod pulses;
 mod resumed;
+mod rounded_guards;
 mod sampled_outputs;
 mod snapshots;
 mod time_jumps;
