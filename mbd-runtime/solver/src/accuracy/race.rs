@@ -15,7 +15,7 @@ const RESOLVED: f64 = 0.1;
 /// The most steps of a reference, by itself and beside one that is there.
 const LONGEST: u64 = 2_000_000;
 const LONG: u64 = 400_000;
-/// Runs shorter than this are timed again [s], so often.
+/// Runs are timed again until they took this together [s], at most so often.
 const SHORT: f64 = 0.05;
 const AGAIN: usize = 4;
 
@@ -217,12 +217,14 @@ impl Race {
         };
         match variant.answer(&self.question, options, None) {
             Ok(mut answer) => {
+                let mut spent = answer.seconds;
                 for _ in 0..AGAIN {
-                    if answer.seconds > SHORT {
+                    if spent > SHORT {
                         break;
                     }
                     if let Ok(again) = variant.answer(&self.question, options, None) {
                         answer.seconds = answer.seconds.min(again.seconds);
+                        spent += again.seconds;
                     }
                 }
                 let worth = answer.statistics.rhs < most;
