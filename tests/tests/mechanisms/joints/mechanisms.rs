@@ -299,9 +299,12 @@ fn agree(states: usize) -> usize {
         let mut random = Random::new(seed + 4000);
         let mut own = 0;
         for _ in 0..4 * states {
+            if own == states {
+                break;
+            }
             let moment = moment(&body, &mut random);
             let condition = moment.condition(&body);
-            if own == states || condition > 1e3 {
+            if condition > 1e3 {
                 continue;
             }
             own += 1;

@@ -2,7 +2,7 @@
 //! random mechanisms in both families, against dual numbers through the whole elimination and against differences.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{At, Generic, Linearisation, LinearisationError};
+use mbd_runtime::{At, Linearisation, LinearisationError};
 use mbd_scene::{
     Arguments, Coordinates, Differentiated, Formula, Gravity, Layout, Model, Parameter, Quantity,
     Scene, Unit, Variable,
@@ -110,8 +110,11 @@ fn accelerations_by_parameters_are_those_of_dual_numbers_and_of_differences_thro
         assert!(apart < 1e-10, "{what}: {apart:.1e}");
 
         let rates = |params: &[f64]| {
-            let moved = Generic::new(scene.clone(), params).expect("what was declared, nearly");
-            value(&moved, Quantity::Derivative, &at)
+            // The layout is the scene's: it is found once.
+            let moved = model
+                .with_params(params)
+                .expect("what was declared, nearly");
+            value(&*moved, Quantity::Derivative, &at)
         };
         let count = defaults.len();
         for (column, param) in scene.params.iter().enumerate() {
