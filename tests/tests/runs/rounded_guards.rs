@@ -73,8 +73,8 @@ fn guards_asked<T: Scalar>() -> usize {
     asked.guards.load(Ordering::Relaxed)
 }
 
-/// Numbers next to each other are 7.6e-6 m apart there, as much as a parabola may miss of what the bob moves between looks. Steps were looked into up to
-/// 65,536 times.
+/// Numbers next to each other are 7.6e-6 m apart there, as much as a parabola may miss of what the bob moves between looks. Where that was followed, the run in
+/// single precision asked for its guards 18 times as often as the one in double precision.
 #[test]
 fn rounding_of_a_guard_that_is_far_from_its_value_is_not_followed() {
     let [double, single] = [guards_asked::<f64>(), guards_asked::<f32>()];
