@@ -26,4 +26,5 @@ mod time_jumps;
 mod told_events;
 mod too_long;
 mod two_sides;
+mod wanted_errors;
 mod without_mass;

@@ -81,7 +81,7 @@ impl Variant<'_> {
     /// which is more.
     ///
     /// # Errors
-    /// A run that does not reach its end, or an unknown column.
+    /// A run that does not reach its end, an unknown column, or one without a finite value somewhere in the window.
     pub fn error(&self, question: &Question, options: Options) -> Result<Deviation, TradeError> {
         question.check()?;
         let one = self.reference(question, options, None)?;
@@ -89,7 +89,7 @@ impl Variant<'_> {
             Some(finer) => self.reference(question, finer, Some(&one.step_sizes))?,
             None => self.reference(question, options.tightened(1.0 / TENTH), None)?,
         };
-        Ok(Deviation::between(&one.values, &other.values))
+        compare(question, &one, &other)
     }
 
     /// How far a run with these options is from one with others.
@@ -107,7 +107,7 @@ impl Variant<'_> {
             self.reference(question, options, None)?,
             self.reference(question, others, None)?,
         );
-        Ok(Deviation::between(&one.values, &other.values))
+        compare(question, &one, &other)
     }
 
     /// What a run says that others are compared with.
@@ -127,21 +127,26 @@ impl Variant<'_> {
     /// Tightens a run until its error (rms over the window) is at most `error`, in the unit of the column.
     ///
     /// # Errors
-    /// As [`Variant::error`], or [`TradeError::Unreached`] with the best that was reached.
+    /// As [`Variant::error`], [`TradeError::Wanted`] of an error that no run can have, or [`TradeError::Unreached`] with the best that was reached.
     pub fn accurate_to(
         &self,
         question: &Question,
         error: f64,
         options: Options,
     ) -> Result<Accurate, TradeError> {
+        if !(error.is_finite() && error > 0.0) {
+            return Err(TradeError::Wanted(error));
+        }
         let mut options = options;
         let mut best = f64::INFINITY;
+        let mut failed = None;
         for _ in 0..TRIES {
             let found = match self.error(question, options) {
                 Ok(found) => found,
-                // A step that is too long says nothing but that.
-                Err(TradeError::NoReference(_)) if options.finer().is_some() => {
+                // A step that is too long says nothing but that, and its error may be what leaves an output without a value.
+                Err(other) if options.finer().is_some() && may_be_coarse(&other, &failed) => {
                     options = options.tightened(0.25);
+                    failed = Some(other);
                     continue;
                 }
                 Err(other) => return Err(other),
@@ -164,10 +169,35 @@ impl Variant<'_> {
                 _ => tighter,
             };
         }
-        Err(TradeError::Unreached {
-            wanted: error,
-            best,
-        })
+        match failed {
+            Some(failed) if best == f64::INFINITY => Err(failed),
+            _ => Err(TradeError::Unreached {
+                wanted: error,
+                best,
+            }),
+        }
+    }
+}
+
+/// How far two runs are apart.
+fn compare(question: &Question, one: &Answer, other: &Answer) -> Result<Deviation, TradeError> {
+    match one.without.or(other.without) {
+        Some(time) => Err(TradeError::NotFinite {
+            column: question.column.clone(),
+            time,
+        }),
+        None => Ok(Deviation::between(&one.values, &other.values)),
+    }
+}
+
+/// Whether a finer run may do what this one failed at, after another failed so: what has no value at the same time again has none there.
+fn may_be_coarse(failed: &TradeError, before: &Option<TradeError>) -> bool {
+    match (failed, before) {
+        (TradeError::NotFinite { time, .. }, Some(TradeError::NotFinite { time: last, .. })) => {
+            time != last
+        }
+        (TradeError::NotFinite { .. } | TradeError::NoReference(_), _) => true,
+        _ => false,
     }
 }
 

@@ -169,7 +169,10 @@ impl<'a> Variant<'a> {
         let seconds = clock.elapsed().as_secs_f64();
         let values = history.column(&question.column);
         let values = values.ok_or_else(|| Unanswered::Column(known(&history)))?;
+        let mut rows = history.times().iter().zip(values);
+        let without = rows.find(|(_, value)| !value.is_finite());
         Ok(Answer {
+            without: without.map(|(time, _)| *time),
             values: values.to_vec(),
             statistics: history.statistics,
             step_sizes,
@@ -187,6 +190,8 @@ fn known(history: &Trajectory) -> Vec<String> {
 /// What a run says.
 struct Answer {
     values: Vec<f64>,
+    /// The first time at which there is no finite one [s].
+    without: Option<f64>,
     statistics: Statistics,
     step_sizes: StepSizes,
     seconds: f64,
@@ -232,6 +237,15 @@ pub enum TradeError {
     Column(String, Vec<String>),
     /// Fewer than two references of different methods ran to the end: what stopped the last one.
     NoReference(Box<RunError>),
+    /// The error that is wanted is none that a run can have: not a number, infinite, zero or below.
+    Wanted(f64),
+    /// The column is infinite or not a number in the window: nothing is compared there.
+    NotFinite {
+        /// The column.
+        column: String,
+        /// The first such time [s].
+        time: f64,
+    },
     /// No tolerance reaches the error that is wanted.
     Unreached {
         /// The error that is wanted.
@@ -264,6 +278,15 @@ impl fmt::Display for TradeError {
             TradeError::NoReference(error) => {
                 write!(f, "no two references ran to the end: {error}")
             }
+            TradeError::Wanted(error) => write!(
+                f,
+                "an error of {error} is wanted: give a finite number above zero, in the unit of the column"
+            ),
+            TradeError::NotFinite { column, time } => write!(
+                f,
+                "`{column}` has no finite value at {} s, and no error there: give a window in which it has one, or another column",
+                plain(*time, 6)
+            ),
             TradeError::Unreached { wanted, best } => write!(
                 f,
                 "no tolerance reaches an error of {}: the best is {}",

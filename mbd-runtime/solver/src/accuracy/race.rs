@@ -199,6 +199,11 @@ fn find_reference(
     }
     match (best, stopped) {
         (Some(([i, j], apart)), _) => {
+            let without = [i, j].iter().find_map(|index| answers[*index].1.without);
+            if let Some(time) = without {
+                let column = question.column.clone();
+                return Err(TradeError::NotFinite { column, time });
+            }
             let methods = [i, j].map(|index| answers[index].0);
             Ok((methods, answers.swap_remove(i).1, apart))
         }
