@@ -31,6 +31,9 @@ pub struct NodeMemory<T> {
     pub(crate) smooth: Vec<bool>,
     /// Per network: directions spanned by the lines of a `rate` node that stays on the line or plane of its anchors; 3: none is held.
     pub(crate) ranks: Vec<usize>,
+    /// How long the next step may be on the way to where a `rate` node is drawn straight [s].
+    #[serde(default = "Option::default")]
+    pub(crate) before_straight: Option<f64>,
     /// Mode of each line, of each stop, of each joint that may be detached; nothing of each lock.
     pub(crate) modes: Vec<Mode>,
     /// What each lock holds its coordinate at [m or rad].
@@ -85,6 +88,7 @@ impl<T: Float> NodeMemory<T> {
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
+            before_straight: None,
             modes: start_modes(layout),
             held: list(layout.locks),
             turns: list(layout.turns.len()),
@@ -117,6 +121,7 @@ impl<T: Float> NodeMemory<T> {
             step,
             smooth,
             ranks,
+            before_straight,
             modes,
             held,
             turns,
@@ -130,6 +135,7 @@ impl<T: Float> NodeMemory<T> {
         self.step = *step;
         self.smooth.clone_from(smooth);
         self.ranks.clone_from(ranks);
+        self.before_straight = *before_straight;
         self.modes.clone_from(modes);
         self.held.clone_from(held);
         self.turns.clone_from(turns);

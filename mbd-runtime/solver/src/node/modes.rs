@@ -10,6 +10,10 @@ use super::scene::{NetworkPlan, is_detached};
 use super::stage::{Nodes, Stage};
 use crate::unilateral::{Mode, has_mode};
 
+/// The part of the way to where a node is drawn straight that a step makes: the way is known by how it moves now, and its velocity grows without bound. Less than a
+/// half, so that a node whose lines carry there is not put there from as far as a step is long.
+const STRAIGHTEN: f64 = 0.45;
+
 impl<T: Float> Leg<T> {
     /// Its mode.
     #[must_use]
@@ -42,7 +46,7 @@ impl<T: Float> Nodes<T> {
         }
         self.read_ends(stage, work)?;
         self.hold_modes(memory);
-        self.each_plan(|nodes, plan| {
+        let switched = self.each_plan(|nodes, plan| {
             if !plan.is_rate() {
                 return Ok(());
             }
@@ -74,7 +78,9 @@ impl<T: Float> Nodes<T> {
                 }
             }
             result
-        })
+        });
+        memory.before_straight = self.before_straight();
+        switched
     }
 
     /// Decides the modes of all elements outside nodes anew from the state: at the start of a run.
@@ -219,5 +225,15 @@ impl<T: Float> Nodes<T> {
             }
         }
         changed
+    }
+
+    /// How long a step may be on the way to where a rate node is drawn straight without force (rule 5), where modes are held, as the last solve has it [s]. `None`
+    /// where none is on such a way.
+    pub(crate) fn before_straight(&self) -> Option<f64> {
+        let held = self.frozen && !self.spanned;
+        let plans = self.plans.iter().filter(|plan| held && plan.z.is_some());
+        let ways = plans.filter_map(|plan| plan.rate.straight_in());
+        let steps = ways.map(|way| STRAIGHTEN * way.to_f64());
+        steps.reduce(f64::min)
     }
 }

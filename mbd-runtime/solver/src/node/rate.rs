@@ -8,7 +8,7 @@
 //! u points from the node to the anchor, v is the anchor's velocity, world axes. All velocities are taken relative to the mean v̄ of the
 //! node's anchors, which costs no digits when everything falls together. Rules (R1–R6):
 //! 1. The active set starts from the last one; lines with T < 0 leave, taut lines with a positive bracket enter.
-//! 2. D of full rank (λ_min > 1e-6 λ_max): one Cholesky.
+//! 2. D of full rank (λ_min > 1e-6 λ_max, in single precision 1.2e-4 λ_max): one Cholesky.
 //! 3. Rank missing and nothing pulls: w = v̄ + D⁺ (…): no force hangs on the missing directions.
 //! 4. Rank missing and something pulls: the missing directions are algebraic, w_⊥ = (Σ (T/d) v_⊥ + Ẇ_⊥) / Σ (T/d), the rate of the balance across
 //!    the lines, and the node belongs on the line or in the plane through the carrying anchors ([`RateNode::projected`]), for as long as these are in one: four anchors may be for an instant. Where they are
@@ -17,6 +17,7 @@
 //!    loads: what these leave beside that place is an error of the step.
 //! 5. Independent lines without force that pull the node into such a line or plane, with a velocity that grows without bound: it is put there
 //!    ([`RateNode::crossing`]). Lines that are still taut there carry from then on; those that are not go slack until their anchors have drawn them straight.
+//!    No step passes that instant where modes are held: one that would is a part of the way there ([`RateNode::straight_in`]).
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
 //!    (`RateNode::limit`).
 //!
@@ -45,15 +46,19 @@ use super::balance::{Balance, BalanceEvaluation, triple};
 use super::eigen::eigen;
 use super::solver::{Outcome, Solver, Tolerance};
 
-/// λ_min over λ_max below which a direction of D is missing.
+/// λ_min over λ_max below which a direction of D is missing, and the least number of roundings that this is: velocities of nearly straight lines are rounded by
+/// so much more than their components.
 const RANK: f64 = 1e-6;
+const FEWEST: f64 = 1e3;
 /// Roundings of the largest term of a pull below which a force is none.
 pub(super) const ROUNDING: f64 = 1e4;
 const MOST_CHANGES: usize = 30;
 /// The vanishing dashpot over the largest damping: it only tells the active set.
 const DASHPOT: f64 = 1e-8;
-/// The same below which lines without force are nearly straight (rule 5): before a stage of the next step finds the direction missing.
-const NEARLY: f64 = 1e-5;
+/// The same below which lines without force are nearly straight (rule 5), over [`RANK`]: before a stage of the next step finds the direction missing.
+const NEARLY: f64 = 10.0;
+/// The same of lines that carry once they are straight: what they are longer by before is a force there.
+const LAST: f64 = 2.0;
 /// ε of rule 6 over the shortest C/K.
 const AHEAD: f64 = 1e-4;
 /// How far a step may leave a node beside the place where its lines carry its load (rule 4), over the length of the shortest of them.
@@ -540,12 +545,34 @@ impl<T: Float> RateNode<T> {
     /// node is, as nothing pulls, and it is put there before D loses a direction inside a step.
     #[must_use]
     pub fn crossing(&self, span: T) -> Option<Crossing<T>> {
-        let rounding = self.rounding();
-        let idle = !self.legs.iter().any(|leg| leg.pulls(rounding));
-        if !idle || span <= T::zero() || self.load != Vector3::zeros() {
+        if span <= T::zero() {
+            return None;
+        }
+        let (crossing, offset, directions) = self.nearest_crossing()?;
+        let weakest = directions[crossing.rank];
+        let active = self.legs.iter().filter(|leg| leg.active);
+        let hull = mean(active.map(|leg| leg.velocity - self.mean));
+        let nears = offset.dot(&(self.slip - hull)) > T::zero();
+        let speed = weakest.1.dot(&self.slip) * span;
+        let within = crossing.taut && speed * speed > T::from_f64(0.25) * offset.dot(&offset);
+        let nearly = least_rank::<T>() * T::from_f64(if crossing.taut { LAST } else { NEARLY });
+        let reached = within || nears && weakest.0 < nearly * directions[0].0;
+        reached.then_some(crossing)
+    }
+
+    /// The line or plane through the anchors of independent lines without force, from the node to there, and the directions of D.
+    fn nearest_crossing(&self) -> Option<(Crossing<T>, Vector3<T>, Directions<T>)> {
+        if self.load != Vector3::zeros() {
             return None;
         }
         let (directions, rank) = spanned(&self.damping());
+        let rounding = self.rounding();
+        let mut active = self.legs.iter().filter(|leg| leg.active);
+        // Where nearly straight lines pull as independent ones it is rounding.
+        let independent = active.clone().count() == rank;
+        if !independent && active.any(|leg| leg.pulls(rounding)) {
+            return None;
+        }
         let weakest = rank.checked_sub(1).filter(|weakest| *weakest > 0)?;
         let offset = self.to_hull(weakest, |leg| leg.active);
         let mut crossing = Crossing {
@@ -553,17 +580,31 @@ impl<T: Float> RateNode<T> {
             rank: weakest,
             taut: true,
         };
+        let mut active = self.legs.iter().filter(|leg| leg.active);
+        crossing.taut = active.all(|leg| crossing.keeps_taut(leg));
+        Some((crossing, offset, directions))
+    }
+
+    /// In how much time the anchors of independent lines without force are in one line or plane with the node (rule 5), as it and they move now [s]: its distance is
+    /// the root of what falls evenly. `None` where it is not drawn there.
+    #[must_use]
+    pub fn straight_in(&self) -> Option<T> {
+        let (crossing, offset, _) = self.nearest_crossing()?;
         let active = || self.legs.iter().filter(|leg| leg.active);
-        crossing.taut = active().all(|leg| crossing.keeps_taut(leg));
-        let reached = if crossing.taut {
-            let speed = directions[weakest].1.dot(&self.slip) * span;
-            speed * speed > T::from_f64(0.25) * offset.dot(&offset)
-        } else {
-            let hull = mean(active().map(|leg| leg.velocity - self.mean));
-            let nears = offset.dot(&(self.slip - hull)) > T::zero();
-            nears && directions[weakest].0 < T::from_f64(NEARLY) * directions[0].0
-        };
-        reached.then_some(crossing)
+        let center = mean(active().map(|leg| leg.anchor - crossing.place));
+        let drift = mean(active().map(|leg| leg.velocity - self.mean));
+        let (mut scatter, mut turning) = (Matrix3::zeros(), Matrix3::zeros());
+        for leg in active() {
+            let arm = leg.anchor - crossing.place - center;
+            scatter += arm * arm.transpose();
+            turning += (leg.velocity - self.mean - drift) * arm.transpose();
+        }
+        // The line or plane turns with its anchors.
+        let along = inverse(&eigen(&scatter)[..crossing.rank], &-center);
+        let hull = drift + turning * along;
+        let closing = offset.dot(&(self.slip - hull));
+        let time = offset.dot(&offset) / (closing + closing);
+        (closing > T::zero() && time.is_finite()).then_some(time)
     }
 
     /// From the node to its projection on the line (`rank` 1) or plane (2) that fits the anchors of the chosen lines best.
@@ -642,11 +683,18 @@ impl<T: Float> Balance<T> for Dashed<'_, T> {
 
 /// Eigenvalue and unit vector.
 type EigenPair<T> = (T, Vector3<T>);
+/// Of a symmetric matrix, the largest eigenvalue first.
+type Directions<T> = [EigenPair<T>; 3];
+
+/// λ_min over λ_max below which a direction is missing in a precision.
+fn least_rank<T: Float>() -> T {
+    T::from_f64(RANK).max(T::EPSILON * T::from_f64(FEWEST))
+}
 
 /// The directions of D, and how many of them its lines span.
 pub(crate) fn spanned<T: Float>(d: &Matrix3<T>) -> ([EigenPair<T>; 3], usize) {
     let directions = eigen(d);
-    let limit = (directions[0].0 * T::from_f64(RANK)).max(T::zero());
+    let limit = (directions[0].0 * least_rank::<T>()).max(T::zero());
     let spanned = directions.iter().filter(|(value, _)| *value > limit);
     (directions, spanned.count())
 }

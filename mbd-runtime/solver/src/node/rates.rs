@@ -194,7 +194,7 @@ impl<T: Float> Nodes<T> {
     /// What [`Nodes::accept`] writes where nodes were found along with the derivative: nothing of such a node begins in the step before it but the
     /// modes of its lines, and those of lines that carry stay as they are.
     pub(super) fn accept_rates(&mut self, h: T, memory: &mut NodeMemory<T>) {
-        memory.step = h;
+        (memory.step, memory.before_straight) = (h, None);
         for plan in &self.plans {
             let place = plan.nodes.first().map(|node| 3 * node);
             let kept = place.and_then(|at| memory.nodes.get_mut(at..));

@@ -495,6 +495,7 @@ impl<T: Float> Nodes<T> {
                 memory.nodes[3 * node..3 * node + 3].copy_from_slice(p);
             }
         }
+        memory.before_straight = self.before_straight();
         memory.effective.copy_from_slice(&self.effective);
         memory.modes.copy_from_slice(&self.modes);
         for (carried, now) in memory

@@ -24,6 +24,8 @@ pub(super) struct NextStep {
     pub on_jump: bool,
 }
 
+/// The shortest step that is made on the way to where lines are drawn straight, over what times are told apart by.
+const SHORTEST: f64 = 1e3;
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
 
@@ -47,6 +49,18 @@ impl<T: Float> Simulation<T> {
 
     fn plan_to(&self, until: f64) -> NextStep {
         let (size, lands) = self.propose(until);
+        // The velocity of a node grows without bound where its lines are drawn straight, and no step passes that.
+        if let Some(part) = self.system.memory.before_straight
+            && size > part
+            && part > SHORTEST * resolution(self.time)
+        {
+            return NextStep {
+                size: part,
+                end: self.time + part,
+                lands: true,
+                on_jump: false,
+            };
+        }
         let end = if lands { until } else { self.end_of(size) };
         NextStep {
             size,
