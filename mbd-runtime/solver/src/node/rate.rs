@@ -565,12 +565,16 @@ impl<T: Float> RateNode<T> {
         if self.load != Vector3::zeros() {
             return None;
         }
-        let (directions, rank) = spanned(&self.damping());
         let rounding = self.rounding();
-        let mut active = self.legs.iter().filter(|leg| leg.active);
-        // Where nearly straight lines pull as independent ones it is rounding.
-        let independent = active.clone().count() == rank;
-        if !independent && active.any(|leg| leg.pulls(rounding)) {
+        let active = || self.legs.iter().filter(|leg| leg.active);
+        let count = active().count();
+        // Where nearly straight lines pull as independent ones, of which there are no more than three, it is rounding.
+        let pulled = active().any(|leg| leg.pulls(rounding));
+        if pulled && count > 3 {
+            return None;
+        }
+        let (directions, rank) = spanned(&self.damping());
+        if pulled && count > rank {
             return None;
         }
         let weakest = rank.checked_sub(1).filter(|weakest| *weakest > 0)?;
@@ -580,8 +584,7 @@ impl<T: Float> RateNode<T> {
             rank: weakest,
             taut: true,
         };
-        let mut active = self.legs.iter().filter(|leg| leg.active);
-        crossing.taut = active.all(|leg| crossing.keeps_taut(leg));
+        crossing.taut = active().all(|leg| crossing.keeps_taut(leg));
         Some((crossing, offset, directions))
     }
 
