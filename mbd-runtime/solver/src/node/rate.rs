@@ -17,7 +17,7 @@
 //!    loads: what these leave beside that place is an error of the step.
 //! 5. Independent lines without force that pull the node into such a line or plane, with a velocity that grows without bound: it is put there
 //!    ([`RateNode::crossing`]). Lines that are still taut there carry from then on; those that are not go slack until their anchors have drawn them straight.
-//!    No step passes that instant where modes are held: one that would is a part of the way there ([`RateNode::straight_in`]).
+//!    Where modes are held, no step of an explicit method passes that instant: one that would is a part of the way there ([`RateNode::straight_in`]).
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
 //!    (`RateNode::limit`).
 //!
