@@ -561,7 +561,7 @@ impl<T: Float> RateNode<T> {
     }
 
     /// The line or plane through the anchors of independent lines without force, from the node to there, and the directions of D.
-    fn nearest_crossing(&self) -> Option<(Crossing<T>, Vector3<T>, Directions<T>)> {
+    fn nearest_crossing(&self) -> Option<(Crossing<T>, Vector3<T>, EigenPairs<T>)> {
         if self.load != Vector3::zeros() {
             return None;
         }
@@ -687,7 +687,7 @@ impl<T: Float> Balance<T> for Dashed<'_, T> {
 /// Eigenvalue and unit vector.
 type EigenPair<T> = (T, Vector3<T>);
 /// Of a symmetric matrix, the largest eigenvalue first.
-type Directions<T> = [EigenPair<T>; 3];
+type EigenPairs<T> = [EigenPair<T>; 3];
 
 /// λ_min over λ_max below which a direction is missing in a precision.
 fn least_rank<T: Float>() -> T {
@@ -695,7 +695,7 @@ fn least_rank<T: Float>() -> T {
 }
 
 /// The directions of D, and how many of them its lines span.
-pub(crate) fn spanned<T: Float>(d: &Matrix3<T>) -> ([EigenPair<T>; 3], usize) {
+pub(crate) fn spanned<T: Float>(d: &Matrix3<T>) -> (EigenPairs<T>, usize) {
     let directions = eigen(d);
     let limit = (directions[0].0 * least_rank::<T>()).max(T::zero());
     let spanned = directions.iter().filter(|(value, _)| *value > limit);
