@@ -9,7 +9,7 @@ use mbd_scene::{Real, TINY};
 use num_traits::{One, Zero};
 
 use crate::expression::{Expr, Slot, TermKind};
-use crate::operation::{Binary, Op, Unary};
+use crate::operation::{Binary, Fused, Op, Unary};
 
 /// A variable: where it enters, and what the reader calls it.
 #[derive(Clone, Debug)]
@@ -164,6 +164,20 @@ pub fn tangent(value: Expr, op: Op<Expr>, of: impl Fn(Expr) -> Option<Expr>) -> 
                     let turn = da.map_or(zero, |da| da * b) - db.map_or(zero, |db| a * db);
                     turn * (Expr::one() / length)
                 }
+            })
+        }
+        Op::Fused(kind, a, b, c) => {
+            let (da, db, dc) = (of(a), of(b), of(c));
+            if da.is_none() && db.is_none() && dc.is_none() {
+                return None;
+            }
+            let zero = Expr::zero();
+            let product = da.map_or(zero, |da| da * b) + db.map_or(zero, |db| a * db);
+            let other = dc.unwrap_or(zero);
+            Some(match kind {
+                Fused::Fmadd => product + other,
+                Fused::Fmsub => product - other,
+                Fused::Fnmadd => other - product,
             })
         }
         Op::Select(mask, a, b) => {

@@ -349,6 +349,10 @@ fn code(node: TermKind) -> [u64; 2] {
             let [first, second] = pair(48, mask, a);
             [first, second | u64::from(b.0) << 32]
         }
+        TermKind::Apply(Op::Fused(kind, a, b, c)) => {
+            let [first, second] = pair(64 + kind as u64, a, b);
+            [first, second | u64::from(c.0) << 32]
+        }
     }
 }
 

@@ -99,7 +99,10 @@ impl Program {
                 Code::Tanh => a.tanh(),
                 Code::Floor => a.floor(),
                 Code::Atan2 => a.atan2(b),
-                Code::Select => T::select(masks[step.mask as usize], a, b),
+                Code::Fmadd => a.fmadd(b, numbers[step.c as usize]),
+                Code::Fmsub => a.fmsub(b, numbers[step.c as usize]),
+                Code::Fnmadd => a.fnmadd(b, numbers[step.c as usize]),
+                Code::Select => T::select(masks[step.c as usize], a, b),
                 Code::Lt | Code::Le | Code::Both => {
                     masks[first + index] = match step.code {
                         Code::Lt => a.lt(b),

@@ -44,6 +44,17 @@ pub enum Binary {
     Max,
 }
 
+/// A product and a sum in one, called as the instructions of processors that have them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fused {
+    /// a · b + c.
+    Fmadd,
+    /// a · b − c.
+    Fmsub,
+    /// c − a · b.
+    Fnmadd,
+}
+
 /// An operation that gives a mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Comparison {
@@ -62,6 +73,8 @@ pub enum Op<R> {
     Unary(Unary, R),
     /// Of two numbers.
     Binary(Binary, R, R),
+    /// The product of the first two, and the third. Only programs have it: they take it where a sum has a product in it.
+    Fused(Fused, R, R, R),
     /// Gives a mask.
     Compare(Comparison, R, R),
     /// The second where the first, a mask, holds; the third elsewhere.
@@ -74,7 +87,7 @@ impl<R: Copy> Op<R> {
         let (all, count) = match self {
             Op::Unary(_, a) => ([a, a, a], 1),
             Op::Binary(_, a, b) | Op::Compare(_, a, b) => ([a, b, b], 2),
-            Op::Select(a, b, c) => ([a, b, c], 3),
+            Op::Select(a, b, c) | Op::Fused(_, a, b, c) => ([a, b, c], 3),
         };
         UpToThree { all, count, at: 0 }
     }
@@ -84,6 +97,7 @@ impl<R: Copy> Op<R> {
         match self {
             Op::Unary(kind, a) => Op::Unary(kind, to(a)),
             Op::Binary(kind, a, b) => Op::Binary(kind, to(a), to(b)),
+            Op::Fused(kind, a, b, c) => Op::Fused(kind, to(a), to(b), to(c)),
             Op::Compare(kind, a, b) => Op::Compare(kind, to(a), to(b)),
             Op::Select(mask, a, b) => Op::Select(to(mask), to(a), to(b)),
         }
@@ -147,5 +161,17 @@ impl Binary {
     #[must_use]
     pub fn commutes(self) -> bool {
         matches!(self, Binary::Add | Binary::Mul)
+    }
+}
+
+impl Fused {
+    /// Its value.
+    #[inline]
+    pub fn value<T: Real>(self, a: T, b: T, c: T) -> T {
+        match self {
+            Fused::Fmadd => a.fmadd(b, c),
+            Fused::Fmsub => a.fmsub(b, c),
+            Fused::Fnmadd => a.fnmadd(b, c),
+        }
     }
 }

@@ -63,14 +63,15 @@ pub enum Local {
 /// Cuts a program; `None` if it is short enough to stay one function.
 #[must_use]
 pub fn partition(program: &Program) -> Option<Vec<ProgramBlock>> {
-    let count = program.instructions.len();
+    let count = program.operations();
     if count <= FLAT && (is_hot(program) || count + program.outputs.len() < SMALL) {
         return None;
     }
     if count <= DENSE && is_hot(program) {
         return Some(fewest(program));
     }
-    let blocks = cut(program, 0..count);
+    let length = program.instructions.len();
+    let blocks = cut(program, 0..length);
     let mut shapes = Shapes::default();
     let mut distinct = 0;
     for block in &blocks {
@@ -79,7 +80,7 @@ pub fn partition(program: &Program) -> Option<Vec<ProgramBlock>> {
             distinct += block.instructions.len();
         }
     }
-    (count > FLAT || 2 * distinct <= count).then_some(blocks)
+    (count > FLAT || 2 * distinct <= length).then_some(blocks)
 }
 
 /// Cuts a program that begins with the operations of another where that one is cut into `first`, and then at `ends`. Blocks hand on what any
@@ -137,7 +138,7 @@ fn is_hot(program: &Program) -> bool {
 fn fewest(program: &Program) -> Vec<ProgramBlock> {
     let mut cutter = Cutter::new(program);
     let count = program.instructions.len();
-    let length = count.div_ceil(count.div_ceil(LONGEST));
+    let length = count.div_ceil(program.operations().div_ceil(LONGEST));
     let all: Vec<usize> = (0..count).collect();
     all.chunks(length)
         .map(|block| cutter.measure(block.to_vec()))
@@ -453,6 +454,12 @@ fn write(op: Op<Local>, words: &mut Vec<u32>) {
             words.push(word(mask));
             words.push(word(a));
             words.push(word(b));
+        }
+        Op::Fused(kind, a, b, c) => {
+            words.push(64 + kind as u32);
+            words.push(word(a));
+            words.push(word(b));
+            words.push(word(c));
         }
     }
 }

@@ -5,7 +5,7 @@ use mbd_scene::{Cost, Quantity};
 use crate::directional::MatrixColumns;
 use crate::expression::{Expr, Graph, Label, Slot, Term, TermKind};
 use crate::hash::FastMap;
-use crate::operation::{Binary, Comparison, Op, Unary};
+use crate::operation::{Binary, Comparison, Fused, Op, Unary};
 use crate::signs::Operations;
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
@@ -63,13 +63,13 @@ pub struct Program {
     pub(crate) steps: Vec<FlatInstruction>,
 }
 
-/// An instruction as the interpreter reads it: one flat code, at most two numbers and a mask.
+/// An instruction as the interpreter reads it: one flat code, at most three registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FlatInstruction {
     pub code: Code,
     pub a: u32,
     pub b: u32,
-    pub mask: u32,
+    pub c: u32,
 }
 
 /// What a step does.
@@ -91,6 +91,10 @@ pub(crate) enum Code {
     Tanh,
     Floor,
     Atan2,
+    Fmadd,
+    Fmsub,
+    Fnmadd,
+    /// `c` is the mask.
     Select,
     Lt,
     Le,
@@ -99,7 +103,7 @@ pub(crate) enum Code {
 
 impl FlatInstruction {
     fn new(op: Op<Register>) -> Self {
-        let (code, a, b, mask) = match op {
+        let (code, a, b, c) = match op {
             Op::Unary(kind, a) => (
                 match kind {
                     Unary::Neg => Code::Neg,
@@ -130,6 +134,16 @@ impl FlatInstruction {
                 b,
                 a,
             ),
+            Op::Fused(kind, a, b, c) => (
+                match kind {
+                    Fused::Fmadd => Code::Fmadd,
+                    Fused::Fmsub => Code::Fmsub,
+                    Fused::Fnmadd => Code::Fnmadd,
+                },
+                a,
+                b,
+                c,
+            ),
             Op::Compare(kind, a, b) => (
                 match kind {
                     Comparison::Lt => Code::Lt,
@@ -146,7 +160,7 @@ impl FlatInstruction {
             code,
             a: a.0,
             b: b.0,
-            mask: mask.0,
+            c: c.0,
         }
     }
 }
@@ -332,16 +346,29 @@ impl Program {
         }
     }
 
-    /// How many operations of each kind it takes.
+    /// How many operations it does, a product in a sum counted as two: what its length as code goes by.
+    #[must_use]
+    pub fn operations(&self) -> usize {
+        let fused = |i: &&Instruction| matches!(i.op, Op::Fused(..));
+        self.instructions.len() + self.instructions.iter().filter(fused).count()
+    }
+
+    /// How many operations of each kind it takes. A product in a sum is one, and one in all where several read it.
     #[must_use]
     pub fn cost(&self) -> Cost {
         let mut cost = Cost::default();
+        let mut products: FastMap<(Register, Register), ()> = FastMap::default();
         for instruction in &self.instructions {
+            if let Op::Binary(Binary::Mul, a, b) | Op::Fused(_, a, b, _) = instruction.op
+                && products.insert((a, b), ()).is_none()
+            {
+                cost.muls += 1;
+            }
             match instruction.op {
-                Op::Unary(Unary::Neg, _) | Op::Binary(Binary::Add | Binary::Sub, ..) => {
-                    cost.adds += 1;
-                }
-                Op::Binary(Binary::Mul, ..) => cost.muls += 1,
+                Op::Unary(Unary::Neg, _)
+                | Op::Binary(Binary::Add | Binary::Sub, ..)
+                | Op::Fused(..) => cost.adds += 1,
+                Op::Binary(Binary::Mul, ..) => {}
                 Op::Binary(Binary::Div, ..) => cost.divs += 1,
                 Op::Unary(Unary::Sqrt, _) => cost.sqrts += 1,
                 Op::Unary(Unary::Sin | Unary::Cos | Unary::Exp | Unary::Ln | Unary::Tanh, _)

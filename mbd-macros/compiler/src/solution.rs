@@ -75,7 +75,7 @@ impl Solution {
     /// Whether it is one function.
     #[must_use]
     pub fn is_flat(&self) -> bool {
-        self.program.instructions.len() <= FLAT
+        self.program.operations() <= FLAT
     }
 
     /// Its blocks: those of its first member, the derivative if it is one, as that is cut alone, then those of the others.

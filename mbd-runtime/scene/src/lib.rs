@@ -71,8 +71,8 @@ pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;
 pub use scalar::{
-    Dual, Float, Jet, LARGEST_ANGLE, Real, TINY, elements, inverse, quaternion_rate, rotation,
-    sin_cos_within, solve_regular, symmetric,
+    Dual, FUSES, Float, Jet, LARGEST_ANGLE, Real, TINY, elements, inverse, quaternion_rate,
+    rotation, sin_cos_within, solve_regular, symmetric,
 };
 pub use scene::{
     Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Frame, Gravity, Inertia,

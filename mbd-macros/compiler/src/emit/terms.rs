@@ -3,7 +3,7 @@
 //! Text, not tokens: a macro is seldom optimised, and the compiler that runs it reads text faster than it takes tokens one by one.
 
 use super::literal::document;
-use crate::operation::{Binary, Comparison, Op, Unary};
+use crate::operation::{Binary, Comparison, Fused, Op, Unary};
 use crate::partition::Local;
 
 /// No `let` has more operations.
@@ -180,6 +180,7 @@ impl Terms {
             Op::Binary(Binary::Atan2, a, b) => self.method(out, a, ".atan2(", b),
             Op::Binary(Binary::Min, a, b) => self.method(out, a, ".min(", b),
             Op::Binary(Binary::Max, a, b) => self.method(out, a, ".max(", b),
+            Op::Fused(kind, a, b, c) => self.fused(out, kind, [a, b], c),
             Op::Compare(Comparison::Lt, a, b) => self.method(out, a, ".lt(", b),
             Op::Compare(Comparison::Le, a, b) => self.method(out, a, ".le(", b),
             Op::Compare(Comparison::Both, a, b) => self.call(out, "T::both(", &[a, b]),
@@ -197,6 +198,28 @@ impl Terms {
     fn method(&self, out: &mut String, a: Local, method: &str, b: Local) {
         self.argument(out, a, CALL);
         self.call(out, method, &[b]);
+    }
+
+    /// What has no name of its own stands between the brackets.
+    fn fused(&self, out: &mut String, kind: Fused, [a, b]: [Local; 2], c: Local) {
+        let (a, b) = match self.is_named(a) || !self.is_named(b) {
+            true => (a, b),
+            false => (b, a),
+        };
+        self.argument(out, a, CALL);
+        let method = match kind {
+            Fused::Fmadd => ".fmadd(",
+            Fused::Fmsub => ".fmsub(",
+            Fused::Fnmadd => ".fnmadd(",
+        };
+        self.call(out, method, &[b, c]);
+    }
+
+    fn is_named(&self, argument: Local) -> bool {
+        match argument {
+            Local::Value(index) => self.values.get(index).is_some_and(Option::is_some),
+            Local::Given(_) | Local::Constant(_) => true,
+        }
     }
 
     fn call(&self, out: &mut String, function: &str, arguments: &[Local]) {

@@ -1,7 +1,7 @@
 //! Words for terms that the law gave no name: a sum, product or quotient of two named numbers is called by them.
 
 use crate::hash::FastMap;
-use crate::operation::{Binary, Op, Unary};
+use crate::operation::{Binary, Fused, Op, Unary};
 use crate::partition::Local;
 
 /// No such name is longer.
@@ -64,6 +64,15 @@ impl<'a> Wording<'a> {
                 Some(format!("inverse_{}", word(b)?))
             }
             Op::Binary(Binary::Div, a, b) => Some(format!("{}_over_{}", word(a)?, word(b)?)),
+            Op::Fused(Fused::Fmadd, a, b, c) => {
+                Some(format!("{}_{}_plus_{}", word(a)?, word(b)?, word(c)?))
+            }
+            Op::Fused(Fused::Fmsub, a, b, c) => {
+                Some(format!("{}_{}_minus_{}", word(a)?, word(b)?, word(c)?))
+            }
+            Op::Fused(Fused::Fnmadd, a, b, c) => {
+                Some(format!("{}_minus_{}_{}", word(c)?, word(a)?, word(b)?))
+            }
             Op::Unary(Unary::Neg, a) => Some(format!("minus_{}", word(a)?)),
             Op::Unary(Unary::Sqrt, a) => Some(format!("root_{}", word(a)?)),
             Op::Unary(Unary::Sin, a) => Some(format!("sin_{}", word(a)?)),

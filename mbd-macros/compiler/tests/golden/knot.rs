@@ -727,8 +727,11 @@ const _: () = {
         let left_stay_e_x = knot_px - left_stay_world_px;
         let left_stay_e_y = knot_py - left_stay_world_py;
         let left_stay_e_z = knot_pz - left_stay_world_pz;
-        let left_stay_length = (left_stay_e_z * left_stay_e_z
-            + (left_stay_e_x * left_stay_e_x + left_stay_e_y * left_stay_e_y))
+        let left_stay_length = left_stay_e_z
+            .fmadd(
+                left_stay_e_z,
+                left_stay_e_y.fmadd(left_stay_e_y, left_stay_e_x * left_stay_e_x),
+            )
             .sqrt();
         let left_stay_t_2 = left_stay_length.max(tiny);
         let left_stay_inverse_length = one / left_stay_t_2;
@@ -755,9 +758,9 @@ const _: () = {
         let left_stay_j_xy = left_stay_u_y * left_stay_along_x;
         let left_stay_j_xz = left_stay_u_z * left_stay_along_x;
         let left_stay_j_yz = left_stay_u_z * left_stay_along_y;
-        let left_stay_j_xx = left_stay_across + left_stay_u_x * left_stay_along_x;
-        let left_stay_j_yy = left_stay_across + left_stay_u_y * left_stay_along_y;
-        let left_stay_j_zz = left_stay_across + left_stay_u_z * left_stay_along_z;
+        let left_stay_j_xx = left_stay_u_x.fmadd(left_stay_along_x, left_stay_across);
+        let left_stay_j_yy = left_stay_u_y.fmadd(left_stay_along_y, left_stay_across);
+        let left_stay_j_zz = left_stay_u_z.fmadd(left_stay_along_z, left_stay_across);
         let left_stay_force_x = left_stay_u_x * left_stay_tension;
         let left_stay_force_y = left_stay_u_y * left_stay_tension;
         let left_stay_force_z = left_stay_u_z * left_stay_tension;
@@ -765,8 +768,11 @@ const _: () = {
         let right_stay_e_x = knot_px - right_stay_world_px;
         let right_stay_e_y = knot_py - right_stay_world_py;
         let right_stay_e_z = knot_pz - right_stay_world_pz;
-        let right_stay_length = (right_stay_e_z * right_stay_e_z
-            + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
+        let right_stay_length = right_stay_e_z
+            .fmadd(
+                right_stay_e_z,
+                right_stay_e_y.fmadd(right_stay_e_y, right_stay_e_x * right_stay_e_x),
+            )
             .sqrt();
         let right_stay_t = right_stay_length.max(tiny);
         let right_stay_inverse_length = one / right_stay_t;
@@ -793,9 +799,12 @@ const _: () = {
         let right_stay_j_xy = right_stay_u_y * right_stay_along_x;
         let right_stay_j_xz = right_stay_u_z * right_stay_along_x;
         let right_stay_j_yz = right_stay_u_z * right_stay_along_y;
-        let right_stay_j_xx = right_stay_across + right_stay_u_x * right_stay_along_x;
-        let right_stay_j_yy = right_stay_across + right_stay_u_y * right_stay_along_y;
-        let right_stay_j_zz = right_stay_across + right_stay_u_z * right_stay_along_z;
+        let right_stay_j_xx = right_stay_u_x
+            .fmadd(right_stay_along_x, right_stay_across);
+        let right_stay_j_yy = right_stay_u_y
+            .fmadd(right_stay_along_y, right_stay_across);
+        let right_stay_j_zz = right_stay_u_z
+            .fmadd(right_stay_along_z, right_stay_across);
         let right_stay_force_x = right_stay_u_x * right_stay_tension;
         let right_stay_force_y = right_stay_u_y * right_stay_tension;
         let right_stay_force_z = right_stay_u_z * right_stay_tension;
@@ -803,8 +812,11 @@ const _: () = {
         let back_stay_e_x = knot_px - back_stay_world_px;
         let back_stay_e_y = knot_py - back_stay_world_py;
         let back_stay_e_z = knot_pz - back_stay_world_pz;
-        let back_stay_length = (back_stay_e_z * back_stay_e_z
-            + (back_stay_e_x * back_stay_e_x + back_stay_e_y * back_stay_e_y))
+        let back_stay_length = back_stay_e_z
+            .fmadd(
+                back_stay_e_z,
+                back_stay_e_y.fmadd(back_stay_e_y, back_stay_e_x * back_stay_e_x),
+            )
             .sqrt();
         let back_stay_t = back_stay_length.max(tiny);
         let back_stay_inverse_length = one / back_stay_t;
@@ -831,9 +843,9 @@ const _: () = {
         let back_stay_j_xy = back_stay_u_y * back_stay_along_x;
         let back_stay_j_xz = back_stay_u_z * back_stay_along_x;
         let back_stay_j_yz = back_stay_u_z * back_stay_along_y;
-        let back_stay_j_xx = back_stay_across + back_stay_u_x * back_stay_along_x;
-        let back_stay_j_yy = back_stay_across + back_stay_u_y * back_stay_along_y;
-        let back_stay_j_zz = back_stay_across + back_stay_u_z * back_stay_along_z;
+        let back_stay_j_xx = back_stay_u_x.fmadd(back_stay_along_x, back_stay_across);
+        let back_stay_j_yy = back_stay_u_y.fmadd(back_stay_along_y, back_stay_across);
+        let back_stay_j_zz = back_stay_u_z.fmadd(back_stay_along_z, back_stay_across);
         let back_stay_force_x = back_stay_u_x * back_stay_tension;
         let back_stay_force_y = back_stay_u_y * back_stay_tension;
         let back_stay_force_z = back_stay_u_z * back_stay_tension;
@@ -841,8 +853,8 @@ const _: () = {
         let hanger_e_x = hanger_bob_px - knot_px;
         let hanger_e_y = hanger_bob_py - knot_py;
         let hanger_e_z = hanger_bob_pz - knot_pz;
-        let hanger_length = (hanger_e_z * hanger_e_z
-            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+        let hanger_length = hanger_e_z
+            .fmadd(hanger_e_z, hanger_e_y.fmadd(hanger_e_y, hanger_e_x * hanger_e_x))
             .sqrt();
         let hanger_t = hanger_length.max(tiny);
         let hanger_inverse_length = one / hanger_t;
@@ -868,9 +880,9 @@ const _: () = {
         let hanger_j_xy = hanger_u_y * hanger_along_x;
         let hanger_j_xz = hanger_u_z * hanger_along_x;
         let hanger_j_yz = hanger_u_z * hanger_along_y;
-        let hanger_j_xx = hanger_across + hanger_u_x * hanger_along_x;
-        let hanger_j_yy = hanger_across + hanger_u_y * hanger_along_y;
-        let hanger_j_zz = hanger_across + hanger_u_z * hanger_along_z;
+        let hanger_j_xx = hanger_u_x.fmadd(hanger_along_x, hanger_across);
+        let hanger_j_yy = hanger_u_y.fmadd(hanger_along_y, hanger_across);
+        let hanger_j_zz = hanger_u_z.fmadd(hanger_along_z, hanger_across);
         let hanger_force_x = hanger_u_x * hanger_tension;
         let hanger_force_y = hanger_u_y * hanger_tension;
         let hanger_force_z = hanger_u_z * hanger_tension;
@@ -953,8 +965,8 @@ const _: () = {
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_length = (hanger_e_z * hanger_e_z
-            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+        let hanger_length = hanger_e_z
+            .fmadd(hanger_e_z, hanger_e_y.fmadd(hanger_e_y, hanger_e_x * hanger_e_x))
             .sqrt();
         let hanger_t = hanger_length.max(tiny);
         let hanger_inverse_length = one / hanger_t;
@@ -968,7 +980,7 @@ const _: () = {
         let hanger_force_z = hanger_u_z * hanger_tension;
         let bob_vx_rate = hanger_force_x * minus_half;
         let bob_vy_rate = hanger_force_y * minus_half;
-        let bob_vz_rate = c_m9_81 + hanger_force_z * minus_half;
+        let bob_vz_rate = hanger_force_z.fmadd(minus_half, c_m9_81);
         *out = [bob_vx, bob_vy, bob_vz, bob_vx_rate, bob_vy_rate, bob_vz_rate];
     }
     /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
@@ -993,9 +1005,8 @@ const _: () = {
         let c_0_2 = T::from_f64(0.2);
         /// `left_stay`: length and tension.
         let left_stay_e_x = knot_px - minus_one;
-        let left_stay_knot_pz_squared = knot_pz * knot_pz;
-        let left_stay_length = (left_stay_knot_pz_squared
-            + (left_stay_e_x * left_stay_e_x + knot_py * knot_py))
+        let left_stay_length = knot_pz
+            .fmadd(knot_pz, knot_py.fmadd(knot_py, left_stay_e_x * left_stay_e_x))
             .sqrt();
         let left_stay_t = left_stay_length.max(tiny);
         let left_stay_inverse_length = one / left_stay_t;
@@ -1010,8 +1021,11 @@ const _: () = {
         /// `right_stay`: length and tension.
         let right_stay_e_x = knot_px - one;
         let right_stay_e_y = knot_py - half;
-        let right_stay_length = (left_stay_knot_pz_squared
-            + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
+        let right_stay_length = knot_pz
+            .fmadd(
+                knot_pz,
+                right_stay_e_y.fmadd(right_stay_e_y, right_stay_e_x * right_stay_e_x),
+            )
             .sqrt();
         let right_stay_t = right_stay_length.max(tiny);
         let right_stay_inverse_length = one / right_stay_t;
@@ -1026,8 +1040,8 @@ const _: () = {
         /// `back_stay`: length and tension.
         let back_stay_e_y = knot_py - minus_one;
         let back_stay_e_z = knot_pz - c_0_2;
-        let back_stay_length = (back_stay_e_z * back_stay_e_z
-            + (knot_px * knot_px + back_stay_e_y * back_stay_e_y))
+        let back_stay_length = back_stay_e_z
+            .fmadd(back_stay_e_z, back_stay_e_y.fmadd(back_stay_e_y, knot_px * knot_px))
             .sqrt();
         let back_stay_t = back_stay_length.max(tiny);
         let back_stay_inverse_length = one / back_stay_t;
@@ -1043,8 +1057,8 @@ const _: () = {
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_length = (hanger_e_z * hanger_e_z
-            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+        let hanger_length = hanger_e_z
+            .fmadd(hanger_e_z, hanger_e_y.fmadd(hanger_e_y, hanger_e_x * hanger_e_x))
             .sqrt();
         let hanger_t = hanger_length.max(tiny);
         let hanger_inverse_length = one / hanger_t;
@@ -1086,9 +1100,8 @@ const _: () = {
         let c_0_2 = T::from_f64(0.2);
         /// `left_stay`: length and tension.
         let left_stay_e_x = knot_px - minus_one;
-        let left_stay_knot_pz_squared = knot_pz * knot_pz;
-        let left_stay_length = (left_stay_knot_pz_squared
-            + (left_stay_e_x * left_stay_e_x + knot_py * knot_py))
+        let left_stay_length = knot_pz
+            .fmadd(knot_pz, knot_py.fmadd(knot_py, left_stay_e_x * left_stay_e_x))
             .sqrt();
         let left_stay_t = left_stay_length.max(tiny);
         let left_stay_stretch = left_stay_t - left_stay_l;
@@ -1097,8 +1110,11 @@ const _: () = {
         /// `right_stay`: length and tension.
         let right_stay_e_x = knot_px - one;
         let right_stay_e_y = knot_py - half;
-        let right_stay_length = (left_stay_knot_pz_squared
-            + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
+        let right_stay_length = knot_pz
+            .fmadd(
+                knot_pz,
+                right_stay_e_y.fmadd(right_stay_e_y, right_stay_e_x * right_stay_e_x),
+            )
             .sqrt();
         let right_stay_t = right_stay_length.max(tiny);
         let right_stay_stretch = right_stay_t - right_stay_l;
@@ -1107,8 +1123,8 @@ const _: () = {
         /// `back_stay`: length and tension.
         let back_stay_e_y = knot_py - minus_one;
         let back_stay_e_z = knot_pz - c_0_2;
-        let back_stay_length = (back_stay_e_z * back_stay_e_z
-            + (knot_px * knot_px + back_stay_e_y * back_stay_e_y))
+        let back_stay_length = back_stay_e_z
+            .fmadd(back_stay_e_z, back_stay_e_y.fmadd(back_stay_e_y, knot_px * knot_px))
             .sqrt();
         let back_stay_t = back_stay_length.max(tiny);
         let back_stay_stretch = back_stay_t - back_stay_l;
@@ -1118,8 +1134,8 @@ const _: () = {
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_length = (hanger_e_z * hanger_e_z
-            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+        let hanger_length = hanger_e_z
+            .fmadd(hanger_e_z, hanger_e_y.fmadd(hanger_e_y, hanger_e_x * hanger_e_x))
             .sqrt();
         let hanger_t = hanger_length.max(tiny);
         let hanger_stretch = hanger_t - hanger_l;
@@ -1155,8 +1171,8 @@ const _: () = {
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_length = (hanger_e_z * hanger_e_z
-            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+        let hanger_length = hanger_e_z
+            .fmadd(hanger_e_z, hanger_e_y.fmadd(hanger_e_y, hanger_e_x * hanger_e_x))
             .sqrt();
         let hanger_stretch = hanger_length.max(tiny) - hanger_l;
         let hanger_tension = hanger_k * hanger_stretch.max(zero);

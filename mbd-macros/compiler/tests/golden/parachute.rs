@@ -1152,81 +1152,86 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
         /// `leg[0]`: length and tension.
-        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
-        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
-        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_arm_x = c_1_23.fmadd(capsule_r13, c_0_55 * capsule_r11);
+        let leg_0_arm_y = c_1_23.fmadd(capsule_r23, c_0_55 * capsule_r21);
+        let leg_0_arm_z = c_1_23.fmadd(capsule_r33, c_0_55 * capsule_r31);
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
-        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t = c_1_23.fnmadd(capsule_wx, c_0_55 * capsule_wz);
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
-                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+            + capsule_r13
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r12.fmadd(leg_0_t, capsule_r11 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
-                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+            + capsule_r23
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r22.fmadd(leg_0_t, capsule_r21 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
-                - capsule_r33 * leg_0_scaled_capsule_wy_2);
+            + capsule_r33
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r32.fmadd(leg_0_t, capsule_r31 * leg_0_scaled_capsule_wy),
+                );
         /// `leg[1]`: length and tension.
-        let leg_1_arm_x = leg_0_scaled_capsule_r13
-            + (c * capsule_r11 + c_2 * capsule_r12);
-        let leg_1_arm_y = leg_0_scaled_capsule_r23
-            + (c * capsule_r21 + c_2 * capsule_r22);
-        let leg_1_arm_z = leg_0_scaled_capsule_r33
-            + (c * capsule_r31 + c_2 * capsule_r32);
+        let leg_1_arm_x = c_1_23
+            .fmadd(capsule_r13, c_2.fmadd(capsule_r12, c * capsule_r11));
+        let leg_1_arm_y = c_1_23
+            .fmadd(capsule_r23, c_2.fmadd(capsule_r22, c * capsule_r21));
+        let leg_1_arm_z = c_1_23
+            .fmadd(capsule_r33, c_2.fmadd(capsule_r32, c * capsule_r31));
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
-        let leg_1_t = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_2 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_t = c_2.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_1_t_2 = c_1_23.fnmadd(capsule_wx, c * capsule_wz);
+        let leg_1_t_3 = c.fnmadd(capsule_wy, c_2 * capsule_wx);
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
-                + capsule_r13 * leg_1_t_3);
+            + capsule_r13
+                .fmadd(leg_1_t_3, capsule_r12.fmadd(leg_1_t_2, capsule_r11 * leg_1_t));
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
-                + capsule_r23 * leg_1_t_3);
+            + capsule_r23
+                .fmadd(leg_1_t_3, capsule_r22.fmadd(leg_1_t_2, capsule_r21 * leg_1_t));
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
-                + capsule_r33 * leg_1_t_3);
+            + capsule_r33
+                .fmadd(leg_1_t_3, capsule_r32.fmadd(leg_1_t_2, capsule_r31 * leg_1_t));
         /// `leg[2]`: length and tension.
-        let leg_2_arm_x = leg_0_scaled_capsule_r13
-            + (c_3 * capsule_r11 + c_4 * capsule_r12);
-        let leg_2_arm_y = leg_0_scaled_capsule_r23
-            + (c_3 * capsule_r21 + c_4 * capsule_r22);
-        let leg_2_arm_z = leg_0_scaled_capsule_r33
-            + (c_3 * capsule_r31 + c_4 * capsule_r32);
+        let leg_2_arm_x = c_1_23
+            .fmadd(capsule_r13, c_4.fmadd(capsule_r12, c_3 * capsule_r11));
+        let leg_2_arm_y = c_1_23
+            .fmadd(capsule_r23, c_4.fmadd(capsule_r22, c_3 * capsule_r21));
+        let leg_2_arm_z = c_1_23
+            .fmadd(capsule_r33, c_4.fmadd(capsule_r32, c_3 * capsule_r31));
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
-        let leg_2_t = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_2 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_t = c_4.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_2_t_2 = c_1_23.fnmadd(capsule_wx, c_3 * capsule_wz);
+        let leg_2_t_3 = c_3.fnmadd(capsule_wy, c_4 * capsule_wx);
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
-                + capsule_r13 * leg_2_t_3);
+            + capsule_r13
+                .fmadd(leg_2_t_3, capsule_r12.fmadd(leg_2_t_2, capsule_r11 * leg_2_t));
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
-                + capsule_r23 * leg_2_t_3);
+            + capsule_r23
+                .fmadd(leg_2_t_3, capsule_r22.fmadd(leg_2_t_2, capsule_r21 * leg_2_t));
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
-                + capsule_r33 * leg_2_t_3);
+            + capsule_r33
+                .fmadd(leg_2_t_3, capsule_r32.fmadd(leg_2_t_2, capsule_r31 * leg_2_t));
         *out = [
             riser_p_x,
             riser_p_y,
@@ -1377,8 +1382,8 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_length = (riser_e_z * riser_e_z
-            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+        let riser_length = riser_e_z
+            .fmadd(riser_e_z, riser_e_y.fmadd(riser_e_y, riser_e_x * riser_e_x))
             .sqrt();
         let riser_t = riser_length.max(tiny);
         let riser_inverse_length = one / riser_t;
@@ -1389,18 +1394,24 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
-        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
-            + (riser_u_x * (confluence_wx - riser_v_x)
-                + riser_u_y * (confluence_wy - riser_v_y));
-        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
+        let riser_rate = riser_u_z
+            .fmadd(
+                confluence_wz - riser_v_z,
+                riser_u_y
+                    .fmadd(
+                        confluence_wy - riser_v_y,
+                        riser_u_x * (confluence_wx - riser_v_x),
+                    ),
+            );
+        let riser_pull = c_600.fmadd(riser_rate, riser_k * riser_stretch);
         let riser_tension = T::select(
             zero.lt(riser_hold),
             riser_pull,
@@ -1414,20 +1425,17 @@ const _: () = {
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
         /// `leg[0]`: length and tension.
-        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
-        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
-        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_arm_x = c_1_23.fmadd(capsule_r13, c_0_55 * capsule_r11);
+        let leg_0_arm_y = c_1_23.fmadd(capsule_r23, c_0_55 * capsule_r21);
+        let leg_0_arm_z = c_1_23.fmadd(capsule_r33, c_0_55 * capsule_r31);
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_length = (leg_0_e_z * leg_0_e_z
-            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+        let leg_0_length = leg_0_e_z
+            .fmadd(leg_0_e_z, leg_0_e_y.fmadd(leg_0_e_y, leg_0_e_x * leg_0_e_x))
             .sqrt();
         let leg_0_t = leg_0_length.max(tiny);
         let leg_0_inverse_length = one / leg_0_t;
@@ -1436,22 +1444,36 @@ const _: () = {
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
-        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_1_23.fnmadd(capsule_wx, c_0_55 * capsule_wz);
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
-                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+            + capsule_r13
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r12.fmadd(leg_0_t_2, capsule_r11 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
-                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+            + capsule_r23
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r22.fmadd(leg_0_t_2, capsule_r21 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
-                - capsule_r33 * leg_0_scaled_capsule_wy_2);
-        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
-            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
-                + leg_0_u_y * (confluence_wy - leg_0_v_y));
-        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+            + capsule_r33
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r32.fmadd(leg_0_t_2, capsule_r31 * leg_0_scaled_capsule_wy),
+                );
+        let leg_0_rate = leg_0_u_z
+            .fmadd(
+                confluence_wz - leg_0_v_z,
+                leg_0_u_y
+                    .fmadd(
+                        confluence_wy - leg_0_v_y,
+                        leg_0_u_x * (confluence_wx - leg_0_v_x),
+                    ),
+            );
+        let leg_0_pull = c_470.fmadd(leg_0_rate, c_47000 * leg_0_stretch);
         let leg_0_tension = T::select(
             zero.lt(leg_0_hold),
             leg_0_pull,
@@ -1465,20 +1487,20 @@ const _: () = {
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
         /// `leg[1]`: length and tension.
-        let leg_1_arm_x = leg_0_scaled_capsule_r13
-            + (c * capsule_r11 + c_2 * capsule_r12);
-        let leg_1_arm_y = leg_0_scaled_capsule_r23
-            + (c * capsule_r21 + c_2 * capsule_r22);
-        let leg_1_arm_z = leg_0_scaled_capsule_r33
-            + (c * capsule_r31 + c_2 * capsule_r32);
+        let leg_1_arm_x = c_1_23
+            .fmadd(capsule_r13, c_2.fmadd(capsule_r12, c * capsule_r11));
+        let leg_1_arm_y = c_1_23
+            .fmadd(capsule_r23, c_2.fmadd(capsule_r22, c * capsule_r21));
+        let leg_1_arm_z = c_1_23
+            .fmadd(capsule_r33, c_2.fmadd(capsule_r32, c * capsule_r31));
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_length = (leg_1_e_z * leg_1_e_z
-            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+        let leg_1_length = leg_1_e_z
+            .fmadd(leg_1_e_z, leg_1_e_y.fmadd(leg_1_e_y, leg_1_e_x * leg_1_e_x))
             .sqrt();
         let leg_1_t = leg_1_length.max(tiny);
         let leg_1_inverse_length = one / leg_1_t;
@@ -1486,22 +1508,28 @@ const _: () = {
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_t - c_2_1;
-        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_t_2 = c_2.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_1_t_3 = c_1_23.fnmadd(capsule_wx, c * capsule_wz);
+        let leg_1_t_4 = c.fnmadd(capsule_wy, c_2 * capsule_wx);
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
-                + capsule_r13 * leg_1_t_4);
+            + capsule_r13
+                .fmadd(leg_1_t_4, capsule_r12.fmadd(leg_1_t_3, capsule_r11 * leg_1_t_2));
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
-                + capsule_r23 * leg_1_t_4);
+            + capsule_r23
+                .fmadd(leg_1_t_4, capsule_r22.fmadd(leg_1_t_3, capsule_r21 * leg_1_t_2));
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
-                + capsule_r33 * leg_1_t_4);
-        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
-            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
-                + leg_1_u_y * (confluence_wy - leg_1_v_y));
-        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+            + capsule_r33
+                .fmadd(leg_1_t_4, capsule_r32.fmadd(leg_1_t_3, capsule_r31 * leg_1_t_2));
+        let leg_1_rate = leg_1_u_z
+            .fmadd(
+                confluence_wz - leg_1_v_z,
+                leg_1_u_y
+                    .fmadd(
+                        confluence_wy - leg_1_v_y,
+                        leg_1_u_x * (confluence_wx - leg_1_v_x),
+                    ),
+            );
+        let leg_1_pull = c_470.fmadd(leg_1_rate, c_47000 * leg_1_stretch);
         let leg_1_tension = T::select(
             zero.lt(leg_1_hold),
             leg_1_pull,
@@ -1515,20 +1543,20 @@ const _: () = {
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
         /// `leg[2]`: length and tension.
-        let leg_2_arm_x = leg_0_scaled_capsule_r13
-            + (c_3 * capsule_r11 + c_4 * capsule_r12);
-        let leg_2_arm_y = leg_0_scaled_capsule_r23
-            + (c_3 * capsule_r21 + c_4 * capsule_r22);
-        let leg_2_arm_z = leg_0_scaled_capsule_r33
-            + (c_3 * capsule_r31 + c_4 * capsule_r32);
+        let leg_2_arm_x = c_1_23
+            .fmadd(capsule_r13, c_4.fmadd(capsule_r12, c_3 * capsule_r11));
+        let leg_2_arm_y = c_1_23
+            .fmadd(capsule_r23, c_4.fmadd(capsule_r22, c_3 * capsule_r21));
+        let leg_2_arm_z = c_1_23
+            .fmadd(capsule_r33, c_4.fmadd(capsule_r32, c_3 * capsule_r31));
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_length = (leg_2_e_z * leg_2_e_z
-            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+        let leg_2_length = leg_2_e_z
+            .fmadd(leg_2_e_z, leg_2_e_y.fmadd(leg_2_e_y, leg_2_e_x * leg_2_e_x))
             .sqrt();
         let leg_2_t = leg_2_length.max(tiny);
         let leg_2_inverse_length = one / leg_2_t;
@@ -1536,22 +1564,28 @@ const _: () = {
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_t - c_2_1;
-        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_t_2 = c_4.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_2_t_3 = c_1_23.fnmadd(capsule_wx, c_3 * capsule_wz);
+        let leg_2_t_4 = c_3.fnmadd(capsule_wy, c_4 * capsule_wx);
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
-                + capsule_r13 * leg_2_t_4);
+            + capsule_r13
+                .fmadd(leg_2_t_4, capsule_r12.fmadd(leg_2_t_3, capsule_r11 * leg_2_t_2));
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
-                + capsule_r23 * leg_2_t_4);
+            + capsule_r23
+                .fmadd(leg_2_t_4, capsule_r22.fmadd(leg_2_t_3, capsule_r21 * leg_2_t_2));
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
-                + capsule_r33 * leg_2_t_4);
-        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
-            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
-                + leg_2_u_y * (confluence_wy - leg_2_v_y));
-        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+            + capsule_r33
+                .fmadd(leg_2_t_4, capsule_r32.fmadd(leg_2_t_3, capsule_r31 * leg_2_t_2));
+        let leg_2_rate = leg_2_u_z
+            .fmadd(
+                confluence_wz - leg_2_v_z,
+                leg_2_u_y
+                    .fmadd(
+                        confluence_wy - leg_2_v_y,
+                        leg_2_u_x * (confluence_wx - leg_2_v_x),
+                    ),
+            );
+        let leg_2_pull = c_470.fmadd(leg_2_rate, c_47000 * leg_2_stretch);
         let leg_2_tension = T::select(
             zero.lt(leg_2_hold),
             leg_2_pull,
@@ -1568,18 +1602,27 @@ const _: () = {
         let drag_scaled_canopy_wy = c_1_57 * canopy_wy;
         let drag_scaled_canopy_wx = c_1_57 * canopy_wx;
         let drag_v_x = canopy_vx
-            + (canopy_r11 * drag_scaled_canopy_wy - canopy_r12 * drag_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(drag_scaled_canopy_wx, canopy_r11 * drag_scaled_canopy_wy);
         let drag_v_y = canopy_vy
-            + (canopy_r21 * drag_scaled_canopy_wy - canopy_r22 * drag_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(drag_scaled_canopy_wx, canopy_r21 * drag_scaled_canopy_wy);
         let drag_v_z = canopy_vz
-            + (canopy_r31 * drag_scaled_canopy_wy - canopy_r32 * drag_scaled_canopy_wx);
+            + canopy_r32
+                .fnmadd(drag_scaled_canopy_wx, canopy_r31 * drag_scaled_canopy_wy);
         let drag_v_x_minus_wind_x = drag_v_x - wind_x;
         let drag_v_y_minus_wind_y = drag_v_y - wind_y;
         let drag_v_z_minus_wind_z = drag_v_z - wind_z;
         let drag_t = derived_1
-            * (drag_v_z_minus_wind_z * drag_v_z_minus_wind_z
-                + (drag_v_x_minus_wind_x * drag_v_x_minus_wind_x
-                    + drag_v_y_minus_wind_y * drag_v_y_minus_wind_y))
+            * drag_v_z_minus_wind_z
+                .fmadd(
+                    drag_v_z_minus_wind_z,
+                    drag_v_y_minus_wind_y
+                        .fmadd(
+                            drag_v_y_minus_wind_y,
+                            drag_v_x_minus_wind_x * drag_v_x_minus_wind_x,
+                        ),
+                )
                 .sqrt();
         let drag_t_2 = drag_v_x_minus_wind_x * drag_t;
         let drag_t_3 = drag_v_y_minus_wind_y * drag_t;
@@ -1587,54 +1630,75 @@ const _: () = {
         let drag_arm_x = c_1_57 * canopy_r13;
         let drag_arm_y = c_1_57 * canopy_r23;
         let drag_arm_z = c_1_57 * canopy_r33;
-        let drag_t_5 = riser_arm_y * riser_force_z - riser_arm_z * riser_force_y
-            + (drag_t_4 * drag_arm_y - drag_t_3 * drag_arm_z);
-        let drag_t_6 = riser_arm_z * riser_force_x - riser_arm_x * riser_force_z
-            + (drag_t_2 * drag_arm_z - drag_t_4 * drag_arm_x);
-        let drag_t_7 = riser_arm_x * riser_force_y - riser_arm_y * riser_force_x
-            + (drag_t_3 * drag_arm_x - drag_t_2 * drag_arm_y);
+        let drag_t_5 = riser_arm_z.fnmadd(riser_force_y, riser_arm_y * riser_force_z)
+            + drag_t_3.fnmadd(drag_arm_z, drag_t_4 * drag_arm_y);
+        let drag_t_6 = riser_arm_x.fnmadd(riser_force_z, riser_arm_z * riser_force_x)
+            + drag_t_4.fnmadd(drag_arm_x, drag_t_2 * drag_arm_z);
+        let drag_t_7 = riser_arm_y.fnmadd(riser_force_x, riser_arm_x * riser_force_y)
+            + drag_t_2.fnmadd(drag_arm_y, drag_t_3 * drag_arm_x);
         let thruster_t = thruster_couple_x
-            + (leg_0_arm_y * leg_0_force_z - leg_0_arm_z * leg_0_force_y
-                + (leg_1_arm_y * leg_1_force_z - leg_1_arm_z * leg_1_force_y)
-                + (leg_2_arm_y * leg_2_force_z - leg_2_arm_z * leg_2_force_y));
+            + (leg_0_arm_z.fnmadd(leg_0_force_y, leg_0_arm_y * leg_0_force_z)
+                + leg_1_arm_z.fnmadd(leg_1_force_y, leg_1_arm_y * leg_1_force_z)
+                + leg_2_arm_z.fnmadd(leg_2_force_y, leg_2_arm_y * leg_2_force_z));
         let thruster_t_2 = thruster_couple_y
-            + (leg_0_arm_z * leg_0_force_x - leg_0_arm_x * leg_0_force_z
-                + (leg_1_arm_z * leg_1_force_x - leg_1_arm_x * leg_1_force_z)
-                + (leg_2_arm_z * leg_2_force_x - leg_2_arm_x * leg_2_force_z));
+            + (leg_0_arm_x.fnmadd(leg_0_force_z, leg_0_arm_z * leg_0_force_x)
+                + leg_1_arm_x.fnmadd(leg_1_force_z, leg_1_arm_z * leg_1_force_x)
+                + leg_2_arm_x.fnmadd(leg_2_force_z, leg_2_arm_z * leg_2_force_x));
         let thruster_t_3 = thruster_couple_z
-            + (leg_0_arm_x * leg_0_force_y - leg_0_arm_y * leg_0_force_x
-                + (leg_1_arm_x * leg_1_force_y - leg_1_arm_y * leg_1_force_x)
-                + (leg_2_arm_x * leg_2_force_y - leg_2_arm_y * leg_2_force_x));
+            + (leg_0_arm_y.fnmadd(leg_0_force_x, leg_0_arm_x * leg_0_force_y)
+                + leg_1_arm_y.fnmadd(leg_1_force_x, leg_1_arm_x * leg_1_force_y)
+                + leg_2_arm_y.fnmadd(leg_2_force_x, leg_2_arm_x * leg_2_force_y));
         /// `canopy`: forward, what it does.
         let canopy_wx_minus_half = canopy_wx * minus_half;
         let canopy_wy_minus_half = canopy_wy * minus_half;
         let canopy_wz_minus_half = canopy_wz * minus_half;
-        let canopy_qw_rate = canopy_qx * canopy_wx_minus_half
-            + canopy_qy * canopy_wy_minus_half + canopy_qz * canopy_wz_minus_half;
-        let canopy_qx_rate = canopy_qz * canopy_wy_minus_half
-            - canopy_qy * canopy_wz_minus_half - canopy_qw * canopy_wx_minus_half;
-        let canopy_qy_rate = canopy_qx * canopy_wz_minus_half
-            - canopy_qz * canopy_wx_minus_half - canopy_qw * canopy_wy_minus_half;
-        let canopy_qz_rate = canopy_qy * canopy_wx_minus_half
-            - canopy_qx * canopy_wy_minus_half - canopy_qw * canopy_wz_minus_half;
+        let canopy_qw_rate = canopy_qz
+            .fmadd(
+                canopy_wz_minus_half,
+                canopy_qy.fmadd(canopy_wy_minus_half, canopy_qx * canopy_wx_minus_half),
+            );
+        let canopy_qx_rate = canopy_qw
+            .fnmadd(
+                canopy_wx_minus_half,
+                canopy_qy.fnmadd(canopy_wz_minus_half, canopy_qz * canopy_wy_minus_half),
+            );
+        let canopy_qy_rate = canopy_qw
+            .fnmadd(
+                canopy_wy_minus_half,
+                canopy_qz.fnmadd(canopy_wx_minus_half, canopy_qx * canopy_wz_minus_half),
+            );
+        let canopy_qz_rate = canopy_qw
+            .fnmadd(
+                canopy_wz_minus_half,
+                canopy_qx.fnmadd(canopy_wy_minus_half, canopy_qy * canopy_wx_minus_half),
+            );
         let canopy_d_z = canopy_z - c_5;
-        let canopy_d_squared = canopy_d_z * canopy_d_z
-            + (canopy_x * canopy_x + canopy_y * canopy_y);
+        let canopy_d_squared = canopy_d_z
+            .fmadd(canopy_d_z, canopy_y.fmadd(canopy_y, canopy_x * canopy_x));
         let canopy_distance = canopy_d_squared.sqrt();
         let canopy_inverse = one / canopy_distance;
         let canopy_gravity = canopy_inverse * (canopy_inverse * (c_6 * canopy_inverse));
-        let canopy_vx_rate = c_0_0625 * (riser_force_x + drag_t_2)
-            - canopy_x * canopy_gravity;
-        let canopy_vy_rate = c_0_0625 * (riser_force_y + drag_t_3)
-            - canopy_y * canopy_gravity;
-        let canopy_vz_rate = c_0_0625 * (riser_force_z + drag_t_4)
-            - canopy_d_z * canopy_gravity;
-        let canopy_torque_x = canopy_r11 * drag_t_5 + canopy_r21 * drag_t_6
-            + canopy_r31 * drag_t_7;
-        let canopy_torque_y = canopy_r12 * drag_t_5 + canopy_r22 * drag_t_6
-            + canopy_r32 * drag_t_7;
-        let canopy_torque_z = canopy_r13 * drag_t_5 + canopy_r23 * drag_t_6
-            + canopy_r33 * drag_t_7;
+        let canopy_vx_rate = canopy_x
+            .fnmadd(
+                canopy_gravity,
+                c_0_0625 * drag_v_x_minus_wind_x.fmadd(drag_t, riser_force_x),
+            );
+        let canopy_vy_rate = canopy_y
+            .fnmadd(
+                canopy_gravity,
+                c_0_0625 * drag_v_y_minus_wind_y.fmadd(drag_t, riser_force_y),
+            );
+        let canopy_vz_rate = canopy_d_z
+            .fnmadd(
+                canopy_gravity,
+                c_0_0625 * drag_v_z_minus_wind_z.fmadd(drag_t, riser_force_z),
+            );
+        let canopy_torque_x = canopy_r31
+            .fmadd(drag_t_7, canopy_r21.fmadd(drag_t_6, canopy_r11 * drag_t_5));
+        let canopy_torque_y = canopy_r32
+            .fmadd(drag_t_7, canopy_r22.fmadd(drag_t_6, canopy_r12 * drag_t_5));
+        let canopy_torque_z = canopy_r33
+            .fmadd(drag_t_7, canopy_r23.fmadd(drag_t_6, canopy_r13 * drag_t_5));
         let canopy_gyro_x = c_30 * (canopy_wy * canopy_wz);
         let canopy_gyro_y = c_m30 * (canopy_wx * canopy_wz);
         let canopy_alpha_x = c_7 * (canopy_torque_x - canopy_gyro_x);
@@ -1644,54 +1708,110 @@ const _: () = {
         let capsule_wx_minus_half = capsule_wx * minus_half;
         let capsule_wy_minus_half = capsule_wy * minus_half;
         let capsule_wz_minus_half = capsule_wz * minus_half;
-        let capsule_qw_rate = capsule_qx * capsule_wx_minus_half
-            + capsule_qy * capsule_wy_minus_half + capsule_qz * capsule_wz_minus_half;
-        let capsule_qx_rate = capsule_qz * capsule_wy_minus_half
-            - capsule_qy * capsule_wz_minus_half - capsule_qw * capsule_wx_minus_half;
-        let capsule_qy_rate = capsule_qx * capsule_wz_minus_half
-            - capsule_qz * capsule_wx_minus_half - capsule_qw * capsule_wy_minus_half;
-        let capsule_qz_rate = capsule_qy * capsule_wx_minus_half
-            - capsule_qx * capsule_wy_minus_half - capsule_qw * capsule_wz_minus_half;
+        let capsule_qw_rate = capsule_qz
+            .fmadd(
+                capsule_wz_minus_half,
+                capsule_qy
+                    .fmadd(capsule_wy_minus_half, capsule_qx * capsule_wx_minus_half),
+            );
+        let capsule_qx_rate = capsule_qw
+            .fnmadd(
+                capsule_wx_minus_half,
+                capsule_qy
+                    .fnmadd(capsule_wz_minus_half, capsule_qz * capsule_wy_minus_half),
+            );
+        let capsule_qy_rate = capsule_qw
+            .fnmadd(
+                capsule_wy_minus_half,
+                capsule_qz
+                    .fnmadd(capsule_wx_minus_half, capsule_qx * capsule_wz_minus_half),
+            );
+        let capsule_qz_rate = capsule_qw
+            .fnmadd(
+                capsule_wz_minus_half,
+                capsule_qx
+                    .fnmadd(capsule_wy_minus_half, capsule_qy * capsule_wx_minus_half),
+            );
         let capsule_d_z = capsule_z - c_5;
-        let capsule_d_squared = capsule_d_z * capsule_d_z
-            + (capsule_x * capsule_x + capsule_y * capsule_y);
+        let capsule_d_squared = capsule_d_z
+            .fmadd(capsule_d_z, capsule_y.fmadd(capsule_y, capsule_x * capsule_x));
         let capsule_distance = capsule_d_squared.sqrt();
         let capsule_inverse = one / capsule_distance;
         let capsule_gravity = capsule_inverse
             * (capsule_inverse * (c_6 * capsule_inverse));
-        let capsule_vx_rate = capsule_inverse_mass
-            * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
-            - capsule_x * capsule_gravity;
-        let capsule_vy_rate = capsule_inverse_mass
-            * (thruster_y + (leg_0_force_y + leg_1_force_y + leg_2_force_y))
-            - capsule_y * capsule_gravity;
-        let capsule_vz_rate = capsule_inverse_mass
-            * (thruster_z + (leg_0_force_z + leg_1_force_z + leg_2_force_z))
-            - capsule_d_z * capsule_gravity;
-        let capsule_torque_x = capsule_r11 * thruster_t + capsule_r21 * thruster_t_2
-            + capsule_r31 * thruster_t_3;
-        let capsule_torque_y = capsule_r12 * thruster_t + capsule_r22 * thruster_t_2
-            + capsule_r32 * thruster_t_3;
-        let capsule_torque_z = capsule_r13 * thruster_t + capsule_r23 * thruster_t_2
-            + capsule_r33 * thruster_t_3;
-        let capsule_spin_x = c_300 * capsule_wx + c_m1_5 * capsule_wy;
-        let capsule_spin_y = c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz;
-        let capsule_spin_z = two * capsule_wy + c_420 * capsule_wz;
-        let capsule_gyro_x = capsule_wy * capsule_spin_z - capsule_wz * capsule_spin_y;
-        let capsule_gyro_y = capsule_wz * capsule_spin_x - capsule_wx * capsule_spin_z;
-        let capsule_gyro_z = capsule_wx * capsule_spin_y - capsule_wy * capsule_spin_x;
+        let capsule_vx_rate = capsule_x
+            .fnmadd(
+                capsule_gravity,
+                capsule_inverse_mass
+                    * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x)),
+            );
+        let capsule_vy_rate = capsule_y
+            .fnmadd(
+                capsule_gravity,
+                capsule_inverse_mass
+                    * (thruster_y + (leg_0_force_y + leg_1_force_y + leg_2_force_y)),
+            );
+        let capsule_vz_rate = capsule_d_z
+            .fnmadd(
+                capsule_gravity,
+                capsule_inverse_mass
+                    * (thruster_z + (leg_0_force_z + leg_1_force_z + leg_2_force_z)),
+            );
+        let capsule_torque_x = capsule_r31
+            .fmadd(
+                thruster_t_3,
+                capsule_r21.fmadd(thruster_t_2, capsule_r11 * thruster_t),
+            );
+        let capsule_torque_y = capsule_r32
+            .fmadd(
+                thruster_t_3,
+                capsule_r22.fmadd(thruster_t_2, capsule_r12 * thruster_t),
+            );
+        let capsule_torque_z = capsule_r33
+            .fmadd(
+                thruster_t_3,
+                capsule_r23.fmadd(thruster_t_2, capsule_r13 * thruster_t),
+            );
+        let capsule_spin_x = c_m1_5.fmadd(capsule_wy, c_300 * capsule_wx);
+        let capsule_spin_y = two
+            .fmadd(capsule_wz, c_310.fmadd(capsule_wy, c_m1_5 * capsule_wx));
+        let capsule_spin_z = c_420.fmadd(capsule_wz, two * capsule_wy);
+        let capsule_gyro_x = capsule_wz
+            .fnmadd(capsule_spin_y, capsule_wy * capsule_spin_z);
+        let capsule_gyro_y = capsule_wx
+            .fnmadd(capsule_spin_z, capsule_wz * capsule_spin_x);
+        let capsule_gyro_z = capsule_wy
+            .fnmadd(capsule_spin_x, capsule_wx * capsule_spin_y);
         let capsule_torque_x_minus_gyro_x = capsule_torque_x - capsule_gyro_x;
         let capsule_torque_y_minus_gyro_y = capsule_torque_y - capsule_gyro_y;
         let capsule_torque_z_minus_gyro_z = capsule_torque_z - capsule_gyro_z;
-        let capsule_alpha_x = c_9 * capsule_torque_x_minus_gyro_x
-            + c_11 * capsule_torque_y_minus_gyro_y
-            + c_12 * capsule_torque_z_minus_gyro_z;
-        let capsule_alpha_y = c_11 * capsule_torque_x_minus_gyro_x
-            + c_13 * capsule_torque_y_minus_gyro_y
-            + c_14 * capsule_torque_z_minus_gyro_z;
-        let capsule_alpha_z = c_12 * capsule_torque_x_minus_gyro_x
-            + c_14 * capsule_torque_y_minus_gyro_y
-            + c_15 * capsule_torque_z_minus_gyro_z;
+        let capsule_alpha_x = c_12
+            .fmadd(
+                capsule_torque_z_minus_gyro_z,
+                c_11
+                    .fmadd(
+                        capsule_torque_y_minus_gyro_y,
+                        c_9 * capsule_torque_x_minus_gyro_x,
+                    ),
+            );
+        let capsule_alpha_y = c_14
+            .fmadd(
+                capsule_torque_z_minus_gyro_z,
+                c_13
+                    .fmadd(
+                        capsule_torque_y_minus_gyro_y,
+                        c_11 * capsule_torque_x_minus_gyro_x,
+                    ),
+            );
+        let capsule_alpha_z = c_15
+            .fmadd(
+                capsule_torque_z_minus_gyro_z,
+                c_14
+                    .fmadd(
+                        capsule_torque_y_minus_gyro_y,
+                        c_12 * capsule_torque_x_minus_gyro_x,
+                    ),
+            );
         *out = [
             canopy_vx,
             canopy_vy,
@@ -1845,90 +1965,95 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
         /// `leg[0]`: length and tension.
-        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
-        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
-        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_arm_x = c_1_23.fmadd(capsule_r13, c_0_55 * capsule_r11);
+        let leg_0_arm_y = c_1_23.fmadd(capsule_r23, c_0_55 * capsule_r21);
+        let leg_0_arm_z = c_1_23.fmadd(capsule_r33, c_0_55 * capsule_r31);
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
-        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t = c_1_23.fnmadd(capsule_wx, c_0_55 * capsule_wz);
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
-                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+            + capsule_r13
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r12.fmadd(leg_0_t, capsule_r11 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
-                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+            + capsule_r23
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r22.fmadd(leg_0_t, capsule_r21 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
-                - capsule_r33 * leg_0_scaled_capsule_wy_2);
+            + capsule_r33
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r32.fmadd(leg_0_t, capsule_r31 * leg_0_scaled_capsule_wy),
+                );
         /// `leg[1]`: length and tension.
-        let leg_1_arm_x = leg_0_scaled_capsule_r13
-            + (c * capsule_r11 + c_2 * capsule_r12);
-        let leg_1_arm_y = leg_0_scaled_capsule_r23
-            + (c * capsule_r21 + c_2 * capsule_r22);
-        let leg_1_arm_z = leg_0_scaled_capsule_r33
-            + (c * capsule_r31 + c_2 * capsule_r32);
+        let leg_1_arm_x = c_1_23
+            .fmadd(capsule_r13, c_2.fmadd(capsule_r12, c * capsule_r11));
+        let leg_1_arm_y = c_1_23
+            .fmadd(capsule_r23, c_2.fmadd(capsule_r22, c * capsule_r21));
+        let leg_1_arm_z = c_1_23
+            .fmadd(capsule_r33, c_2.fmadd(capsule_r32, c * capsule_r31));
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
-        let leg_1_t = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_2 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_t = c_2.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_1_t_2 = c_1_23.fnmadd(capsule_wx, c * capsule_wz);
+        let leg_1_t_3 = c.fnmadd(capsule_wy, c_2 * capsule_wx);
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
-                + capsule_r13 * leg_1_t_3);
+            + capsule_r13
+                .fmadd(leg_1_t_3, capsule_r12.fmadd(leg_1_t_2, capsule_r11 * leg_1_t));
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
-                + capsule_r23 * leg_1_t_3);
+            + capsule_r23
+                .fmadd(leg_1_t_3, capsule_r22.fmadd(leg_1_t_2, capsule_r21 * leg_1_t));
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
-                + capsule_r33 * leg_1_t_3);
+            + capsule_r33
+                .fmadd(leg_1_t_3, capsule_r32.fmadd(leg_1_t_2, capsule_r31 * leg_1_t));
         /// `leg[2]`: length and tension.
-        let leg_2_arm_x = leg_0_scaled_capsule_r13
-            + (c_3 * capsule_r11 + c_4 * capsule_r12);
-        let leg_2_arm_y = leg_0_scaled_capsule_r23
-            + (c_3 * capsule_r21 + c_4 * capsule_r22);
-        let leg_2_arm_z = leg_0_scaled_capsule_r33
-            + (c_3 * capsule_r31 + c_4 * capsule_r32);
+        let leg_2_arm_x = c_1_23
+            .fmadd(capsule_r13, c_4.fmadd(capsule_r12, c_3 * capsule_r11));
+        let leg_2_arm_y = c_1_23
+            .fmadd(capsule_r23, c_4.fmadd(capsule_r22, c_3 * capsule_r21));
+        let leg_2_arm_z = c_1_23
+            .fmadd(capsule_r33, c_4.fmadd(capsule_r32, c_3 * capsule_r31));
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
-        let leg_2_t = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_2 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_t = c_4.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_2_t_2 = c_1_23.fnmadd(capsule_wx, c_3 * capsule_wz);
+        let leg_2_t_3 = c_3.fnmadd(capsule_wy, c_4 * capsule_wx);
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
-                + capsule_r13 * leg_2_t_3);
+            + capsule_r13
+                .fmadd(leg_2_t_3, capsule_r12.fmadd(leg_2_t_2, capsule_r11 * leg_2_t));
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
-                + capsule_r23 * leg_2_t_3);
+            + capsule_r23
+                .fmadd(leg_2_t_3, capsule_r22.fmadd(leg_2_t_2, capsule_r21 * leg_2_t));
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
-                + capsule_r33 * leg_2_t_3);
-        let leg_2_t_4 = (leg_2_v_x + (leg_1_v_x + (riser_v_x + leg_0_v_x))) * c_0_25;
-        let leg_2_t_5 = (leg_2_v_y + (leg_1_v_y + (riser_v_y + leg_0_v_y))) * c_0_25;
-        let leg_2_t_6 = (leg_2_v_z + (leg_1_v_z + (riser_v_z + leg_0_v_z))) * c_0_25;
+            + capsule_r33
+                .fmadd(leg_2_t_3, capsule_r32.fmadd(leg_2_t_2, capsule_r31 * leg_2_t));
+        let leg_2_t_4 = leg_2_v_x + (leg_1_v_x + (riser_v_x + leg_0_v_x));
+        let leg_2_t_5 = leg_2_v_y + (leg_1_v_y + (riser_v_y + leg_0_v_y));
+        let leg_2_t_6 = leg_2_v_z + (leg_1_v_z + (riser_v_z + leg_0_v_z));
         /// `riser`.
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_length = (riser_e_z * riser_e_z
-            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+        let riser_length = riser_e_z
+            .fmadd(riser_e_z, riser_e_y.fmadd(riser_e_y, riser_e_x * riser_e_x))
             .sqrt();
         let riser_t = riser_length.max(tiny);
         let riser_inverse_length = one / riser_t;
@@ -1936,11 +2061,19 @@ const _: () = {
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_t - c_10;
-        let riser_pull = riser_k * riser_stretch
-            + c_600
-                * (riser_u_z * (leg_2_t_6 - riser_v_z)
-                    + (riser_u_x * (leg_2_t_4 - riser_v_x)
-                        + riser_u_y * (leg_2_t_5 - riser_v_y)));
+        let riser_pull = c_600
+            .fmadd(
+                riser_u_z
+                    .fmadd(
+                        leg_2_t_6.fmsub(c_0_25, riser_v_z),
+                        riser_u_y
+                            .fmadd(
+                                leg_2_t_5.fmsub(c_0_25, riser_v_y),
+                                riser_u_x * leg_2_t_4.fmsub(c_0_25, riser_v_x),
+                            ),
+                    ),
+                riser_k * riser_stretch,
+            );
         let riser_t_2 = zero.lt(riser_hold);
         let riser_t_3 = T::select(riser_t_2, c_600, zero);
         let riser_t_4 = T::select(riser_t_2, -riser_pull, zero);
@@ -1950,8 +2083,8 @@ const _: () = {
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_length = (leg_0_e_z * leg_0_e_z
-            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+        let leg_0_length = leg_0_e_z
+            .fmadd(leg_0_e_z, leg_0_e_y.fmadd(leg_0_e_y, leg_0_e_x * leg_0_e_x))
             .sqrt();
         let leg_0_t_2 = leg_0_length.max(tiny);
         let leg_0_inverse_length = one / leg_0_t_2;
@@ -1959,11 +2092,19 @@ const _: () = {
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_t_2 - c_2_1;
-        let leg_0_pull = c_47000 * leg_0_stretch
-            + c_470
-                * (leg_0_u_z * (leg_2_t_6 - leg_0_v_z)
-                    + (leg_0_u_x * (leg_2_t_4 - leg_0_v_x)
-                        + leg_0_u_y * (leg_2_t_5 - leg_0_v_y)));
+        let leg_0_pull = c_470
+            .fmadd(
+                leg_0_u_z
+                    .fmadd(
+                        leg_2_t_6.fmsub(c_0_25, leg_0_v_z),
+                        leg_0_u_y
+                            .fmadd(
+                                leg_2_t_5.fmsub(c_0_25, leg_0_v_y),
+                                leg_0_u_x * leg_2_t_4.fmsub(c_0_25, leg_0_v_x),
+                            ),
+                    ),
+                c_47000 * leg_0_stretch,
+            );
         let leg_0_t_3 = zero.lt(leg_0_hold);
         let leg_0_t_4 = T::select(leg_0_t_3, c_470, zero);
         let leg_0_t_5 = T::select(leg_0_t_3, -leg_0_pull, zero);
@@ -1973,8 +2114,8 @@ const _: () = {
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_length = (leg_1_e_z * leg_1_e_z
-            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+        let leg_1_length = leg_1_e_z
+            .fmadd(leg_1_e_z, leg_1_e_y.fmadd(leg_1_e_y, leg_1_e_x * leg_1_e_x))
             .sqrt();
         let leg_1_t_4 = leg_1_length.max(tiny);
         let leg_1_inverse_length = one / leg_1_t_4;
@@ -1982,11 +2123,19 @@ const _: () = {
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_t_4 - c_2_1;
-        let leg_1_pull = c_47000 * leg_1_stretch
-            + c_470
-                * (leg_1_u_z * (leg_2_t_6 - leg_1_v_z)
-                    + (leg_1_u_x * (leg_2_t_4 - leg_1_v_x)
-                        + leg_1_u_y * (leg_2_t_5 - leg_1_v_y)));
+        let leg_1_pull = c_470
+            .fmadd(
+                leg_1_u_z
+                    .fmadd(
+                        leg_2_t_6.fmsub(c_0_25, leg_1_v_z),
+                        leg_1_u_y
+                            .fmadd(
+                                leg_2_t_5.fmsub(c_0_25, leg_1_v_y),
+                                leg_1_u_x * leg_2_t_4.fmsub(c_0_25, leg_1_v_x),
+                            ),
+                    ),
+                c_47000 * leg_1_stretch,
+            );
         let leg_1_t_5 = zero.lt(leg_1_hold);
         let leg_1_t_6 = T::select(leg_1_t_5, c_470, zero);
         let leg_1_t_7 = T::select(leg_1_t_5, -leg_1_pull, zero);
@@ -1996,8 +2145,8 @@ const _: () = {
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_length = (leg_2_e_z * leg_2_e_z
-            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+        let leg_2_length = leg_2_e_z
+            .fmadd(leg_2_e_z, leg_2_e_y.fmadd(leg_2_e_y, leg_2_e_x * leg_2_e_x))
             .sqrt();
         let leg_2_t_7 = leg_2_length.max(tiny);
         let leg_2_inverse_length = one / leg_2_t_7;
@@ -2005,94 +2154,162 @@ const _: () = {
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_t_7 - c_2_1;
-        let leg_2_pull = c_47000 * leg_2_stretch
-            + c_470
-                * (leg_2_u_z * (leg_2_t_6 - leg_2_v_z)
-                    + (leg_2_u_x * (leg_2_t_4 - leg_2_v_x)
-                        + leg_2_u_y * (leg_2_t_5 - leg_2_v_y)));
+        let leg_2_pull = c_470
+            .fmadd(
+                leg_2_u_z
+                    .fmadd(
+                        leg_2_t_6.fmsub(c_0_25, leg_2_v_z),
+                        leg_2_u_y
+                            .fmadd(
+                                leg_2_t_5.fmsub(c_0_25, leg_2_v_y),
+                                leg_2_u_x * leg_2_t_4.fmsub(c_0_25, leg_2_v_x),
+                            ),
+                    ),
+                c_47000 * leg_2_stretch,
+            );
         let leg_2_t_8 = zero.lt(leg_2_hold);
         let leg_2_t_9 = T::select(leg_2_t_8, c_470, zero);
         let leg_2_t_10 = T::select(leg_2_t_8, -leg_2_pull, zero);
         let leg_2_t_11 = leg_2_u_x * leg_2_t_9;
         let leg_2_t_12 = leg_2_u_y * leg_2_t_9;
-        let leg_2_t_13 = riser_u_x * riser_t_5 + leg_0_u_x * leg_0_t_6
-            + leg_1_u_x * leg_1_t_8 + leg_2_u_x * leg_2_t_11;
-        let leg_2_t_14 = riser_u_y * riser_t_5 + leg_0_u_y * leg_0_t_6
-            + leg_1_u_y * leg_1_t_8 + leg_2_u_y * leg_2_t_11;
-        let leg_2_t_15 = riser_u_z * riser_t_5 + leg_0_u_z * leg_0_t_6
-            + leg_1_u_z * leg_1_t_8 + leg_2_u_z * leg_2_t_11;
-        let leg_2_t_16 = riser_u_y * riser_t_6 + leg_0_u_y * leg_0_t_7
-            + leg_1_u_y * leg_1_t_9 + leg_2_u_y * leg_2_t_12;
-        let leg_2_t_17 = riser_u_z * riser_t_6 + leg_0_u_z * leg_0_t_7
-            + leg_1_u_z * leg_1_t_9 + leg_2_u_z * leg_2_t_12;
-        let leg_2_t_18 = riser_u_z * (riser_u_z * riser_t_3)
-            + leg_0_u_z * (leg_0_u_z * leg_0_t_4) + leg_1_u_z * (leg_1_u_z * leg_1_t_6)
-            + leg_2_u_z * (leg_2_u_z * leg_2_t_9);
-        let leg_2_t_19 = riser_u_x * riser_t_4 + leg_0_u_x * leg_0_t_5
-            + leg_1_u_x * leg_1_t_7 + leg_2_u_x * leg_2_t_10;
-        let leg_2_t_20 = riser_u_y * riser_t_4 + leg_0_u_y * leg_0_t_5
-            + leg_1_u_y * leg_1_t_7 + leg_2_u_y * leg_2_t_10;
-        let leg_2_t_21 = riser_u_z * riser_t_4 + leg_0_u_z * leg_0_t_5
-            + leg_1_u_z * leg_1_t_7 + leg_2_u_z * leg_2_t_10;
-        let leg_2_t_22 = leg_2_t_16 * leg_2_t_18 - leg_2_t_17 * leg_2_t_17;
-        let leg_2_t_23 = leg_2_t_15 * leg_2_t_17 - leg_2_t_14 * leg_2_t_18;
-        let leg_2_t_24 = leg_2_t_14 * leg_2_t_17 - leg_2_t_15 * leg_2_t_16;
-        let leg_2_t_25 = leg_2_t_14 * leg_2_t_15 - leg_2_t_13 * leg_2_t_17;
-        let leg_2_det = leg_2_t_13 * leg_2_t_22 + leg_2_t_14 * leg_2_t_23
-            + leg_2_t_15 * leg_2_t_24;
+        let leg_2_t_13 = leg_2_u_x
+            .fmadd(
+                leg_2_t_11,
+                leg_1_u_x
+                    .fmadd(leg_1_t_8, leg_0_u_x.fmadd(leg_0_t_6, riser_u_x * riser_t_5)),
+            );
+        let leg_2_t_14 = leg_2_u_y
+            .fmadd(
+                leg_2_t_11,
+                leg_1_u_y
+                    .fmadd(leg_1_t_8, leg_0_u_y.fmadd(leg_0_t_6, riser_u_y * riser_t_5)),
+            );
+        let leg_2_t_15 = leg_2_u_z
+            .fmadd(
+                leg_2_t_11,
+                leg_1_u_z
+                    .fmadd(leg_1_t_8, leg_0_u_z.fmadd(leg_0_t_6, riser_u_z * riser_t_5)),
+            );
+        let leg_2_t_16 = leg_2_u_y
+            .fmadd(
+                leg_2_t_12,
+                leg_1_u_y
+                    .fmadd(leg_1_t_9, leg_0_u_y.fmadd(leg_0_t_7, riser_u_y * riser_t_6)),
+            );
+        let leg_2_t_17 = leg_2_u_z
+            .fmadd(
+                leg_2_t_12,
+                leg_1_u_z
+                    .fmadd(leg_1_t_9, leg_0_u_z.fmadd(leg_0_t_7, riser_u_z * riser_t_6)),
+            );
+        let leg_2_t_18 = leg_2_u_z
+            .fmadd(
+                leg_2_u_z * leg_2_t_9,
+                leg_1_u_z
+                    .fmadd(
+                        leg_1_u_z * leg_1_t_6,
+                        leg_0_u_z
+                            .fmadd(
+                                leg_0_u_z * leg_0_t_4,
+                                riser_u_z * (riser_u_z * riser_t_3),
+                            ),
+                    ),
+            );
+        let leg_2_t_19 = leg_2_u_x
+            .fmadd(
+                leg_2_t_10,
+                leg_1_u_x
+                    .fmadd(leg_1_t_7, leg_0_u_x.fmadd(leg_0_t_5, riser_u_x * riser_t_4)),
+            );
+        let leg_2_t_20 = leg_2_u_y
+            .fmadd(
+                leg_2_t_10,
+                leg_1_u_y
+                    .fmadd(leg_1_t_7, leg_0_u_y.fmadd(leg_0_t_5, riser_u_y * riser_t_4)),
+            );
+        let leg_2_t_21 = leg_2_u_z
+            .fmadd(
+                leg_2_t_10,
+                leg_1_u_z
+                    .fmadd(leg_1_t_7, leg_0_u_z.fmadd(leg_0_t_5, riser_u_z * riser_t_4)),
+            );
+        let leg_2_t_22 = leg_2_t_17.fnmadd(leg_2_t_17, leg_2_t_16 * leg_2_t_18);
+        let leg_2_t_23 = leg_2_t_14.fnmadd(leg_2_t_18, leg_2_t_15 * leg_2_t_17);
+        let leg_2_t_24 = leg_2_t_15.fnmadd(leg_2_t_16, leg_2_t_14 * leg_2_t_17);
+        let leg_2_t_25 = leg_2_t_13.fnmadd(leg_2_t_17, leg_2_t_14 * leg_2_t_15);
+        let leg_2_det = leg_2_t_15
+            .fmadd(leg_2_t_24, leg_2_t_14.fmadd(leg_2_t_23, leg_2_t_13 * leg_2_t_22));
         let leg_2_t_26 = leg_2_t_18 + (leg_2_t_13 + leg_2_t_16);
-        let leg_2_margin = leg_2_det - c_1em5 * (leg_2_t_26 * (leg_2_t_26 * leg_2_t_26));
+        let leg_2_margin = c_1em5
+            .fnmadd(leg_2_t_26 * (leg_2_t_26 * leg_2_t_26), leg_2_det);
         let leg_2_t_27 = one / T::select(zero.lt(leg_2_margin), leg_2_det, one);
-        let leg_2_t_28 = leg_2_t_27
-            * (leg_2_t_19 * leg_2_t_22 + leg_2_t_20 * leg_2_t_23
-                + leg_2_t_21 * leg_2_t_24);
-        let leg_2_t_29 = leg_2_t_27
-            * (leg_2_t_19 * leg_2_t_23
-                + leg_2_t_20 * (leg_2_t_13 * leg_2_t_18 - leg_2_t_15 * leg_2_t_15)
-                + leg_2_t_21 * leg_2_t_25);
-        let leg_2_t_30 = leg_2_t_27
-            * (leg_2_t_19 * leg_2_t_24 + leg_2_t_20 * leg_2_t_25
-                + leg_2_t_21 * (leg_2_t_13 * leg_2_t_16 - leg_2_t_14 * leg_2_t_14));
-        let riser_t_7 = c_600
-            * (riser_u_z * leg_2_t_30
-                + (riser_u_x * leg_2_t_28 + riser_u_y * leg_2_t_29));
-        let riser_pull_2 = riser_pull + riser_t_7;
+        let leg_2_t_28 = leg_2_t_21
+            .fmadd(leg_2_t_24, leg_2_t_20.fmadd(leg_2_t_23, leg_2_t_19 * leg_2_t_22));
+        let leg_2_t_29 = leg_2_t_21
+            .fmadd(
+                leg_2_t_25,
+                leg_2_t_20
+                    .fmadd(
+                        leg_2_t_15.fnmadd(leg_2_t_15, leg_2_t_13 * leg_2_t_18),
+                        leg_2_t_19 * leg_2_t_23,
+                    ),
+            );
+        let leg_2_t_30 = leg_2_t_21
+            .fmadd(
+                leg_2_t_14.fnmadd(leg_2_t_14, leg_2_t_13 * leg_2_t_16),
+                leg_2_t_20.fmadd(leg_2_t_25, leg_2_t_19 * leg_2_t_24),
+            );
+        let leg_2_t_31 = leg_2_t_27 * leg_2_t_28;
+        let leg_2_t_32 = leg_2_t_27 * leg_2_t_29;
+        let leg_2_t_33 = leg_2_t_27 * leg_2_t_30;
+        let riser_t_7 = riser_u_z
+            .fmadd(leg_2_t_33, riser_u_y.fmadd(leg_2_t_32, riser_u_x * leg_2_t_31));
+        let riser_pull_2 = c_600.fmadd(riser_t_7, riser_pull);
         let riser_tension = T::select(riser_t_2, riser_pull_2, zero);
-        let leg_0_t_8 = c_470
-            * (leg_0_u_z * leg_2_t_30
-                + (leg_0_u_x * leg_2_t_28 + leg_0_u_y * leg_2_t_29));
-        let leg_0_pull_2 = leg_0_pull + leg_0_t_8;
+        let leg_0_t_8 = leg_0_u_z
+            .fmadd(leg_2_t_33, leg_0_u_y.fmadd(leg_2_t_32, leg_0_u_x * leg_2_t_31));
+        let leg_0_pull_2 = c_470.fmadd(leg_0_t_8, leg_0_pull);
         let leg_0_tension = T::select(leg_0_t_3, leg_0_pull_2, zero);
         /// `leg[1]`.
-        let leg_1_t_10 = c_470
-            * (leg_1_u_z * leg_2_t_30
-                + (leg_1_u_x * leg_2_t_28 + leg_1_u_y * leg_2_t_29));
-        let leg_1_t_11 = T::select(leg_1_t_5, leg_1_pull.abs() + leg_1_t_10.abs(), zero);
-        let leg_1_pull_2 = leg_1_pull + leg_1_t_10;
+        let leg_1_t_10 = leg_1_u_z
+            .fmadd(leg_2_t_33, leg_1_u_y.fmadd(leg_2_t_32, leg_1_u_x * leg_2_t_31));
+        let leg_1_t_11 = T::select(
+            leg_1_t_5,
+            leg_1_pull.abs() + (c_470 * leg_1_t_10).abs(),
+            zero,
+        );
+        let leg_1_t_12 = T::select(
+                riser_t_2,
+                riser_pull.abs() + (c_600 * riser_t_7).abs(),
+                zero,
+            )
+            .max(
+                T::select(leg_0_t_3, leg_0_pull.abs() + (c_470 * leg_0_t_8).abs(), zero),
+            )
+            .max(leg_1_t_11);
+        let leg_1_pull_2 = c_470.fmadd(leg_1_t_10, leg_1_pull);
         let leg_1_tension = T::select(leg_1_t_5, leg_1_pull_2, zero);
         /// `leg[2]`.
-        let leg_2_t_31 = c_470
-            * (leg_2_u_z * leg_2_t_30
-                + (leg_2_u_x * leg_2_t_28 + leg_2_u_y * leg_2_t_29));
-        let leg_2_t_32 = T::select(leg_2_t_8, leg_2_pull.abs() + leg_2_t_31.abs(), zero);
-        let leg_2_t_33 = T::select(riser_t_2, riser_pull.abs() + riser_t_7.abs(), zero)
-            .max(T::select(leg_0_t_3, leg_0_pull.abs() + leg_0_t_8.abs(), zero))
-            .max(leg_1_t_11)
-            .max(leg_2_t_32);
-        let leg_2_pull_2 = leg_2_pull + leg_2_t_31;
+        let leg_2_t_34 = leg_2_u_z
+            .fmadd(leg_2_t_33, leg_2_u_y.fmadd(leg_2_t_32, leg_2_u_x * leg_2_t_31));
+        let leg_2_t_35 = leg_1_t_12
+            .max(
+                T::select(leg_2_t_8, leg_2_pull.abs() + (c_470 * leg_2_t_34).abs(), zero),
+            );
+        let leg_2_pull_2 = c_470.fmadd(leg_2_t_34, leg_2_pull);
         let leg_2_tension = T::select(leg_2_t_8, leg_2_pull_2, zero);
-        let leg_2_t_34 = riser_tension
+        let leg_2_t_36 = riser_tension
             .max(leg_0_tension)
             .max(leg_1_tension)
             .max(leg_2_tension);
-        let leg_2_t_35 = leg_2_stretch.min(leg_2_pull_2) * (leg_2_hold - half);
+        let leg_2_t_37 = leg_2_stretch.min(leg_2_pull_2) * (leg_2_hold - half);
         let leg_2_agreed = (riser_stretch.min(riser_pull_2) * (riser_hold - half))
             .min(leg_0_stretch.min(leg_0_pull_2) * (leg_0_hold - half))
             .min(leg_1_stretch.min(leg_1_pull_2) * (leg_1_hold - half))
-            .min(leg_2_t_35);
-        let confluence_x_rate = leg_2_t_4 + leg_2_t_28;
-        let confluence_y_rate = leg_2_t_5 + leg_2_t_29;
-        let confluence_z_rate = leg_2_t_6 + leg_2_t_30;
+            .min(leg_2_t_37);
+        let confluence_x_rate = leg_2_t_27.fmadd(leg_2_t_28, leg_2_t_4 * c_0_25);
+        let confluence_y_rate = leg_2_t_27.fmadd(leg_2_t_29, leg_2_t_5 * c_0_25);
+        let confluence_z_rate = leg_2_t_27.fmadd(leg_2_t_30, leg_2_t_6 * c_0_25);
         let riser_force_x = riser_u_x * riser_tension;
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
@@ -2109,18 +2326,27 @@ const _: () = {
         let drag_scaled_canopy_wy = c_1_57 * canopy_wy;
         let drag_scaled_canopy_wx = c_1_57 * canopy_wx;
         let drag_v_x = canopy_vx
-            + (canopy_r11 * drag_scaled_canopy_wy - canopy_r12 * drag_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(drag_scaled_canopy_wx, canopy_r11 * drag_scaled_canopy_wy);
         let drag_v_y = canopy_vy
-            + (canopy_r21 * drag_scaled_canopy_wy - canopy_r22 * drag_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(drag_scaled_canopy_wx, canopy_r21 * drag_scaled_canopy_wy);
         let drag_v_z = canopy_vz
-            + (canopy_r31 * drag_scaled_canopy_wy - canopy_r32 * drag_scaled_canopy_wx);
+            + canopy_r32
+                .fnmadd(drag_scaled_canopy_wx, canopy_r31 * drag_scaled_canopy_wy);
         let drag_v_x_minus_wind_x = drag_v_x - wind_x;
         let drag_v_y_minus_wind_y = drag_v_y - wind_y;
         let drag_v_z_minus_wind_z = drag_v_z - wind_z;
         let drag_t = derived_1
-            * (drag_v_z_minus_wind_z * drag_v_z_minus_wind_z
-                + (drag_v_x_minus_wind_x * drag_v_x_minus_wind_x
-                    + drag_v_y_minus_wind_y * drag_v_y_minus_wind_y))
+            * drag_v_z_minus_wind_z
+                .fmadd(
+                    drag_v_z_minus_wind_z,
+                    drag_v_y_minus_wind_y
+                        .fmadd(
+                            drag_v_y_minus_wind_y,
+                            drag_v_x_minus_wind_x * drag_v_x_minus_wind_x,
+                        ),
+                )
                 .sqrt();
         let drag_t_2 = drag_v_x_minus_wind_x * drag_t;
         let drag_t_3 = drag_v_y_minus_wind_y * drag_t;
@@ -2128,54 +2354,75 @@ const _: () = {
         let drag_arm_x = c_1_57 * canopy_r13;
         let drag_arm_y = c_1_57 * canopy_r23;
         let drag_arm_z = c_1_57 * canopy_r33;
-        let drag_t_5 = drag_t_4 * drag_arm_y - drag_t_3 * drag_arm_z
-            + (riser_arm_y * riser_force_z - riser_arm_z * riser_force_y);
-        let drag_t_6 = drag_t_2 * drag_arm_z - drag_t_4 * drag_arm_x
-            + (riser_arm_z * riser_force_x - riser_arm_x * riser_force_z);
-        let drag_t_7 = drag_t_3 * drag_arm_x - drag_t_2 * drag_arm_y
-            + (riser_arm_x * riser_force_y - riser_arm_y * riser_force_x);
+        let drag_t_5 = drag_t_3.fnmadd(drag_arm_z, drag_t_4 * drag_arm_y)
+            + riser_arm_z.fnmadd(riser_force_y, riser_arm_y * riser_force_z);
+        let drag_t_6 = drag_t_4.fnmadd(drag_arm_x, drag_t_2 * drag_arm_z)
+            + riser_arm_x.fnmadd(riser_force_z, riser_arm_z * riser_force_x);
+        let drag_t_7 = drag_t_2.fnmadd(drag_arm_y, drag_t_3 * drag_arm_x)
+            + riser_arm_y.fnmadd(riser_force_x, riser_arm_x * riser_force_y);
         let thruster_t = thruster_couple_x
-            + (leg_0_arm_y * leg_0_force_z - leg_0_arm_z * leg_0_force_y
-                + (leg_1_arm_y * leg_1_force_z - leg_1_arm_z * leg_1_force_y)
-                + (leg_2_arm_y * leg_2_force_z - leg_2_arm_z * leg_2_force_y));
+            + (leg_0_arm_z.fnmadd(leg_0_force_y, leg_0_arm_y * leg_0_force_z)
+                + leg_1_arm_z.fnmadd(leg_1_force_y, leg_1_arm_y * leg_1_force_z)
+                + leg_2_arm_z.fnmadd(leg_2_force_y, leg_2_arm_y * leg_2_force_z));
         let thruster_t_2 = thruster_couple_y
-            + (leg_0_arm_z * leg_0_force_x - leg_0_arm_x * leg_0_force_z
-                + (leg_1_arm_z * leg_1_force_x - leg_1_arm_x * leg_1_force_z)
-                + (leg_2_arm_z * leg_2_force_x - leg_2_arm_x * leg_2_force_z));
+            + (leg_0_arm_x.fnmadd(leg_0_force_z, leg_0_arm_z * leg_0_force_x)
+                + leg_1_arm_x.fnmadd(leg_1_force_z, leg_1_arm_z * leg_1_force_x)
+                + leg_2_arm_x.fnmadd(leg_2_force_z, leg_2_arm_z * leg_2_force_x));
         let thruster_t_3 = thruster_couple_z
-            + (leg_0_arm_x * leg_0_force_y - leg_0_arm_y * leg_0_force_x
-                + (leg_1_arm_x * leg_1_force_y - leg_1_arm_y * leg_1_force_x)
-                + (leg_2_arm_x * leg_2_force_y - leg_2_arm_y * leg_2_force_x));
+            + (leg_0_arm_y.fnmadd(leg_0_force_x, leg_0_arm_x * leg_0_force_y)
+                + leg_1_arm_y.fnmadd(leg_1_force_x, leg_1_arm_x * leg_1_force_y)
+                + leg_2_arm_y.fnmadd(leg_2_force_x, leg_2_arm_x * leg_2_force_y));
         /// `canopy`.
         let canopy_wx_minus_half = canopy_wx * minus_half;
         let canopy_wy_minus_half = canopy_wy * minus_half;
         let canopy_wz_minus_half = canopy_wz * minus_half;
-        let canopy_qw_rate = canopy_qx * canopy_wx_minus_half
-            + canopy_qy * canopy_wy_minus_half + canopy_qz * canopy_wz_minus_half;
-        let canopy_qx_rate = canopy_qz * canopy_wy_minus_half
-            - canopy_qy * canopy_wz_minus_half - canopy_qw * canopy_wx_minus_half;
-        let canopy_qy_rate = canopy_qx * canopy_wz_minus_half
-            - canopy_qz * canopy_wx_minus_half - canopy_qw * canopy_wy_minus_half;
-        let canopy_qz_rate = canopy_qy * canopy_wx_minus_half
-            - canopy_qx * canopy_wy_minus_half - canopy_qw * canopy_wz_minus_half;
+        let canopy_qw_rate = canopy_qz
+            .fmadd(
+                canopy_wz_minus_half,
+                canopy_qy.fmadd(canopy_wy_minus_half, canopy_qx * canopy_wx_minus_half),
+            );
+        let canopy_qx_rate = canopy_qw
+            .fnmadd(
+                canopy_wx_minus_half,
+                canopy_qy.fnmadd(canopy_wz_minus_half, canopy_qz * canopy_wy_minus_half),
+            );
+        let canopy_qy_rate = canopy_qw
+            .fnmadd(
+                canopy_wy_minus_half,
+                canopy_qz.fnmadd(canopy_wx_minus_half, canopy_qx * canopy_wz_minus_half),
+            );
+        let canopy_qz_rate = canopy_qw
+            .fnmadd(
+                canopy_wz_minus_half,
+                canopy_qx.fnmadd(canopy_wy_minus_half, canopy_qy * canopy_wx_minus_half),
+            );
         let canopy_d_z = canopy_z - c_5;
-        let canopy_d_squared = canopy_d_z * canopy_d_z
-            + (canopy_x * canopy_x + canopy_y * canopy_y);
+        let canopy_d_squared = canopy_d_z
+            .fmadd(canopy_d_z, canopy_y.fmadd(canopy_y, canopy_x * canopy_x));
         let canopy_distance = canopy_d_squared.sqrt();
         let canopy_inverse = one / canopy_distance;
         let canopy_gravity = canopy_inverse * (canopy_inverse * (c_6 * canopy_inverse));
-        let canopy_vx_rate = c_0_0625 * (drag_t_2 + riser_force_x)
-            - canopy_x * canopy_gravity;
-        let canopy_vy_rate = c_0_0625 * (drag_t_3 + riser_force_y)
-            - canopy_y * canopy_gravity;
-        let canopy_vz_rate = c_0_0625 * (drag_t_4 + riser_force_z)
-            - canopy_d_z * canopy_gravity;
-        let canopy_torque_x = canopy_r11 * drag_t_5 + canopy_r21 * drag_t_6
-            + canopy_r31 * drag_t_7;
-        let canopy_torque_y = canopy_r12 * drag_t_5 + canopy_r22 * drag_t_6
-            + canopy_r32 * drag_t_7;
-        let canopy_torque_z = canopy_r13 * drag_t_5 + canopy_r23 * drag_t_6
-            + canopy_r33 * drag_t_7;
+        let canopy_vx_rate = canopy_x
+            .fnmadd(
+                canopy_gravity,
+                c_0_0625 * drag_v_x_minus_wind_x.fmadd(drag_t, riser_force_x),
+            );
+        let canopy_vy_rate = canopy_y
+            .fnmadd(
+                canopy_gravity,
+                c_0_0625 * drag_v_y_minus_wind_y.fmadd(drag_t, riser_force_y),
+            );
+        let canopy_vz_rate = canopy_d_z
+            .fnmadd(
+                canopy_gravity,
+                c_0_0625 * drag_v_z_minus_wind_z.fmadd(drag_t, riser_force_z),
+            );
+        let canopy_torque_x = canopy_r31
+            .fmadd(drag_t_7, canopy_r21.fmadd(drag_t_6, canopy_r11 * drag_t_5));
+        let canopy_torque_y = canopy_r32
+            .fmadd(drag_t_7, canopy_r22.fmadd(drag_t_6, canopy_r12 * drag_t_5));
+        let canopy_torque_z = canopy_r33
+            .fmadd(drag_t_7, canopy_r23.fmadd(drag_t_6, canopy_r13 * drag_t_5));
         let canopy_gyro_x = c_30 * (canopy_wy * canopy_wz);
         let canopy_gyro_y = c_m30 * (canopy_wx * canopy_wz);
         let canopy_alpha_x = c_7 * (canopy_torque_x - canopy_gyro_x);
@@ -2185,54 +2432,110 @@ const _: () = {
         let capsule_wx_minus_half = capsule_wx * minus_half;
         let capsule_wy_minus_half = capsule_wy * minus_half;
         let capsule_wz_minus_half = capsule_wz * minus_half;
-        let capsule_qw_rate = capsule_qx * capsule_wx_minus_half
-            + capsule_qy * capsule_wy_minus_half + capsule_qz * capsule_wz_minus_half;
-        let capsule_qx_rate = capsule_qz * capsule_wy_minus_half
-            - capsule_qy * capsule_wz_minus_half - capsule_qw * capsule_wx_minus_half;
-        let capsule_qy_rate = capsule_qx * capsule_wz_minus_half
-            - capsule_qz * capsule_wx_minus_half - capsule_qw * capsule_wy_minus_half;
-        let capsule_qz_rate = capsule_qy * capsule_wx_minus_half
-            - capsule_qx * capsule_wy_minus_half - capsule_qw * capsule_wz_minus_half;
+        let capsule_qw_rate = capsule_qz
+            .fmadd(
+                capsule_wz_minus_half,
+                capsule_qy
+                    .fmadd(capsule_wy_minus_half, capsule_qx * capsule_wx_minus_half),
+            );
+        let capsule_qx_rate = capsule_qw
+            .fnmadd(
+                capsule_wx_minus_half,
+                capsule_qy
+                    .fnmadd(capsule_wz_minus_half, capsule_qz * capsule_wy_minus_half),
+            );
+        let capsule_qy_rate = capsule_qw
+            .fnmadd(
+                capsule_wy_minus_half,
+                capsule_qz
+                    .fnmadd(capsule_wx_minus_half, capsule_qx * capsule_wz_minus_half),
+            );
+        let capsule_qz_rate = capsule_qw
+            .fnmadd(
+                capsule_wz_minus_half,
+                capsule_qx
+                    .fnmadd(capsule_wy_minus_half, capsule_qy * capsule_wx_minus_half),
+            );
         let capsule_d_z = capsule_z - c_5;
-        let capsule_d_squared = capsule_d_z * capsule_d_z
-            + (capsule_x * capsule_x + capsule_y * capsule_y);
+        let capsule_d_squared = capsule_d_z
+            .fmadd(capsule_d_z, capsule_y.fmadd(capsule_y, capsule_x * capsule_x));
         let capsule_distance = capsule_d_squared.sqrt();
         let capsule_inverse = one / capsule_distance;
         let capsule_gravity = capsule_inverse
             * (capsule_inverse * (c_6 * capsule_inverse));
-        let capsule_vx_rate = capsule_inverse_mass
-            * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
-            - capsule_x * capsule_gravity;
-        let capsule_vy_rate = capsule_inverse_mass
-            * (thruster_y + (leg_0_force_y + leg_1_force_y + leg_2_force_y))
-            - capsule_y * capsule_gravity;
-        let capsule_vz_rate = capsule_inverse_mass
-            * (thruster_z + (leg_0_force_z + leg_1_force_z + leg_2_force_z))
-            - capsule_d_z * capsule_gravity;
-        let capsule_torque_x = capsule_r11 * thruster_t + capsule_r21 * thruster_t_2
-            + capsule_r31 * thruster_t_3;
-        let capsule_torque_y = capsule_r12 * thruster_t + capsule_r22 * thruster_t_2
-            + capsule_r32 * thruster_t_3;
-        let capsule_torque_z = capsule_r13 * thruster_t + capsule_r23 * thruster_t_2
-            + capsule_r33 * thruster_t_3;
-        let capsule_spin_x = c_300 * capsule_wx + c_m1_5 * capsule_wy;
-        let capsule_spin_y = c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz;
-        let capsule_spin_z = two * capsule_wy + c_420 * capsule_wz;
-        let capsule_gyro_x = capsule_wy * capsule_spin_z - capsule_wz * capsule_spin_y;
-        let capsule_gyro_y = capsule_wz * capsule_spin_x - capsule_wx * capsule_spin_z;
-        let capsule_gyro_z = capsule_wx * capsule_spin_y - capsule_wy * capsule_spin_x;
+        let capsule_vx_rate = capsule_x
+            .fnmadd(
+                capsule_gravity,
+                capsule_inverse_mass
+                    * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x)),
+            );
+        let capsule_vy_rate = capsule_y
+            .fnmadd(
+                capsule_gravity,
+                capsule_inverse_mass
+                    * (thruster_y + (leg_0_force_y + leg_1_force_y + leg_2_force_y)),
+            );
+        let capsule_vz_rate = capsule_d_z
+            .fnmadd(
+                capsule_gravity,
+                capsule_inverse_mass
+                    * (thruster_z + (leg_0_force_z + leg_1_force_z + leg_2_force_z)),
+            );
+        let capsule_torque_x = capsule_r31
+            .fmadd(
+                thruster_t_3,
+                capsule_r21.fmadd(thruster_t_2, capsule_r11 * thruster_t),
+            );
+        let capsule_torque_y = capsule_r32
+            .fmadd(
+                thruster_t_3,
+                capsule_r22.fmadd(thruster_t_2, capsule_r12 * thruster_t),
+            );
+        let capsule_torque_z = capsule_r33
+            .fmadd(
+                thruster_t_3,
+                capsule_r23.fmadd(thruster_t_2, capsule_r13 * thruster_t),
+            );
+        let capsule_spin_x = c_m1_5.fmadd(capsule_wy, c_300 * capsule_wx);
+        let capsule_spin_y = two
+            .fmadd(capsule_wz, c_310.fmadd(capsule_wy, c_m1_5 * capsule_wx));
+        let capsule_spin_z = c_420.fmadd(capsule_wz, two * capsule_wy);
+        let capsule_gyro_x = capsule_wz
+            .fnmadd(capsule_spin_y, capsule_wy * capsule_spin_z);
+        let capsule_gyro_y = capsule_wx
+            .fnmadd(capsule_spin_z, capsule_wz * capsule_spin_x);
+        let capsule_gyro_z = capsule_wy
+            .fnmadd(capsule_spin_x, capsule_wx * capsule_spin_y);
         let capsule_torque_x_minus_gyro_x = capsule_torque_x - capsule_gyro_x;
         let capsule_torque_y_minus_gyro_y = capsule_torque_y - capsule_gyro_y;
         let capsule_torque_z_minus_gyro_z = capsule_torque_z - capsule_gyro_z;
-        let capsule_alpha_x = c_9 * capsule_torque_x_minus_gyro_x
-            + c_11 * capsule_torque_y_minus_gyro_y
-            + c_12 * capsule_torque_z_minus_gyro_z;
-        let capsule_alpha_y = c_11 * capsule_torque_x_minus_gyro_x
-            + c_13 * capsule_torque_y_minus_gyro_y
-            + c_14 * capsule_torque_z_minus_gyro_z;
-        let capsule_alpha_z = c_12 * capsule_torque_x_minus_gyro_x
-            + c_14 * capsule_torque_y_minus_gyro_y
-            + c_15 * capsule_torque_z_minus_gyro_z;
+        let capsule_alpha_x = c_12
+            .fmadd(
+                capsule_torque_z_minus_gyro_z,
+                c_11
+                    .fmadd(
+                        capsule_torque_y_minus_gyro_y,
+                        c_9 * capsule_torque_x_minus_gyro_x,
+                    ),
+            );
+        let capsule_alpha_y = c_14
+            .fmadd(
+                capsule_torque_z_minus_gyro_z,
+                c_13
+                    .fmadd(
+                        capsule_torque_y_minus_gyro_y,
+                        c_11 * capsule_torque_x_minus_gyro_x,
+                    ),
+            );
+        let capsule_alpha_z = c_15
+            .fmadd(
+                capsule_torque_z_minus_gyro_z,
+                c_14
+                    .fmadd(
+                        capsule_torque_y_minus_gyro_y,
+                        c_12 * capsule_torque_x_minus_gyro_x,
+                    ),
+            );
         *out = [
             canopy_vx,
             canopy_vy,
@@ -2291,8 +2594,8 @@ const _: () = {
             zero,
             zero,
             leg_2_margin,
-            leg_2_t_33,
-            leg_2_t_34,
+            leg_2_t_35,
+            leg_2_t_36,
             leg_2_agreed,
             riser_stretch,
             leg_0_stretch,
@@ -2395,8 +2698,8 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_length = (riser_e_z * riser_e_z
-            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+        let riser_length = riser_e_z
+            .fmadd(riser_e_z, riser_e_y.fmadd(riser_e_y, riser_e_x * riser_e_x))
             .sqrt();
         let riser_t = riser_length.max(tiny);
         let riser_inverse_length = one / riser_t;
@@ -2407,18 +2710,24 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
-        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
-            + (riser_u_x * (confluence_wx - riser_v_x)
-                + riser_u_y * (confluence_wy - riser_v_y));
-        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
+        let riser_rate = riser_u_z
+            .fmadd(
+                confluence_wz - riser_v_z,
+                riser_u_y
+                    .fmadd(
+                        confluence_wy - riser_v_y,
+                        riser_u_x * (confluence_wx - riser_v_x),
+                    ),
+            );
+        let riser_pull = c_600.fmadd(riser_rate, riser_k * riser_stretch);
         let riser_tension = T::select(
             zero.lt(riser_hold),
             riser_pull,
@@ -2432,20 +2741,17 @@ const _: () = {
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
         /// `leg[0]`: length and tension.
-        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
-        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
-        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_arm_x = c_1_23.fmadd(capsule_r13, c_0_55 * capsule_r11);
+        let leg_0_arm_y = c_1_23.fmadd(capsule_r23, c_0_55 * capsule_r21);
+        let leg_0_arm_z = c_1_23.fmadd(capsule_r33, c_0_55 * capsule_r31);
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_length = (leg_0_e_z * leg_0_e_z
-            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+        let leg_0_length = leg_0_e_z
+            .fmadd(leg_0_e_z, leg_0_e_y.fmadd(leg_0_e_y, leg_0_e_x * leg_0_e_x))
             .sqrt();
         let leg_0_t = leg_0_length.max(tiny);
         let leg_0_inverse_length = one / leg_0_t;
@@ -2454,22 +2760,36 @@ const _: () = {
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
-        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_1_23.fnmadd(capsule_wx, c_0_55 * capsule_wz);
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
-                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+            + capsule_r13
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r12.fmadd(leg_0_t_2, capsule_r11 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
-                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+            + capsule_r23
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r22.fmadd(leg_0_t_2, capsule_r21 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
-                - capsule_r33 * leg_0_scaled_capsule_wy_2);
-        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
-            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
-                + leg_0_u_y * (confluence_wy - leg_0_v_y));
-        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+            + capsule_r33
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r32.fmadd(leg_0_t_2, capsule_r31 * leg_0_scaled_capsule_wy),
+                );
+        let leg_0_rate = leg_0_u_z
+            .fmadd(
+                confluence_wz - leg_0_v_z,
+                leg_0_u_y
+                    .fmadd(
+                        confluence_wy - leg_0_v_y,
+                        leg_0_u_x * (confluence_wx - leg_0_v_x),
+                    ),
+            );
+        let leg_0_pull = c_470.fmadd(leg_0_rate, c_47000 * leg_0_stretch);
         let leg_0_tension = T::select(
             zero.lt(leg_0_hold),
             leg_0_pull,
@@ -2483,20 +2803,20 @@ const _: () = {
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
         /// `leg[1]`: length and tension.
-        let leg_1_arm_x = leg_0_scaled_capsule_r13
-            + (c * capsule_r11 + c_2 * capsule_r12);
-        let leg_1_arm_y = leg_0_scaled_capsule_r23
-            + (c * capsule_r21 + c_2 * capsule_r22);
-        let leg_1_arm_z = leg_0_scaled_capsule_r33
-            + (c * capsule_r31 + c_2 * capsule_r32);
+        let leg_1_arm_x = c_1_23
+            .fmadd(capsule_r13, c_2.fmadd(capsule_r12, c * capsule_r11));
+        let leg_1_arm_y = c_1_23
+            .fmadd(capsule_r23, c_2.fmadd(capsule_r22, c * capsule_r21));
+        let leg_1_arm_z = c_1_23
+            .fmadd(capsule_r33, c_2.fmadd(capsule_r32, c * capsule_r31));
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_length = (leg_1_e_z * leg_1_e_z
-            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+        let leg_1_length = leg_1_e_z
+            .fmadd(leg_1_e_z, leg_1_e_y.fmadd(leg_1_e_y, leg_1_e_x * leg_1_e_x))
             .sqrt();
         let leg_1_t = leg_1_length.max(tiny);
         let leg_1_inverse_length = one / leg_1_t;
@@ -2504,22 +2824,28 @@ const _: () = {
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_t - c_2_1;
-        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_t_2 = c_2.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_1_t_3 = c_1_23.fnmadd(capsule_wx, c * capsule_wz);
+        let leg_1_t_4 = c.fnmadd(capsule_wy, c_2 * capsule_wx);
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
-                + capsule_r13 * leg_1_t_4);
+            + capsule_r13
+                .fmadd(leg_1_t_4, capsule_r12.fmadd(leg_1_t_3, capsule_r11 * leg_1_t_2));
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
-                + capsule_r23 * leg_1_t_4);
+            + capsule_r23
+                .fmadd(leg_1_t_4, capsule_r22.fmadd(leg_1_t_3, capsule_r21 * leg_1_t_2));
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
-                + capsule_r33 * leg_1_t_4);
-        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
-            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
-                + leg_1_u_y * (confluence_wy - leg_1_v_y));
-        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+            + capsule_r33
+                .fmadd(leg_1_t_4, capsule_r32.fmadd(leg_1_t_3, capsule_r31 * leg_1_t_2));
+        let leg_1_rate = leg_1_u_z
+            .fmadd(
+                confluence_wz - leg_1_v_z,
+                leg_1_u_y
+                    .fmadd(
+                        confluence_wy - leg_1_v_y,
+                        leg_1_u_x * (confluence_wx - leg_1_v_x),
+                    ),
+            );
+        let leg_1_pull = c_470.fmadd(leg_1_rate, c_47000 * leg_1_stretch);
         let leg_1_tension = T::select(
             zero.lt(leg_1_hold),
             leg_1_pull,
@@ -2533,20 +2859,20 @@ const _: () = {
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
         /// `leg[2]`: length and tension.
-        let leg_2_arm_x = leg_0_scaled_capsule_r13
-            + (c_3 * capsule_r11 + c_4 * capsule_r12);
-        let leg_2_arm_y = leg_0_scaled_capsule_r23
-            + (c_3 * capsule_r21 + c_4 * capsule_r22);
-        let leg_2_arm_z = leg_0_scaled_capsule_r33
-            + (c_3 * capsule_r31 + c_4 * capsule_r32);
+        let leg_2_arm_x = c_1_23
+            .fmadd(capsule_r13, c_4.fmadd(capsule_r12, c_3 * capsule_r11));
+        let leg_2_arm_y = c_1_23
+            .fmadd(capsule_r23, c_4.fmadd(capsule_r22, c_3 * capsule_r21));
+        let leg_2_arm_z = c_1_23
+            .fmadd(capsule_r33, c_4.fmadd(capsule_r32, c_3 * capsule_r31));
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_length = (leg_2_e_z * leg_2_e_z
-            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+        let leg_2_length = leg_2_e_z
+            .fmadd(leg_2_e_z, leg_2_e_y.fmadd(leg_2_e_y, leg_2_e_x * leg_2_e_x))
             .sqrt();
         let leg_2_t = leg_2_length.max(tiny);
         let leg_2_inverse_length = one / leg_2_t;
@@ -2554,22 +2880,28 @@ const _: () = {
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_t - c_2_1;
-        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_t_2 = c_4.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_2_t_3 = c_1_23.fnmadd(capsule_wx, c_3 * capsule_wz);
+        let leg_2_t_4 = c_3.fnmadd(capsule_wy, c_4 * capsule_wx);
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
-                + capsule_r13 * leg_2_t_4);
+            + capsule_r13
+                .fmadd(leg_2_t_4, capsule_r12.fmadd(leg_2_t_3, capsule_r11 * leg_2_t_2));
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
-                + capsule_r23 * leg_2_t_4);
+            + capsule_r23
+                .fmadd(leg_2_t_4, capsule_r22.fmadd(leg_2_t_3, capsule_r21 * leg_2_t_2));
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
-                + capsule_r33 * leg_2_t_4);
-        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
-            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
-                + leg_2_u_y * (confluence_wy - leg_2_v_y));
-        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+            + capsule_r33
+                .fmadd(leg_2_t_4, capsule_r32.fmadd(leg_2_t_3, capsule_r31 * leg_2_t_2));
+        let leg_2_rate = leg_2_u_z
+            .fmadd(
+                confluence_wz - leg_2_v_z,
+                leg_2_u_y
+                    .fmadd(
+                        confluence_wy - leg_2_v_y,
+                        leg_2_u_x * (confluence_wx - leg_2_v_x),
+                    ),
+            );
+        let leg_2_pull = c_470.fmadd(leg_2_rate, c_47000 * leg_2_stretch);
         let leg_2_tension = T::select(
             zero.lt(leg_2_hold),
             leg_2_pull,
@@ -2682,8 +3014,8 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_length = (riser_e_z * riser_e_z
-            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+        let riser_length = riser_e_z
+            .fmadd(riser_e_z, riser_e_y.fmadd(riser_e_y, riser_e_x * riser_e_x))
             .sqrt();
         let riser_t = riser_length.max(tiny);
         let riser_inverse_length = one / riser_t;
@@ -2694,18 +3026,24 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
-        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
-            + (riser_u_x * (confluence_wx - riser_v_x)
-                + riser_u_y * (confluence_wy - riser_v_y));
-        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
+        let riser_rate = riser_u_z
+            .fmadd(
+                confluence_wz - riser_v_z,
+                riser_u_y
+                    .fmadd(
+                        confluence_wy - riser_v_y,
+                        riser_u_x * (confluence_wx - riser_v_x),
+                    ),
+            );
+        let riser_pull = c_600.fmadd(riser_rate, riser_k * riser_stretch);
         let riser_tension = T::select(
             zero.lt(riser_hold),
             riser_pull,
@@ -2716,20 +3054,17 @@ const _: () = {
             ),
         );
         /// `leg[0]`: length and tension.
-        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
-        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
-        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_arm_x = c_1_23.fmadd(capsule_r13, c_0_55 * capsule_r11);
+        let leg_0_arm_y = c_1_23.fmadd(capsule_r23, c_0_55 * capsule_r21);
+        let leg_0_arm_z = c_1_23.fmadd(capsule_r33, c_0_55 * capsule_r31);
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_length = (leg_0_e_z * leg_0_e_z
-            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+        let leg_0_length = leg_0_e_z
+            .fmadd(leg_0_e_z, leg_0_e_y.fmadd(leg_0_e_y, leg_0_e_x * leg_0_e_x))
             .sqrt();
         let leg_0_t = leg_0_length.max(tiny);
         let leg_0_inverse_length = one / leg_0_t;
@@ -2738,37 +3073,51 @@ const _: () = {
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
-        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_1_23.fnmadd(capsule_wx, c_0_55 * capsule_wz);
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
-                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+            + capsule_r13
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r12.fmadd(leg_0_t_2, capsule_r11 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
-                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+            + capsule_r23
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r22.fmadd(leg_0_t_2, capsule_r21 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
-                - capsule_r33 * leg_0_scaled_capsule_wy_2);
-        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
-            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
-                + leg_0_u_y * (confluence_wy - leg_0_v_y));
-        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+            + capsule_r33
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r32.fmadd(leg_0_t_2, capsule_r31 * leg_0_scaled_capsule_wy),
+                );
+        let leg_0_rate = leg_0_u_z
+            .fmadd(
+                confluence_wz - leg_0_v_z,
+                leg_0_u_y
+                    .fmadd(
+                        confluence_wy - leg_0_v_y,
+                        leg_0_u_x * (confluence_wx - leg_0_v_x),
+                    ),
+            );
+        let leg_0_pull = c_470.fmadd(leg_0_rate, c_47000 * leg_0_stretch);
         /// `leg[1]`: length and tension.
-        let leg_1_arm_x = leg_0_scaled_capsule_r13
-            + (c * capsule_r11 + c_2 * capsule_r12);
-        let leg_1_arm_y = leg_0_scaled_capsule_r23
-            + (c * capsule_r21 + c_2 * capsule_r22);
-        let leg_1_arm_z = leg_0_scaled_capsule_r33
-            + (c * capsule_r31 + c_2 * capsule_r32);
+        let leg_1_arm_x = c_1_23
+            .fmadd(capsule_r13, c_2.fmadd(capsule_r12, c * capsule_r11));
+        let leg_1_arm_y = c_1_23
+            .fmadd(capsule_r23, c_2.fmadd(capsule_r22, c * capsule_r21));
+        let leg_1_arm_z = c_1_23
+            .fmadd(capsule_r33, c_2.fmadd(capsule_r32, c * capsule_r31));
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_length = (leg_1_e_z * leg_1_e_z
-            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+        let leg_1_length = leg_1_e_z
+            .fmadd(leg_1_e_z, leg_1_e_y.fmadd(leg_1_e_y, leg_1_e_x * leg_1_e_x))
             .sqrt();
         let leg_1_t = leg_1_length.max(tiny);
         let leg_1_inverse_length = one / leg_1_t;
@@ -2776,37 +3125,43 @@ const _: () = {
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_t - c_2_1;
-        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_t_2 = c_2.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_1_t_3 = c_1_23.fnmadd(capsule_wx, c * capsule_wz);
+        let leg_1_t_4 = c.fnmadd(capsule_wy, c_2 * capsule_wx);
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
-                + capsule_r13 * leg_1_t_4);
+            + capsule_r13
+                .fmadd(leg_1_t_4, capsule_r12.fmadd(leg_1_t_3, capsule_r11 * leg_1_t_2));
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
-                + capsule_r23 * leg_1_t_4);
+            + capsule_r23
+                .fmadd(leg_1_t_4, capsule_r22.fmadd(leg_1_t_3, capsule_r21 * leg_1_t_2));
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
-                + capsule_r33 * leg_1_t_4);
-        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
-            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
-                + leg_1_u_y * (confluence_wy - leg_1_v_y));
-        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+            + capsule_r33
+                .fmadd(leg_1_t_4, capsule_r32.fmadd(leg_1_t_3, capsule_r31 * leg_1_t_2));
+        let leg_1_rate = leg_1_u_z
+            .fmadd(
+                confluence_wz - leg_1_v_z,
+                leg_1_u_y
+                    .fmadd(
+                        confluence_wy - leg_1_v_y,
+                        leg_1_u_x * (confluence_wx - leg_1_v_x),
+                    ),
+            );
+        let leg_1_pull = c_470.fmadd(leg_1_rate, c_47000 * leg_1_stretch);
         /// `leg[2]`: length and tension.
-        let leg_2_arm_x = leg_0_scaled_capsule_r13
-            + (c_3 * capsule_r11 + c_4 * capsule_r12);
-        let leg_2_arm_y = leg_0_scaled_capsule_r23
-            + (c_3 * capsule_r21 + c_4 * capsule_r22);
-        let leg_2_arm_z = leg_0_scaled_capsule_r33
-            + (c_3 * capsule_r31 + c_4 * capsule_r32);
+        let leg_2_arm_x = c_1_23
+            .fmadd(capsule_r13, c_4.fmadd(capsule_r12, c_3 * capsule_r11));
+        let leg_2_arm_y = c_1_23
+            .fmadd(capsule_r23, c_4.fmadd(capsule_r22, c_3 * capsule_r21));
+        let leg_2_arm_z = c_1_23
+            .fmadd(capsule_r33, c_4.fmadd(capsule_r32, c_3 * capsule_r31));
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_length = (leg_2_e_z * leg_2_e_z
-            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+        let leg_2_length = leg_2_e_z
+            .fmadd(leg_2_e_z, leg_2_e_y.fmadd(leg_2_e_y, leg_2_e_x * leg_2_e_x))
             .sqrt();
         let leg_2_t = leg_2_length.max(tiny);
         let leg_2_inverse_length = one / leg_2_t;
@@ -2814,22 +3169,28 @@ const _: () = {
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_t - c_2_1;
-        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_t_2 = c_4.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_2_t_3 = c_1_23.fnmadd(capsule_wx, c_3 * capsule_wz);
+        let leg_2_t_4 = c_3.fnmadd(capsule_wy, c_4 * capsule_wx);
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
-                + capsule_r13 * leg_2_t_4);
+            + capsule_r13
+                .fmadd(leg_2_t_4, capsule_r12.fmadd(leg_2_t_3, capsule_r11 * leg_2_t_2));
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
-                + capsule_r23 * leg_2_t_4);
+            + capsule_r23
+                .fmadd(leg_2_t_4, capsule_r22.fmadd(leg_2_t_3, capsule_r21 * leg_2_t_2));
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
-                + capsule_r33 * leg_2_t_4);
-        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
-            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
-                + leg_2_u_y * (confluence_wy - leg_2_v_y));
-        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+            + capsule_r33
+                .fmadd(leg_2_t_4, capsule_r32.fmadd(leg_2_t_3, capsule_r31 * leg_2_t_2));
+        let leg_2_rate = leg_2_u_z
+            .fmadd(
+                confluence_wz - leg_2_v_z,
+                leg_2_u_y
+                    .fmadd(
+                        confluence_wy - leg_2_v_y,
+                        leg_2_u_x * (confluence_wx - leg_2_v_x),
+                    ),
+            );
+        let leg_2_pull = c_470.fmadd(leg_2_rate, c_47000 * leg_2_stretch);
         let riser_t_2 = riser_tension.max(zero);
         *out = [
             riser_stretch,
@@ -2918,8 +3279,8 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_length = (riser_e_z * riser_e_z
-            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+        let riser_length = riser_e_z
+            .fmadd(riser_e_z, riser_e_y.fmadd(riser_e_y, riser_e_x * riser_e_x))
             .sqrt();
         let riser_t = riser_length.max(tiny);
         let riser_inverse_length = one / riser_t;
@@ -2930,18 +3291,24 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
-        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
-            + (riser_u_x * (confluence_wx - riser_v_x)
-                + riser_u_y * (confluence_wy - riser_v_y));
-        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
+        let riser_rate = riser_u_z
+            .fmadd(
+                confluence_wz - riser_v_z,
+                riser_u_y
+                    .fmadd(
+                        confluence_wy - riser_v_y,
+                        riser_u_x * (confluence_wx - riser_v_x),
+                    ),
+            );
+        let riser_pull = c_600.fmadd(riser_rate, riser_k * riser_stretch);
         let riser_tension = T::select(
             zero.lt(riser_hold),
             riser_pull,
@@ -2952,7 +3319,8 @@ const _: () = {
             ),
         );
         let riser_t_2 = riser_tension.max(zero);
-        let tilt_t = (capsule_r23 * capsule_r23 + capsule_r13 * capsule_r13)
+        let tilt_t = capsule_r13
+            .fmadd(capsule_r13, capsule_r23 * capsule_r23)
             .sqrt()
             .atan2(capsule_r33);
         *out = [riser_t_2, tilt_t];
@@ -3061,45 +3429,70 @@ const _: () = {
         let capsule_r31 = capsule_twice_q_xz - capsule_twice_q_wy;
         let capsule_r32 = capsule_twice_q_yz + capsule_twice_q_wx;
         let capsule_r33 = capsule_q_ww_minus_q_xx - capsule_q_yy_minus_q_zz;
-        let capsule_w_x = capsule_wx * capsule_r11 + capsule_wy * capsule_r12
-            + capsule_wz * capsule_r13;
-        let capsule_w_y = capsule_wx * capsule_r21 + capsule_wy * capsule_r22
-            + capsule_wz * capsule_r23;
-        let capsule_w_z = capsule_wx * capsule_r31 + capsule_wy * capsule_r32
-            + capsule_wz * capsule_r33;
+        let capsule_w_x = capsule_wz
+            .fmadd(capsule_r13, capsule_wy.fmadd(capsule_r12, capsule_wx * capsule_r11));
+        let capsule_w_y = capsule_wz
+            .fmadd(capsule_r23, capsule_wy.fmadd(capsule_r22, capsule_wx * capsule_r21));
+        let capsule_w_z = capsule_wz
+            .fmadd(capsule_r33, capsule_wy.fmadd(capsule_r32, capsule_wx * capsule_r31));
         /// `canopy`.
         let canopy_spin_x = c_60 * canopy_wx;
         let canopy_spin_y = c_60 * canopy_wy;
         let canopy_spin_z = c_90 * canopy_wz;
-        let canopy_t = canopy_wz * canopy_spin_z
-            + (canopy_wx * canopy_spin_x + canopy_wy * canopy_spin_y)
-            + c_16
-                * (canopy_vz * canopy_vz
-                    + (canopy_vx * canopy_vx + canopy_vy * canopy_vy));
+        let canopy_t = half
+            * c_16
+                .fmadd(
+                    canopy_vz
+                        .fmadd(
+                            canopy_vz,
+                            canopy_vy.fmadd(canopy_vy, canopy_vx * canopy_vx),
+                        ),
+                    canopy_wz
+                        .fmadd(
+                            canopy_spin_z,
+                            canopy_wy.fmadd(canopy_spin_y, canopy_wx * canopy_spin_x),
+                        ),
+                );
         let canopy_d_z = canopy_z - c;
-        let canopy_t_2 = canopy_x * canopy_x + canopy_y * canopy_y;
-        let canopy_d_squared = canopy_d_z * canopy_d_z + canopy_t_2;
+        let canopy_t_2 = canopy_y.fmadd(canopy_y, canopy_x * canopy_x);
+        let canopy_d_squared = canopy_d_z.fmadd(canopy_d_z, canopy_t_2);
         let canopy_distance = canopy_d_squared.sqrt();
+        let canopy_t_3 = c_16 * (c_2 / canopy_distance)
+            * (canopy_z.fmadd(canopy_z - c_3, canopy_t_2)
+                / (c_4 * (canopy_distance + c_4)));
         /// `capsule`.
-        let capsule_spin_x = c_300 * capsule_wx + c_m1_5 * capsule_wy;
-        let capsule_spin_y = c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz;
-        let capsule_spin_z = two * capsule_wy + c_420 * capsule_wz;
-        let capsule_t = capsule_wz * capsule_spin_z
-            + (capsule_wx * capsule_spin_x + capsule_wy * capsule_spin_y)
-            + m_cap
-                * (capsule_vz * capsule_vz
-                    + (capsule_vx * capsule_vx + capsule_vy * capsule_vy));
-        let kinetic = half * canopy_t + half * capsule_t;
+        let capsule_spin_x = c_m1_5.fmadd(capsule_wy, c_300 * capsule_wx);
+        let capsule_spin_y = two
+            .fmadd(capsule_wz, c_310.fmadd(capsule_wy, c_m1_5 * capsule_wx));
+        let capsule_spin_z = c_420.fmadd(capsule_wz, two * capsule_wy);
+        let kinetic = half
+            .fmadd(
+                m_cap
+                    .fmadd(
+                        capsule_vz
+                            .fmadd(
+                                capsule_vz,
+                                capsule_vy.fmadd(capsule_vy, capsule_vx * capsule_vx),
+                            ),
+                        capsule_wz
+                            .fmadd(
+                                capsule_spin_z,
+                                capsule_wy
+                                    .fmadd(capsule_spin_y, capsule_wx * capsule_spin_x),
+                            ),
+                    ),
+                canopy_t,
+            );
         let capsule_d_z = capsule_z - c;
-        let capsule_t_2 = capsule_x * capsule_x + capsule_y * capsule_y;
-        let capsule_d_squared = capsule_d_z * capsule_d_z + capsule_t_2;
+        let capsule_t = capsule_y.fmadd(capsule_y, capsule_x * capsule_x);
+        let capsule_d_squared = capsule_d_z.fmadd(capsule_d_z, capsule_t);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_3 = m_cap * (c_2 / capsule_distance)
-            * ((capsule_t_2 + capsule_z * (capsule_z - c_3))
-                / (c_4 * (capsule_distance + c_4)));
-        let gravitational = c_16 * (c_2 / canopy_distance)
-            * ((canopy_t_2 + canopy_z * (canopy_z - c_3))
-                / (c_4 * (canopy_distance + c_4))) + capsule_t_3;
+        let gravitational = (m_cap * (c_2 / capsule_distance))
+            .fmadd(
+                capsule_z.fmadd(capsule_z - c_3, capsule_t)
+                    / (c_4 * (capsule_distance + c_4)),
+                canopy_t_3,
+            );
         /// `riser`: length and tension.
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
@@ -3110,8 +3503,8 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_length = (riser_e_z * riser_e_z
-            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+        let riser_length = riser_e_z
+            .fmadd(riser_e_z, riser_e_y.fmadd(riser_e_y, riser_e_x * riser_e_x))
             .sqrt();
         let riser_t = riser_length.max(tiny);
         let riser_inverse_length = one / riser_t;
@@ -3122,18 +3515,24 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
-        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
-            + (riser_u_x * (confluence_wx - riser_v_x)
-                + riser_u_y * (confluence_wy - riser_v_y));
-        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
+        let riser_rate = riser_u_z
+            .fmadd(
+                confluence_wz - riser_v_z,
+                riser_u_y
+                    .fmadd(
+                        confluence_wy - riser_v_y,
+                        riser_u_x * (confluence_wx - riser_v_x),
+                    ),
+            );
+        let riser_pull = c_600.fmadd(riser_rate, riser_k * riser_stretch);
         let riser_tension = T::select(
             zero.lt(riser_hold),
             riser_pull,
@@ -3145,20 +3544,17 @@ const _: () = {
         );
         let riser_t_2 = riser_stretch.max(zero);
         /// `leg[0]`: length and tension.
-        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
-        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
-        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_arm_x = c_1_23.fmadd(capsule_r13, c_0_55 * capsule_r11);
+        let leg_0_arm_y = c_1_23.fmadd(capsule_r23, c_0_55 * capsule_r21);
+        let leg_0_arm_z = c_1_23.fmadd(capsule_r33, c_0_55 * capsule_r31);
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_length = (leg_0_e_z * leg_0_e_z
-            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+        let leg_0_length = leg_0_e_z
+            .fmadd(leg_0_e_z, leg_0_e_y.fmadd(leg_0_e_y, leg_0_e_x * leg_0_e_x))
             .sqrt();
         let leg_0_t = leg_0_length.max(tiny);
         let leg_0_inverse_length = one / leg_0_t;
@@ -3167,22 +3563,36 @@ const _: () = {
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
-        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_1_23.fnmadd(capsule_wx, c_0_55 * capsule_wz);
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
-                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+            + capsule_r13
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r12.fmadd(leg_0_t_2, capsule_r11 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
-                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+            + capsule_r23
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r22.fmadd(leg_0_t_2, capsule_r21 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
-                - capsule_r33 * leg_0_scaled_capsule_wy_2);
-        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
-            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
-                + leg_0_u_y * (confluence_wy - leg_0_v_y));
-        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+            + capsule_r33
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r32.fmadd(leg_0_t_2, capsule_r31 * leg_0_scaled_capsule_wy),
+                );
+        let leg_0_rate = leg_0_u_z
+            .fmadd(
+                confluence_wz - leg_0_v_z,
+                leg_0_u_y
+                    .fmadd(
+                        confluence_wy - leg_0_v_y,
+                        leg_0_u_x * (confluence_wx - leg_0_v_x),
+                    ),
+            );
+        let leg_0_pull = c_470.fmadd(leg_0_rate, c_47000 * leg_0_stretch);
         let leg_0_tension = T::select(
             zero.lt(leg_0_hold),
             leg_0_pull,
@@ -3194,20 +3604,20 @@ const _: () = {
         );
         let leg_0_t_3 = leg_0_stretch.max(zero);
         /// `leg[1]`: length and tension.
-        let leg_1_arm_x = leg_0_scaled_capsule_r13
-            + (c_5 * capsule_r11 + c_6 * capsule_r12);
-        let leg_1_arm_y = leg_0_scaled_capsule_r23
-            + (c_5 * capsule_r21 + c_6 * capsule_r22);
-        let leg_1_arm_z = leg_0_scaled_capsule_r33
-            + (c_5 * capsule_r31 + c_6 * capsule_r32);
+        let leg_1_arm_x = c_1_23
+            .fmadd(capsule_r13, c_6.fmadd(capsule_r12, c_5 * capsule_r11));
+        let leg_1_arm_y = c_1_23
+            .fmadd(capsule_r23, c_6.fmadd(capsule_r22, c_5 * capsule_r21));
+        let leg_1_arm_z = c_1_23
+            .fmadd(capsule_r33, c_6.fmadd(capsule_r32, c_5 * capsule_r31));
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_length = (leg_1_e_z * leg_1_e_z
-            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+        let leg_1_length = leg_1_e_z
+            .fmadd(leg_1_e_z, leg_1_e_y.fmadd(leg_1_e_y, leg_1_e_x * leg_1_e_x))
             .sqrt();
         let leg_1_t = leg_1_length.max(tiny);
         let leg_1_inverse_length = one / leg_1_t;
@@ -3215,22 +3625,28 @@ const _: () = {
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_t - c_2_1;
-        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_6 * capsule_wz;
-        let leg_1_t_3 = c_5 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_4 = c_6 * capsule_wx - c_5 * capsule_wy;
+        let leg_1_t_2 = c_6.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_1_t_3 = c_1_23.fnmadd(capsule_wx, c_5 * capsule_wz);
+        let leg_1_t_4 = c_5.fnmadd(capsule_wy, c_6 * capsule_wx);
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
-                + capsule_r13 * leg_1_t_4);
+            + capsule_r13
+                .fmadd(leg_1_t_4, capsule_r12.fmadd(leg_1_t_3, capsule_r11 * leg_1_t_2));
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
-                + capsule_r23 * leg_1_t_4);
+            + capsule_r23
+                .fmadd(leg_1_t_4, capsule_r22.fmadd(leg_1_t_3, capsule_r21 * leg_1_t_2));
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
-                + capsule_r33 * leg_1_t_4);
-        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
-            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
-                + leg_1_u_y * (confluence_wy - leg_1_v_y));
-        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+            + capsule_r33
+                .fmadd(leg_1_t_4, capsule_r32.fmadd(leg_1_t_3, capsule_r31 * leg_1_t_2));
+        let leg_1_rate = leg_1_u_z
+            .fmadd(
+                confluence_wz - leg_1_v_z,
+                leg_1_u_y
+                    .fmadd(
+                        confluence_wy - leg_1_v_y,
+                        leg_1_u_x * (confluence_wx - leg_1_v_x),
+                    ),
+            );
+        let leg_1_pull = c_470.fmadd(leg_1_rate, c_47000 * leg_1_stretch);
         let leg_1_tension = T::select(
             zero.lt(leg_1_hold),
             leg_1_pull,
@@ -3241,22 +3657,21 @@ const _: () = {
             ),
         );
         let leg_1_t_5 = leg_1_stretch.max(zero);
-        let leg_1_t_6 = leg_1_rate * (leg_1_tension.max(zero) - c_47000 * leg_1_t_5);
         /// `leg[2]`: length and tension.
-        let leg_2_arm_x = leg_0_scaled_capsule_r13
-            + (c_7 * capsule_r11 + c_8 * capsule_r12);
-        let leg_2_arm_y = leg_0_scaled_capsule_r23
-            + (c_7 * capsule_r21 + c_8 * capsule_r22);
-        let leg_2_arm_z = leg_0_scaled_capsule_r33
-            + (c_7 * capsule_r31 + c_8 * capsule_r32);
+        let leg_2_arm_x = c_1_23
+            .fmadd(capsule_r13, c_8.fmadd(capsule_r12, c_7 * capsule_r11));
+        let leg_2_arm_y = c_1_23
+            .fmadd(capsule_r23, c_8.fmadd(capsule_r22, c_7 * capsule_r21));
+        let leg_2_arm_z = c_1_23
+            .fmadd(capsule_r33, c_8.fmadd(capsule_r32, c_7 * capsule_r31));
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_length = (leg_2_e_z * leg_2_e_z
-            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+        let leg_2_length = leg_2_e_z
+            .fmadd(leg_2_e_z, leg_2_e_y.fmadd(leg_2_e_y, leg_2_e_x * leg_2_e_x))
             .sqrt();
         let leg_2_t = leg_2_length.max(tiny);
         let leg_2_inverse_length = one / leg_2_t;
@@ -3264,22 +3679,28 @@ const _: () = {
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_t - c_2_1;
-        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_8 * capsule_wz;
-        let leg_2_t_3 = c_7 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_4 = c_8 * capsule_wx - c_7 * capsule_wy;
+        let leg_2_t_2 = c_8.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_2_t_3 = c_1_23.fnmadd(capsule_wx, c_7 * capsule_wz);
+        let leg_2_t_4 = c_7.fnmadd(capsule_wy, c_8 * capsule_wx);
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
-                + capsule_r13 * leg_2_t_4);
+            + capsule_r13
+                .fmadd(leg_2_t_4, capsule_r12.fmadd(leg_2_t_3, capsule_r11 * leg_2_t_2));
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
-                + capsule_r23 * leg_2_t_4);
+            + capsule_r23
+                .fmadd(leg_2_t_4, capsule_r22.fmadd(leg_2_t_3, capsule_r21 * leg_2_t_2));
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
-                + capsule_r33 * leg_2_t_4);
-        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
-            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
-                + leg_2_u_y * (confluence_wy - leg_2_v_y));
-        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+            + capsule_r33
+                .fmadd(leg_2_t_4, capsule_r32.fmadd(leg_2_t_3, capsule_r31 * leg_2_t_2));
+        let leg_2_rate = leg_2_u_z
+            .fmadd(
+                confluence_wz - leg_2_v_z,
+                leg_2_u_y
+                    .fmadd(
+                        confluence_wy - leg_2_v_y,
+                        leg_2_u_x * (confluence_wx - leg_2_v_x),
+                    ),
+            );
+        let leg_2_pull = c_470.fmadd(leg_2_rate, c_47000 * leg_2_stretch);
         let leg_2_tension = T::select(
             zero.lt(leg_2_hold),
             leg_2_pull,
@@ -3290,38 +3711,63 @@ const _: () = {
             ),
         );
         let leg_2_t_5 = leg_2_stretch.max(zero);
-        let leg_2_t_6 = half * (c_47000 * (leg_2_t_5 * leg_2_t_5));
-        let elastic = half * (riser_k * (riser_t_2 * riser_t_2))
-            + half * (c_47000 * (leg_0_t_3 * leg_0_t_3))
-            + half * (c_47000 * (leg_1_t_5 * leg_1_t_5)) + leg_2_t_6;
-        let leg_2_t_7 = leg_2_rate * (leg_2_tension.max(zero) - c_47000 * leg_2_t_5);
-        let damper_power = riser_rate * (riser_k * riser_t_2 - riser_tension.max(zero))
-            - leg_0_rate * (leg_0_tension.max(zero) - c_47000 * leg_0_t_3) - leg_1_t_6
-            - leg_2_t_7;
+        let elastic = half
+            .fmadd(
+                c_47000 * (leg_2_t_5 * leg_2_t_5),
+                half
+                    .fmadd(
+                        c_47000 * (leg_1_t_5 * leg_1_t_5),
+                        half
+                            .fmadd(
+                                c_47000 * (leg_0_t_3 * leg_0_t_3),
+                                half * (riser_k * (riser_t_2 * riser_t_2)),
+                            ),
+                    ),
+            );
+        let damper_power = leg_2_rate
+            .fnmadd(
+                c_47000.fnmadd(leg_2_t_5, leg_2_tension.max(zero)),
+                leg_1_rate
+                    .fnmadd(
+                        c_47000.fnmadd(leg_1_t_5, leg_1_tension.max(zero)),
+                        leg_0_rate
+                            .fnmadd(
+                                c_47000.fnmadd(leg_0_t_3, leg_0_tension.max(zero)),
+                                riser_rate
+                                    * riser_k.fmsub(riser_t_2, riser_tension.max(zero)),
+                            ),
+                    ),
+            );
         let leg_2_scaled_canopy_wy = c_1_57 * canopy_wy;
         let leg_2_scaled_canopy_wx = c_1_57 * canopy_wx;
         let leg_2_v_x_2 = canopy_vx
-            + (canopy_r11 * leg_2_scaled_canopy_wy
-                - canopy_r12 * leg_2_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(leg_2_scaled_canopy_wx, canopy_r11 * leg_2_scaled_canopy_wy);
         let leg_2_v_y_2 = canopy_vy
-            + (canopy_r21 * leg_2_scaled_canopy_wy
-                - canopy_r22 * leg_2_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(leg_2_scaled_canopy_wx, canopy_r21 * leg_2_scaled_canopy_wy);
         let leg_2_v_z_2 = canopy_vz
-            + (canopy_r31 * leg_2_scaled_canopy_wy
-                - canopy_r32 * leg_2_scaled_canopy_wx);
+            + canopy_r32
+                .fnmadd(leg_2_scaled_canopy_wx, canopy_r31 * leg_2_scaled_canopy_wy);
         /// `drag`: load.
         let drag_t = leg_2_v_x_2 - wind_x;
         let drag_t_2 = leg_2_v_y_2 - wind_y;
         let drag_t_3 = leg_2_v_z_2 - wind_z;
         let drag_t_4 = derived_1
-            * (drag_t_3 * drag_t_3 + (drag_t * drag_t + drag_t_2 * drag_t_2)).sqrt();
-        let thruster_t = capsule_vz * thruster_z
-            + (capsule_vx * thruster_x + capsule_vy * thruster_y);
-        let thruster_t_2 = thruster_couple_z * capsule_w_z
-            + (thruster_couple_x * capsule_w_x + thruster_couple_y * capsule_w_y);
-        let load_power = leg_2_v_z_2 * (drag_t_3 * drag_t_4)
-            + (leg_2_v_x_2 * (drag_t * drag_t_4) + leg_2_v_y_2 * (drag_t_2 * drag_t_4))
-            + thruster_t + thruster_t_2;
+            * drag_t_3.fmadd(drag_t_3, drag_t_2.fmadd(drag_t_2, drag_t * drag_t)).sqrt();
+        let thruster_t = thruster_couple_z
+            .fmadd(
+                capsule_w_z,
+                thruster_couple_y.fmadd(capsule_w_y, thruster_couple_x * capsule_w_x),
+            );
+        let load_power = leg_2_v_z_2
+            .fmadd(
+                drag_t_3 * drag_t_4,
+                leg_2_v_y_2.fmadd(drag_t_2 * drag_t_4, leg_2_v_x_2 * (drag_t * drag_t_4)),
+            )
+            + capsule_vz
+                .fmadd(thruster_z, capsule_vy.fmadd(thruster_y, capsule_vx * thruster_x))
+            + thruster_t;
         *out = [kinetic, gravitational, elastic, load_power, damper_power, zero];
     }
     /// Mass matrix `M` in `M v̇ + h = f`.
@@ -3384,8 +3830,8 @@ const _: () = {
         let zero = T::from_f64(0.0);
         /// `canopy`: where it is, how it moves.
         let canopy_d_z = canopy_z - c;
-        let canopy_d_squared = canopy_d_z * canopy_d_z
-            + (canopy_x * canopy_x + canopy_y * canopy_y);
+        let canopy_d_squared = canopy_d_z
+            .fmadd(canopy_d_z, canopy_y.fmadd(canopy_y, canopy_x * canopy_x));
         let canopy_distance = canopy_d_squared.sqrt();
         let canopy_inverse = one / canopy_distance;
         let canopy_gravity = canopy_inverse * (canopy_inverse * (c_2 * canopy_inverse));
@@ -3396,8 +3842,8 @@ const _: () = {
         let canopy_gyro_y = c_m30 * (canopy_wx * canopy_wz);
         /// `capsule`: where it is, how it moves.
         let capsule_d_z = capsule_z - c;
-        let capsule_d_squared = capsule_d_z * capsule_d_z
-            + (capsule_x * capsule_x + capsule_y * capsule_y);
+        let capsule_d_squared = capsule_d_z
+            .fmadd(capsule_d_z, capsule_y.fmadd(capsule_y, capsule_x * capsule_x));
         let capsule_distance = capsule_d_squared.sqrt();
         let capsule_inverse = one / capsule_distance;
         let capsule_gravity = capsule_inverse
@@ -3405,12 +3851,16 @@ const _: () = {
         let capsule_vx_bias = m_cap * (capsule_x * capsule_gravity);
         let capsule_vy_bias = m_cap * (capsule_y * capsule_gravity);
         let capsule_vz_bias = m_cap * (capsule_d_z * capsule_gravity);
-        let capsule_spin_x = c_300 * capsule_wx + c_m1_5 * capsule_wy;
-        let capsule_spin_y = c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz;
-        let capsule_spin_z = two * capsule_wy + c_420 * capsule_wz;
-        let capsule_gyro_x = capsule_wy * capsule_spin_z - capsule_wz * capsule_spin_y;
-        let capsule_gyro_y = capsule_wz * capsule_spin_x - capsule_wx * capsule_spin_z;
-        let capsule_gyro_z = capsule_wx * capsule_spin_y - capsule_wy * capsule_spin_x;
+        let capsule_spin_x = c_m1_5.fmadd(capsule_wy, c_300 * capsule_wx);
+        let capsule_spin_y = two
+            .fmadd(capsule_wz, c_310.fmadd(capsule_wy, c_m1_5 * capsule_wx));
+        let capsule_spin_z = c_420.fmadd(capsule_wz, two * capsule_wy);
+        let capsule_gyro_x = capsule_wz
+            .fnmadd(capsule_spin_y, capsule_wy * capsule_spin_z);
+        let capsule_gyro_y = capsule_wx
+            .fnmadd(capsule_spin_z, capsule_wz * capsule_spin_x);
+        let capsule_gyro_z = capsule_wy
+            .fnmadd(capsule_spin_x, capsule_wx * capsule_spin_y);
         *out = [
             canopy_vx_bias,
             canopy_vy_bias,
@@ -3527,8 +3977,8 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_length = (riser_e_z * riser_e_z
-            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+        let riser_length = riser_e_z
+            .fmadd(riser_e_z, riser_e_y.fmadd(riser_e_y, riser_e_x * riser_e_x))
             .sqrt();
         let riser_t = riser_length.max(tiny);
         let riser_inverse_length = one / riser_t;
@@ -3539,18 +3989,24 @@ const _: () = {
         let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
         let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
         let riser_v_x = canopy_vx
-            + (canopy_r11 * riser_scaled_canopy_wy
-                - canopy_r12 * riser_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(riser_scaled_canopy_wx, canopy_r11 * riser_scaled_canopy_wy);
         let riser_v_y = canopy_vy
-            + (canopy_r21 * riser_scaled_canopy_wy
-                - canopy_r22 * riser_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(riser_scaled_canopy_wx, canopy_r21 * riser_scaled_canopy_wy);
         let riser_v_z = canopy_vz
-            + (canopy_r31 * riser_scaled_canopy_wy
-                - canopy_r32 * riser_scaled_canopy_wx);
-        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
-            + (riser_u_x * (confluence_wx - riser_v_x)
-                + riser_u_y * (confluence_wy - riser_v_y));
-        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+            + canopy_r32
+                .fnmadd(riser_scaled_canopy_wx, canopy_r31 * riser_scaled_canopy_wy);
+        let riser_rate = riser_u_z
+            .fmadd(
+                confluence_wz - riser_v_z,
+                riser_u_y
+                    .fmadd(
+                        confluence_wy - riser_v_y,
+                        riser_u_x * (confluence_wx - riser_v_x),
+                    ),
+            );
+        let riser_pull = c_600.fmadd(riser_rate, riser_k * riser_stretch);
         let riser_tension = T::select(
             zero.lt(riser_hold),
             riser_pull,
@@ -3564,20 +4020,17 @@ const _: () = {
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
         /// `leg[0]`: length and tension.
-        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
-        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
-        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_arm_x = c_1_23.fmadd(capsule_r13, c_0_55 * capsule_r11);
+        let leg_0_arm_y = c_1_23.fmadd(capsule_r23, c_0_55 * capsule_r21);
+        let leg_0_arm_z = c_1_23.fmadd(capsule_r33, c_0_55 * capsule_r31);
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_length = (leg_0_e_z * leg_0_e_z
-            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+        let leg_0_length = leg_0_e_z
+            .fmadd(leg_0_e_z, leg_0_e_y.fmadd(leg_0_e_y, leg_0_e_x * leg_0_e_x))
             .sqrt();
         let leg_0_t = leg_0_length.max(tiny);
         let leg_0_inverse_length = one / leg_0_t;
@@ -3586,22 +4039,36 @@ const _: () = {
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_t - c_2_1;
         let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
-        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
-        let leg_0_t_2 = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_t_2 = c_1_23.fnmadd(capsule_wx, c_0_55 * capsule_wz);
         let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
         let leg_0_v_x = capsule_vx
-            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t_2
-                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+            + capsule_r13
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r12.fmadd(leg_0_t_2, capsule_r11 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_y = capsule_vy
-            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t_2
-                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+            + capsule_r23
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r22.fmadd(leg_0_t_2, capsule_r21 * leg_0_scaled_capsule_wy),
+                );
         let leg_0_v_z = capsule_vz
-            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t_2
-                - capsule_r33 * leg_0_scaled_capsule_wy_2);
-        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
-            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
-                + leg_0_u_y * (confluence_wy - leg_0_v_y));
-        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+            + capsule_r33
+                .fnmadd(
+                    leg_0_scaled_capsule_wy_2,
+                    capsule_r32.fmadd(leg_0_t_2, capsule_r31 * leg_0_scaled_capsule_wy),
+                );
+        let leg_0_rate = leg_0_u_z
+            .fmadd(
+                confluence_wz - leg_0_v_z,
+                leg_0_u_y
+                    .fmadd(
+                        confluence_wy - leg_0_v_y,
+                        leg_0_u_x * (confluence_wx - leg_0_v_x),
+                    ),
+            );
+        let leg_0_pull = c_470.fmadd(leg_0_rate, c_47000 * leg_0_stretch);
         let leg_0_tension = T::select(
             zero.lt(leg_0_hold),
             leg_0_pull,
@@ -3615,20 +4082,20 @@ const _: () = {
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
         /// `leg[1]`: length and tension.
-        let leg_1_arm_x = leg_0_scaled_capsule_r13
-            + (c * capsule_r11 + c_2 * capsule_r12);
-        let leg_1_arm_y = leg_0_scaled_capsule_r23
-            + (c * capsule_r21 + c_2 * capsule_r22);
-        let leg_1_arm_z = leg_0_scaled_capsule_r33
-            + (c * capsule_r31 + c_2 * capsule_r32);
+        let leg_1_arm_x = c_1_23
+            .fmadd(capsule_r13, c_2.fmadd(capsule_r12, c * capsule_r11));
+        let leg_1_arm_y = c_1_23
+            .fmadd(capsule_r23, c_2.fmadd(capsule_r22, c * capsule_r21));
+        let leg_1_arm_z = c_1_23
+            .fmadd(capsule_r33, c_2.fmadd(capsule_r32, c * capsule_r31));
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_length = (leg_1_e_z * leg_1_e_z
-            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+        let leg_1_length = leg_1_e_z
+            .fmadd(leg_1_e_z, leg_1_e_y.fmadd(leg_1_e_y, leg_1_e_x * leg_1_e_x))
             .sqrt();
         let leg_1_t = leg_1_length.max(tiny);
         let leg_1_inverse_length = one / leg_1_t;
@@ -3636,22 +4103,28 @@ const _: () = {
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_t - c_2_1;
-        let leg_1_t_2 = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
-        let leg_1_t_3 = c * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_1_t_4 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_t_2 = c_2.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_1_t_3 = c_1_23.fnmadd(capsule_wx, c * capsule_wz);
+        let leg_1_t_4 = c.fnmadd(capsule_wy, c_2 * capsule_wx);
         let leg_1_v_x = capsule_vx
-            + (capsule_r11 * leg_1_t_2 + capsule_r12 * leg_1_t_3
-                + capsule_r13 * leg_1_t_4);
+            + capsule_r13
+                .fmadd(leg_1_t_4, capsule_r12.fmadd(leg_1_t_3, capsule_r11 * leg_1_t_2));
         let leg_1_v_y = capsule_vy
-            + (capsule_r21 * leg_1_t_2 + capsule_r22 * leg_1_t_3
-                + capsule_r23 * leg_1_t_4);
+            + capsule_r23
+                .fmadd(leg_1_t_4, capsule_r22.fmadd(leg_1_t_3, capsule_r21 * leg_1_t_2));
         let leg_1_v_z = capsule_vz
-            + (capsule_r31 * leg_1_t_2 + capsule_r32 * leg_1_t_3
-                + capsule_r33 * leg_1_t_4);
-        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
-            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
-                + leg_1_u_y * (confluence_wy - leg_1_v_y));
-        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+            + capsule_r33
+                .fmadd(leg_1_t_4, capsule_r32.fmadd(leg_1_t_3, capsule_r31 * leg_1_t_2));
+        let leg_1_rate = leg_1_u_z
+            .fmadd(
+                confluence_wz - leg_1_v_z,
+                leg_1_u_y
+                    .fmadd(
+                        confluence_wy - leg_1_v_y,
+                        leg_1_u_x * (confluence_wx - leg_1_v_x),
+                    ),
+            );
+        let leg_1_pull = c_470.fmadd(leg_1_rate, c_47000 * leg_1_stretch);
         let leg_1_tension = T::select(
             zero.lt(leg_1_hold),
             leg_1_pull,
@@ -3665,20 +4138,20 @@ const _: () = {
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
         /// `leg[2]`: length and tension.
-        let leg_2_arm_x = leg_0_scaled_capsule_r13
-            + (c_3 * capsule_r11 + c_4 * capsule_r12);
-        let leg_2_arm_y = leg_0_scaled_capsule_r23
-            + (c_3 * capsule_r21 + c_4 * capsule_r22);
-        let leg_2_arm_z = leg_0_scaled_capsule_r33
-            + (c_3 * capsule_r31 + c_4 * capsule_r32);
+        let leg_2_arm_x = c_1_23
+            .fmadd(capsule_r13, c_4.fmadd(capsule_r12, c_3 * capsule_r11));
+        let leg_2_arm_y = c_1_23
+            .fmadd(capsule_r23, c_4.fmadd(capsule_r22, c_3 * capsule_r21));
+        let leg_2_arm_z = c_1_23
+            .fmadd(capsule_r33, c_4.fmadd(capsule_r32, c_3 * capsule_r31));
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_length = (leg_2_e_z * leg_2_e_z
-            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+        let leg_2_length = leg_2_e_z
+            .fmadd(leg_2_e_z, leg_2_e_y.fmadd(leg_2_e_y, leg_2_e_x * leg_2_e_x))
             .sqrt();
         let leg_2_t = leg_2_length.max(tiny);
         let leg_2_inverse_length = one / leg_2_t;
@@ -3686,22 +4159,28 @@ const _: () = {
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_t - c_2_1;
-        let leg_2_t_2 = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
-        let leg_2_t_3 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
-        let leg_2_t_4 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_t_2 = c_4.fnmadd(capsule_wz, leg_0_scaled_capsule_wy);
+        let leg_2_t_3 = c_1_23.fnmadd(capsule_wx, c_3 * capsule_wz);
+        let leg_2_t_4 = c_3.fnmadd(capsule_wy, c_4 * capsule_wx);
         let leg_2_v_x = capsule_vx
-            + (capsule_r11 * leg_2_t_2 + capsule_r12 * leg_2_t_3
-                + capsule_r13 * leg_2_t_4);
+            + capsule_r13
+                .fmadd(leg_2_t_4, capsule_r12.fmadd(leg_2_t_3, capsule_r11 * leg_2_t_2));
         let leg_2_v_y = capsule_vy
-            + (capsule_r21 * leg_2_t_2 + capsule_r22 * leg_2_t_3
-                + capsule_r23 * leg_2_t_4);
+            + capsule_r23
+                .fmadd(leg_2_t_4, capsule_r22.fmadd(leg_2_t_3, capsule_r21 * leg_2_t_2));
         let leg_2_v_z = capsule_vz
-            + (capsule_r31 * leg_2_t_2 + capsule_r32 * leg_2_t_3
-                + capsule_r33 * leg_2_t_4);
-        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
-            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
-                + leg_2_u_y * (confluence_wy - leg_2_v_y));
-        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+            + capsule_r33
+                .fmadd(leg_2_t_4, capsule_r32.fmadd(leg_2_t_3, capsule_r31 * leg_2_t_2));
+        let leg_2_rate = leg_2_u_z
+            .fmadd(
+                confluence_wz - leg_2_v_z,
+                leg_2_u_y
+                    .fmadd(
+                        confluence_wy - leg_2_v_y,
+                        leg_2_u_x * (confluence_wx - leg_2_v_x),
+                    ),
+            );
+        let leg_2_pull = c_470.fmadd(leg_2_rate, c_47000 * leg_2_stretch);
         let leg_2_tension = T::select(
             zero.lt(leg_2_hold),
             leg_2_pull,
@@ -3718,18 +4197,27 @@ const _: () = {
         let drag_scaled_canopy_wy = c_1_57 * canopy_wy;
         let drag_scaled_canopy_wx = c_1_57 * canopy_wx;
         let drag_v_x = canopy_vx
-            + (canopy_r11 * drag_scaled_canopy_wy - canopy_r12 * drag_scaled_canopy_wx);
+            + canopy_r12
+                .fnmadd(drag_scaled_canopy_wx, canopy_r11 * drag_scaled_canopy_wy);
         let drag_v_y = canopy_vy
-            + (canopy_r21 * drag_scaled_canopy_wy - canopy_r22 * drag_scaled_canopy_wx);
+            + canopy_r22
+                .fnmadd(drag_scaled_canopy_wx, canopy_r21 * drag_scaled_canopy_wy);
         let drag_v_z = canopy_vz
-            + (canopy_r31 * drag_scaled_canopy_wy - canopy_r32 * drag_scaled_canopy_wx);
+            + canopy_r32
+                .fnmadd(drag_scaled_canopy_wx, canopy_r31 * drag_scaled_canopy_wy);
         let drag_v_x_minus_wind_x = drag_v_x - wind_x;
         let drag_v_y_minus_wind_y = drag_v_y - wind_y;
         let drag_v_z_minus_wind_z = drag_v_z - wind_z;
         let drag_t = derived_1
-            * (drag_v_z_minus_wind_z * drag_v_z_minus_wind_z
-                + (drag_v_x_minus_wind_x * drag_v_x_minus_wind_x
-                    + drag_v_y_minus_wind_y * drag_v_y_minus_wind_y))
+            * drag_v_z_minus_wind_z
+                .fmadd(
+                    drag_v_z_minus_wind_z,
+                    drag_v_y_minus_wind_y
+                        .fmadd(
+                            drag_v_y_minus_wind_y,
+                            drag_v_x_minus_wind_x * drag_v_x_minus_wind_x,
+                        ),
+                )
                 .sqrt();
         let drag_t_2 = drag_v_x_minus_wind_x * drag_t;
         let drag_t_3 = drag_v_y_minus_wind_y * drag_t;
@@ -3737,15 +4225,15 @@ const _: () = {
         let drag_arm_x = c_1_57 * canopy_r13;
         let drag_arm_y = c_1_57 * canopy_r23;
         let drag_arm_z = c_1_57 * canopy_r33;
-        let canopy_vx_force = riser_force_x + drag_t_2;
-        let canopy_vy_force = riser_force_y + drag_t_3;
-        let canopy_vz_force = riser_force_z + drag_t_4;
-        let drag_t_5 = riser_arm_y * riser_force_z - riser_arm_z * riser_force_y
-            + (drag_t_4 * drag_arm_y - drag_t_3 * drag_arm_z);
-        let drag_t_6 = riser_arm_z * riser_force_x - riser_arm_x * riser_force_z
-            + (drag_t_2 * drag_arm_z - drag_t_4 * drag_arm_x);
-        let drag_t_7 = riser_arm_x * riser_force_y - riser_arm_y * riser_force_x
-            + (drag_t_3 * drag_arm_x - drag_t_2 * drag_arm_y);
+        let canopy_vx_force = drag_v_x_minus_wind_x.fmadd(drag_t, riser_force_x);
+        let canopy_vy_force = drag_v_y_minus_wind_y.fmadd(drag_t, riser_force_y);
+        let canopy_vz_force = drag_v_z_minus_wind_z.fmadd(drag_t, riser_force_z);
+        let drag_t_5 = riser_arm_z.fnmadd(riser_force_y, riser_arm_y * riser_force_z)
+            + drag_t_3.fnmadd(drag_arm_z, drag_t_4 * drag_arm_y);
+        let drag_t_6 = riser_arm_x.fnmadd(riser_force_z, riser_arm_z * riser_force_x)
+            + drag_t_4.fnmadd(drag_arm_x, drag_t_2 * drag_arm_z);
+        let drag_t_7 = riser_arm_y.fnmadd(riser_force_x, riser_arm_x * riser_force_y)
+            + drag_t_2.fnmadd(drag_arm_y, drag_t_3 * drag_arm_x);
         /// `thruster`: load.
         let capsule_vx_force = thruster_x
             + (leg_0_force_x + leg_1_force_x + leg_2_force_x);
@@ -3754,29 +4242,38 @@ const _: () = {
         let capsule_vz_force = thruster_z
             + (leg_0_force_z + leg_1_force_z + leg_2_force_z);
         let thruster_t = thruster_couple_x
-            + (leg_0_arm_y * leg_0_force_z - leg_0_arm_z * leg_0_force_y
-                + (leg_1_arm_y * leg_1_force_z - leg_1_arm_z * leg_1_force_y)
-                + (leg_2_arm_y * leg_2_force_z - leg_2_arm_z * leg_2_force_y));
+            + (leg_0_arm_z.fnmadd(leg_0_force_y, leg_0_arm_y * leg_0_force_z)
+                + leg_1_arm_z.fnmadd(leg_1_force_y, leg_1_arm_y * leg_1_force_z)
+                + leg_2_arm_z.fnmadd(leg_2_force_y, leg_2_arm_y * leg_2_force_z));
         let thruster_t_2 = thruster_couple_y
-            + (leg_0_arm_z * leg_0_force_x - leg_0_arm_x * leg_0_force_z
-                + (leg_1_arm_z * leg_1_force_x - leg_1_arm_x * leg_1_force_z)
-                + (leg_2_arm_z * leg_2_force_x - leg_2_arm_x * leg_2_force_z));
+            + (leg_0_arm_x.fnmadd(leg_0_force_z, leg_0_arm_z * leg_0_force_x)
+                + leg_1_arm_x.fnmadd(leg_1_force_z, leg_1_arm_z * leg_1_force_x)
+                + leg_2_arm_x.fnmadd(leg_2_force_z, leg_2_arm_z * leg_2_force_x));
         let thruster_t_3 = thruster_couple_z
-            + (leg_0_arm_x * leg_0_force_y - leg_0_arm_y * leg_0_force_x
-                + (leg_1_arm_x * leg_1_force_y - leg_1_arm_y * leg_1_force_x)
-                + (leg_2_arm_x * leg_2_force_y - leg_2_arm_y * leg_2_force_x));
-        let canopy_torque_x = canopy_r11 * drag_t_5 + canopy_r21 * drag_t_6
-            + canopy_r31 * drag_t_7;
-        let canopy_torque_y = canopy_r12 * drag_t_5 + canopy_r22 * drag_t_6
-            + canopy_r32 * drag_t_7;
-        let canopy_torque_z = canopy_r13 * drag_t_5 + canopy_r23 * drag_t_6
-            + canopy_r33 * drag_t_7;
-        let capsule_torque_x = capsule_r11 * thruster_t + capsule_r21 * thruster_t_2
-            + capsule_r31 * thruster_t_3;
-        let capsule_torque_y = capsule_r12 * thruster_t + capsule_r22 * thruster_t_2
-            + capsule_r32 * thruster_t_3;
-        let capsule_torque_z = capsule_r13 * thruster_t + capsule_r23 * thruster_t_2
-            + capsule_r33 * thruster_t_3;
+            + (leg_0_arm_y.fnmadd(leg_0_force_x, leg_0_arm_x * leg_0_force_y)
+                + leg_1_arm_y.fnmadd(leg_1_force_x, leg_1_arm_x * leg_1_force_y)
+                + leg_2_arm_y.fnmadd(leg_2_force_x, leg_2_arm_x * leg_2_force_y));
+        let canopy_torque_x = canopy_r31
+            .fmadd(drag_t_7, canopy_r21.fmadd(drag_t_6, canopy_r11 * drag_t_5));
+        let canopy_torque_y = canopy_r32
+            .fmadd(drag_t_7, canopy_r22.fmadd(drag_t_6, canopy_r12 * drag_t_5));
+        let canopy_torque_z = canopy_r33
+            .fmadd(drag_t_7, canopy_r23.fmadd(drag_t_6, canopy_r13 * drag_t_5));
+        let capsule_torque_x = capsule_r31
+            .fmadd(
+                thruster_t_3,
+                capsule_r21.fmadd(thruster_t_2, capsule_r11 * thruster_t),
+            );
+        let capsule_torque_y = capsule_r32
+            .fmadd(
+                thruster_t_3,
+                capsule_r22.fmadd(thruster_t_2, capsule_r12 * thruster_t),
+            );
+        let capsule_torque_z = capsule_r33
+            .fmadd(
+                thruster_t_3,
+                capsule_r23.fmadd(thruster_t_2, capsule_r13 * thruster_t),
+            );
         *out = [
             canopy_vx_force,
             canopy_vy_force,
@@ -3805,26 +4302,54 @@ const _: () = {
         let canopy_wx_minus_half = canopy_wx * minus_half;
         let canopy_wy_minus_half = canopy_wy * minus_half;
         let canopy_wz_minus_half = canopy_wz * minus_half;
-        let canopy_t = canopy_qx * canopy_wx_minus_half
-            + canopy_qy * canopy_wy_minus_half + canopy_qz * canopy_wz_minus_half;
-        let canopy_t_2 = canopy_qz * canopy_wy_minus_half
-            - canopy_qy * canopy_wz_minus_half - canopy_qw * canopy_wx_minus_half;
-        let canopy_t_3 = canopy_qx * canopy_wz_minus_half
-            - canopy_qz * canopy_wx_minus_half - canopy_qw * canopy_wy_minus_half;
-        let canopy_t_4 = canopy_qy * canopy_wx_minus_half
-            - canopy_qx * canopy_wy_minus_half - canopy_qw * canopy_wz_minus_half;
+        let canopy_t = canopy_qz
+            .fmadd(
+                canopy_wz_minus_half,
+                canopy_qy.fmadd(canopy_wy_minus_half, canopy_qx * canopy_wx_minus_half),
+            );
+        let canopy_t_2 = canopy_qw
+            .fnmadd(
+                canopy_wx_minus_half,
+                canopy_qy.fnmadd(canopy_wz_minus_half, canopy_qz * canopy_wy_minus_half),
+            );
+        let canopy_t_3 = canopy_qw
+            .fnmadd(
+                canopy_wy_minus_half,
+                canopy_qz.fnmadd(canopy_wx_minus_half, canopy_qx * canopy_wz_minus_half),
+            );
+        let canopy_t_4 = canopy_qw
+            .fnmadd(
+                canopy_wz_minus_half,
+                canopy_qx.fnmadd(canopy_wy_minus_half, canopy_qy * canopy_wx_minus_half),
+            );
         /// `capsule`: where it is, how it moves.
         let capsule_wx_minus_half = capsule_wx * minus_half;
         let capsule_wy_minus_half = capsule_wy * minus_half;
         let capsule_wz_minus_half = capsule_wz * minus_half;
-        let capsule_t = capsule_qx * capsule_wx_minus_half
-            + capsule_qy * capsule_wy_minus_half + capsule_qz * capsule_wz_minus_half;
-        let capsule_t_2 = capsule_qz * capsule_wy_minus_half
-            - capsule_qy * capsule_wz_minus_half - capsule_qw * capsule_wx_minus_half;
-        let capsule_t_3 = capsule_qx * capsule_wz_minus_half
-            - capsule_qz * capsule_wx_minus_half - capsule_qw * capsule_wy_minus_half;
-        let capsule_t_4 = capsule_qy * capsule_wx_minus_half
-            - capsule_qx * capsule_wy_minus_half - capsule_qw * capsule_wz_minus_half;
+        let capsule_t = capsule_qz
+            .fmadd(
+                capsule_wz_minus_half,
+                capsule_qy
+                    .fmadd(capsule_wy_minus_half, capsule_qx * capsule_wx_minus_half),
+            );
+        let capsule_t_2 = capsule_qw
+            .fnmadd(
+                capsule_wx_minus_half,
+                capsule_qy
+                    .fnmadd(capsule_wz_minus_half, capsule_qz * capsule_wy_minus_half),
+            );
+        let capsule_t_3 = capsule_qw
+            .fnmadd(
+                capsule_wy_minus_half,
+                capsule_qz
+                    .fnmadd(capsule_wx_minus_half, capsule_qx * capsule_wz_minus_half),
+            );
+        let capsule_t_4 = capsule_qw
+            .fnmadd(
+                capsule_wz_minus_half,
+                capsule_qx
+                    .fnmadd(capsule_wy_minus_half, capsule_qy * capsule_wx_minus_half),
+            );
         *out = [
             canopy_vx,
             canopy_vy,

@@ -56,35 +56,36 @@ fn inside<S: Real>([y, e]: [S; 2]) -> [S; 2] {
     let z = y * y;
     let zz = z * z;
     let cube = z * y;
-    let rest = (s2 + z * s3) + zz * ((s4 + z * s5) + zz * s6);
-    let sine = y + (cube * s1 + (e + z * (cube * rest - half * e)));
-    let rest = (c1 + z * c2) + zz * ((c3 + z * c4) + zz * (c5 + z * c6));
+    let last = zz.fmadd(s6, z.fmadd(s5, s4));
+    let rest = zz.fmadd(last, z.fmadd(s3, s2));
+    let end = z.fmadd(cube * rest - half * e, e);
+    let sine = y + cube.fmadd(s1, end);
+    let last = zz.fmadd(z.fmadd(c6, c5), z.fmadd(c4, c3));
+    let rest = zz.fmadd(last, z.fmadd(c2, c1));
     let off = half * z;
     let near = one - off;
-    let cosine = near + (((one - near) - off) + (zz * rest - y * e));
+    let cosine = near + (((one - near) - off) + zz.fmsub(rest, y * e));
     [sine, cosine]
 }
 
 /// y and e of (1) by k, with 86 bits.
 #[inline(always)]
 fn reduce<S: Real>(x: S, k: S) -> [S; 2] {
-    let above = x - k * S::from_f64(QUARTER[0]);
-    let part = k * S::from_f64(LEFT);
-    let y = above - part;
-    [y, (above - y) - part]
+    let left = S::from_f64(LEFT);
+    let above = k.fnmadd(S::from_f64(QUARTER[0]), x);
+    let y = k.fnmadd(left, above);
+    [y, k.fnmadd(left, above - y)]
 }
 
 /// The same with 151.
 #[inline(always)]
 fn reduce_near<S: Real>(x: S, k: S) -> [S; 2] {
     let [first, second, third, fourth] = QUARTER.map(S::from_f64);
-    let above = x - k * first;
-    let part = k * second;
-    let upper = above - part;
-    let lost = (above - upper) - part;
-    let part = k * third;
-    let lower = upper - part;
-    let tail = lost + (((upper - lower) - part) - k * fourth);
+    let above = k.fnmadd(first, x);
+    let upper = k.fnmadd(second, above);
+    let lost = k.fnmadd(second, above - upper);
+    let lower = k.fnmadd(third, upper);
+    let tail = lost + k.fnmadd(fourth, k.fnmadd(third, upper - lower));
     let y = lower + tail;
     [y, (lower - y) + tail]
 }
@@ -94,7 +95,7 @@ fn reduce_near<S: Real>(x: S, k: S) -> [S; 2] {
 pub fn sin_cos_within<S: Real>(x: S, any: impl FnOnce(S::Mask) -> bool) -> (S, S) {
     let rounds = S::from_f64(ROUNDS);
     let whole = |x: S| (x + rounds) - rounds;
-    let k = whole(x * S::from_f64(std::f64::consts::FRAC_2_PI));
+    let k = x.fmadd(S::from_f64(std::f64::consts::FRAC_2_PI), rounds) - rounds;
     let mut reduced = reduce(x, k);
     let is_near = || reduced[0].abs().lt(S::from_f64(NEAR));
     if any(is_near()) {
@@ -103,7 +104,7 @@ pub fn sin_cos_within<S: Real>(x: S, any: impl FnOnce(S::Mask) -> bool) -> (S, S
     }
     let [sine, cosine] = inside(reduced);
     // −2 … 2.
-    let quarters = k - S::from_f64(4.0) * whole(S::from_f64(0.25) * k);
+    let quarters = whole(S::from_f64(0.25) * k).fnmadd(S::from_f64(4.0), k);
     let [half, most] = [0.5, 1.5].map(S::from_f64);
     let size = quarters.abs();
     let is_odd = || S::both(half.lt(size), size.lt(most));
@@ -131,7 +132,7 @@ pub(super) fn sin_cos(x: f64) -> (f64, f64) {
         return (sine, cosine);
     }
     if size <= LARGEST_ANGLE {
-        let rounded = x * std::f64::consts::FRAC_2_PI + ROUNDS;
+        let rounded = x.fmadd(std::f64::consts::FRAC_2_PI, ROUNDS);
         let (k, quarters) = (rounded - ROUNDS, rounded.to_bits());
         let mut reduced = reduce(x, k);
         if reduced[0].abs() < NEAR {

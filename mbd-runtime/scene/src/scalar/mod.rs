@@ -16,4 +16,4 @@ pub use dual::Dual;
 pub(crate) use few::Few;
 pub use jet::{Jet, OfTime, split};
 pub(crate) use range::Range;
-pub use real::{Float, Real, TINY};
+pub use real::{FUSES, Float, Real, TINY};

@@ -13,6 +13,10 @@ use num_traits::{One, Zero};
 /// A length below this is treated as this when it divides [m]: far below any taut length, far above what squares to zero in `f32`.
 pub const TINY: f64 = 1e-18;
 
+/// Whether a product and a sum are one operation, rounded once: on x86 processors that a build is for and that have FMA (`-C target-cpu=native`,
+/// `x86-64-v3`). Elsewhere in software it would take fifty times as long, and a build for any processor has the same bits on all of them.
+pub const FUSES: bool = cfg!(target_feature = "fma");
+
 /// What a law may do with a number.
 pub trait Real:
     Scalar
@@ -30,6 +34,24 @@ pub trait Real:
 
     /// The number nearest to `value`.
     fn from_f64(value: f64) -> Self;
+    /// self · `b` + `c`: rounded once where [`FUSES`], twice elsewhere.
+    #[inline(always)]
+    #[must_use]
+    fn fmadd(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+    /// self · `b` − `c`, rounded as [`Real::fmadd`].
+    #[inline(always)]
+    #[must_use]
+    fn fmsub(self, b: Self, c: Self) -> Self {
+        self * b - c
+    }
+    /// `c` − self · `b`, rounded as [`Real::fmadd`].
+    #[inline(always)]
+    #[must_use]
+    fn fnmadd(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
     /// √self, for self ≥ 0. Its derivative is taken as dx / (2 max(√x, [`TINY`])): finite at zero.
     fn sqrt(self) -> Self;
     /// (sin self, cos self), self in radians.
@@ -95,6 +117,22 @@ macro_rules! machine_number {
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
                 value as $t
+            }
+            #[inline(always)]
+            fn fmadd(self, b: Self, c: Self) -> Self {
+                if FUSES {
+                    $t::mul_add(self, b, c)
+                } else {
+                    self * b + c
+                }
+            }
+            #[inline(always)]
+            fn fmsub(self, b: Self, c: Self) -> Self {
+                self.fmadd(b, -c)
+            }
+            #[inline(always)]
+            fn fnmadd(self, b: Self, c: Self) -> Self {
+                (-self).fmadd(b, c)
             }
             #[inline(always)]
             fn sqrt(self) -> Self {
@@ -171,3 +209,23 @@ macro_rules! machine_number {
 
 machine_number!(f64, super::circular::sin_cos);
 machine_number!(f32, f32::sin_cos);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// (1 + u)² − (1 + 2u) is u², which a product that is rounded loses.
+    fn left_of_a_square<T: Float>() -> [f64; 4] {
+        let u = T::EPSILON;
+        let (a, b) = (T::one() + u, T::one() + u + u);
+        [a.fmadd(a, -b), a.fmsub(a, b), a.fnmadd(a, b), u * u].map(Float::to_f64)
+    }
+
+    #[test]
+    fn a_product_in_a_sum_is_rounded_where_the_target_has_no_such_instruction() {
+        for [plus, minus, from, square] in [left_of_a_square::<f64>(), left_of_a_square::<f32>()] {
+            let expected = if FUSES { square } else { 0.0 };
+            assert_eq!([plus, minus, -from], [expected; 3]);
+        }
+    }
+}

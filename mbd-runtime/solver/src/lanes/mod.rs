@@ -1,13 +1,14 @@
 //! The numbers of several cases beside each other in one register: a scalar for every generated model over `T`.
 //!
-//! Every operation is that of `f64` in each lane, to the bit, whatever the other lanes hold and on every machine: sums, products, quotients and roots are
-//! rounded correctly by all of them, nothing is fused, sine and cosine are made of such operations, and exponential and its like are those of `f64` lane
-//! by lane. So a case gives the same numbers in a lane as alone. Where a law selects, both sides are evaluated and each lane takes its own.
+//! Every operation is that of `f64` in each lane, to the bit, whatever the other lanes hold: sums, products, quotients and roots are
+//! rounded correctly by all of them, products in sums are fused for one number where they are for several ([`FUSES`]), sine and cosine are made of such
+//! operations, and exponential and its like are those of `f64` lane by lane. So a case gives the same numbers in a lane as alone, on every machine that
+//! the build is for. Where a law selects, both sides are evaluated and each lane takes its own.
 
 use std::fmt;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use mbd_scene::{LARGEST_ANGLE, Real, sin_cos_within};
+use mbd_scene::{FUSES, LARGEST_ANGLE, Real, sin_cos_within};
 use num_traits::{One, Zero};
 use wide::{f64x4, f64x8};
 
@@ -138,6 +139,30 @@ macro_rules! lanes {
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
                 $name($wide::splat(value))
+            }
+            #[inline(always)]
+            fn fmadd(self, b: Self, c: Self) -> Self {
+                if FUSES {
+                    $name(self.0.mul_add(b.0, c.0))
+                } else {
+                    self * b + c
+                }
+            }
+            #[inline(always)]
+            fn fmsub(self, b: Self, c: Self) -> Self {
+                if FUSES {
+                    $name(self.0.mul_sub(b.0, c.0))
+                } else {
+                    self * b - c
+                }
+            }
+            #[inline(always)]
+            fn fnmadd(self, b: Self, c: Self) -> Self {
+                if FUSES {
+                    $name(self.0.mul_neg_add(b.0, c.0))
+                } else {
+                    c - self * b
+                }
             }
             #[inline(always)]
             fn sqrt(self) -> Self {
@@ -284,7 +309,7 @@ mod tests {
         ]
     }
 
-    fn binary<L: Real>(x: L, y: L) -> [L; 9] {
+    fn binary<L: Real>(x: L, y: L) -> [L; 12] {
         let selected = L::select(x.le(y), x, y);
         [
             x + y,
@@ -296,6 +321,9 @@ mod tests {
             x.atan2(y),
             selected,
             L::select(x.lt(y), x, y),
+            x.fmadd(y, -(x * y)),
+            x.fmsub(y, x),
+            x.fnmadd(x, y),
         ]
     }
 
