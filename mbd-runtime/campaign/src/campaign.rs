@@ -20,7 +20,7 @@ use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
 use crate::histories::Choice;
-use crate::manifest::{Manifest, OWN_VERSION, ResultColumn, ResultOptions};
+use crate::manifest::{Manifest, OWN_VERSION, ResultColumn, ResultOptions, target};
 use crate::metric::Metrics;
 use crate::results::CaseRow;
 use crate::run::always_mapped;
@@ -289,7 +289,7 @@ impl Campaign {
             dispersions: hash(format!("{:?} {:?}", self.dispersions, self.metrics)),
             settings: hash(settings),
             version: OWN_VERSION.to_owned(),
-            target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+            target: target(),
             sampling: self.dispersions.sampling,
             seed: self.dispersions.seed,
             cases: self.cases(),

@@ -16,6 +16,7 @@ use crate::histories::Choice;
 use crate::metric::Requirement;
 use crate::sampling::CaseSampling;
 use mbd_report::files;
+use mbd_runtime::scene::FUSES;
 
 /// The name of its file.
 const NAME: &str = "manifest.json";
@@ -62,7 +63,7 @@ pub struct Manifest {
     pub settings: String,
     /// The version of this program.
     pub version: String,
-    /// The kind of machine: sines and roots may differ in the last bit on another.
+    /// The kind of machine that the program is for, and whether it fuses products and sums: sines and sums may differ in the last bit on another.
     pub target: String,
     /// How the cases are spread: a grid is no random sample.
     #[serde(default)]
@@ -97,6 +98,12 @@ pub struct ResultOptions {
     pub histories: Choice,
     /// Pairs of metrics.
     pub footprints: Vec<Footprint>,
+}
+
+/// The kind of machine that this program is for: `x86_64-linux`, `x86_64-linux-fma` where products and sums are rounded once.
+pub(crate) fn target() -> String {
+    let fuses = if FUSES { "-fma" } else { "" };
+    format!("{}-{}{fuses}", std::env::consts::ARCH, std::env::consts::OS)
 }
 
 impl Manifest {

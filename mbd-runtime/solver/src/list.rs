@@ -172,7 +172,7 @@ pub(crate) fn combined<T: Real, const N: usize, const K: usize>(
         if weight != 0.0 {
             let factor = h * T::from_f64(weight);
             for (out, x) in out.iter_mut().zip(list) {
-                *out += factor * *x;
+                *out = factor.fmadd(*x, *out);
             }
         }
     }
@@ -200,8 +200,8 @@ fn add_all<T: Real>(state: &[T], terms: &[(T, &[T])], out: &mut [T]) {
         for (index, (out, x)) in out.iter_mut().zip(state).enumerate() {
             let parts = terms
                 .iter()
-                .filter_map(|(factor, list)| Some(*factor * *list.get(index)?));
-            *out = parts.fold(*x, |sum, part| sum + part);
+                .filter_map(|(factor, list)| Some((*factor, *list.get(index)?)));
+            *out = parts.fold(*x, |sum, (factor, number)| factor.fmadd(number, sum));
         }
         return;
     }
@@ -229,7 +229,7 @@ fn add_stretch<'a, T: Real>(
     };
     for (factor, list) in terms {
         for (sum, number) in sums.iter_mut().zip(own(list).into_iter().flatten()) {
-            *sum += *factor * *number;
+            *sum = factor.fmadd(*number, *sum);
         }
     }
     *out = sums;

@@ -281,14 +281,14 @@ fn take_tile<T: Float>(y: &mut Four<T>, tile: &Tile<T>, x: &Four<T>) {
 /// y += x a.
 fn add<T: Float>(y: &mut Four<T>, x: &Four<T>, a: T) {
     for (y, x) in y.iter_mut().zip(x) {
-        *y += *x * a;
+        *y = x.fmadd(a, *y);
     }
 }
 
 /// y −= x a.
 fn take<T: Float>(y: &mut Four<T>, x: &Four<T>, a: T) {
     for (y, x) in y.iter_mut().zip(x) {
-        *y -= *x * a;
+        *y = x.fnmadd(a, *y);
     }
 }
 
