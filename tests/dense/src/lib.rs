@@ -2,14 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// The largest singular value of a matrix over its smallest.
+/// The largest singular value of a symmetric matrix over its smallest: they are the sizes of its eigenvalues, which take a fourth of the work.
 ///
 /// # Panics
 /// For a matrix without numbers.
 #[must_use]
-pub fn condition(matrix: DMatrix<f64>) -> f64 {
-    let singular = matrix.singular_values();
-    singular.max() / singular.min()
+pub fn symmetric_condition(matrix: DMatrix<f64>) -> f64 {
+    let sizes = matrix.symmetric_eigenvalues().abs();
+    sizes.max() / sizes.min()
 }
 
 /// The part of `any` that `rows` do not see: any − rows⁺ rows any, singular values below 1e-9 taken for zero.

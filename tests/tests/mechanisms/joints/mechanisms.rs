@@ -1,6 +1,6 @@
 //! Random mechanisms: trees, loops, points, springs of every joint type. What must hold for any of them holds in every execution.
 
-use dense::condition;
+use dense::symmetric_condition;
 use mbd_compiler::Interpreted;
 use mbd_runtime::Generic;
 use mbd_scene::joints::{Distance, JointLaw};
@@ -97,7 +97,7 @@ impl Moment {
             .copy_from(&self.matrix(scene, Quantity::MassMatrix, n));
         system.view_mut((n, 0), (m, n)).copy_from(&phi);
         system.view_mut((0, n), (n, m)).copy_from(&phi.transpose());
-        condition(system)
+        symmetric_condition(system)
     }
 }
 
