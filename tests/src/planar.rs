@@ -4,6 +4,7 @@ use mbd_runtime::{Generic, Options, Simulation};
 use mbd_scene::{Layout, Plane, PointSlots, Scene};
 
 use crate::declared::read;
+use crate::mechanism::layout;
 use crate::random::Random;
 
 /// The planes.
@@ -206,7 +207,7 @@ pub fn in_space(scene: &Scene) -> Scene {
 /// The state of the scene in space that is this state of a planar scene.
 #[must_use]
 pub fn lifted(scene: &Scene, state: &[f64]) -> Vec<f64> {
-    let (flat, space) = (Layout::new(scene), Layout::new(&in_space(scene)));
+    let (flat, space) = (layout(scene), layout(&in_space(scene)));
     let normal = scene.planar.expect("a planar scene").normal();
     let mut out = vec![0.0; space.nx()];
     for (from, to) in flat
@@ -236,7 +237,7 @@ pub fn lifted(scene: &Scene, state: &[f64]) -> Vec<f64> {
 /// The accelerations of a planar scene among those of the same scene in space.
 #[must_use]
 pub fn flattened(scene: &Scene, accelerations: &[f64]) -> Vec<f64> {
-    let (flat, space) = (Layout::new(scene), Layout::new(&in_space(scene)));
+    let (flat, space) = (layout(scene), layout(&in_space(scene)));
     let normal = scene.planar.expect("a planar scene").normal();
     let mut out = vec![0.0; flat.nv];
     for (to, from) in flat

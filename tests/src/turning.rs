@@ -1,10 +1,10 @@
 //! Parallelograms of equal links that turn through both of their flat positions, in a plane and in space, of any size and in any scalar.
 
 use mbd_runtime::{Options, RunError, Scalar, Simulation, Statistics};
-use mbd_scene::{AngularVelocity, Layout, Model, Quantity, Scene};
+use mbd_scene::{AngularVelocity, Model, Quantity, Scene};
 
 use crate::declared::read;
-use crate::mechanism::{evaluate, with_components};
+use crate::mechanism::{evaluate, layout, with_components};
 use crate::planar::{in_space, lifted};
 
 /// Cranks on the ground, a link apart, and one beam across their tips; everything as long as the distance of two cranks.
@@ -111,7 +111,7 @@ impl Parallelogram {
     #[must_use]
     pub fn build(&self) -> (Scene, Vec<f64>) {
         let flat = read(&self.text());
-        let nq = Layout::new(&flat).nq;
+        let nq = layout(&flat).nq;
         let (sin, cos) = self.start.sin_cos();
         let (link, rate) = (self.link, self.rate);
         let mut state = vec![0.0; 2 * nq];

@@ -44,9 +44,12 @@ const PAUSES: [f64; 10] = [0.05, 0.21, 0.3, 0.41, 0.6, 0.69, 0.9, 1.1, 1.13, 1.4
 
 /// What a run is that never stops but pauses, and one that is made anew from a snapshot at every pause: all that their snapshots hold, at the first pause at which it
 /// differs or at the last one. `None` where the method is not offered.
-fn whole_and_resumed<T: Scalar>(family: &str, options: Options, shift: f64) -> Option<[String; 2]> {
-    let model = Generic::<T>::new(machine(family), &[T::from_f64(400.0)]).expect("a scene");
-    let begin = || Simulation::new(&model, options);
+fn whole_and_resumed<T: Scalar>(
+    model: &Generic<T>,
+    options: Options,
+    shift: f64,
+) -> Option<[String; 2]> {
+    let begin = || Simulation::new(model, options);
     let (mut whole, mut resumed) = (begin().ok()?, begin().ok()?);
     let mut told = [String::new(), String::new()];
     for (number, pause) in PAUSES.iter().enumerate() {
@@ -78,9 +81,10 @@ fn difference([whole, resumed]: &[String; 2]) -> String {
 fn compared<T: Scalar>(methods: &[Options], shifts: &[f64]) {
     let mut differ = Vec::new();
     for family in ["absolute", "relative"] {
+        let model = Generic::<T>::new(machine(family), &[T::from_f64(400.0)]).expect("a scene");
         for options in methods {
             for shift in shifts {
-                let told = whole_and_resumed::<T>(family, *options, *shift);
+                let told = whole_and_resumed(&model, *options, *shift);
                 let told = told.expect("a method that is offered");
                 if told[0] != told[1] {
                     let (method, where_) = (options.method, difference(&told));

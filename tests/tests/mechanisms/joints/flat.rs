@@ -19,11 +19,20 @@ fn families(of: Parallelogram) -> [Parallelogram; 3] {
     ]
 }
 
-/// Runs its interpreted model.
-fn turn<T: Scalar>(of: Parallelogram, options: Options, until: f64) -> Kept {
+/// Its interpreted model, for any rate and start of it that no motor drives.
+fn interpreted<T: Scalar>(of: Parallelogram) -> Interpreted<T> {
     let (scene, _) = of.build();
-    let model = Interpreted::<T>::new(scene, &[]).expect("a valid scene");
-    let kept = of.turn(&model, options, until);
+    Interpreted::new(scene, &[]).expect("a valid scene")
+}
+
+/// Runs its interpreted model.
+fn turn<T: Scalar>(
+    model: &Interpreted<T>,
+    of: Parallelogram,
+    options: Options,
+    until: f64,
+) -> Kept {
+    let kept = of.turn(model, options, until);
     let kept = kept.unwrap_or_else(|error| panic!("{of:?}, {:?}: {error}", options.method));
     println!("{of:?}, {:?}: {kept:?}", options.method);
     kept
@@ -38,8 +47,9 @@ fn single() -> [Options; 3] {
 fn in_single_precision_a_parallelogram_turns_through_its_flat_positions_on_its_branch() {
     for cranks in [2, 3] {
         for of in families(Parallelogram { cranks, ..PLAIN }) {
+            let model = interpreted::<f32>(of);
             for options in single() {
-                let kept = turn::<f32>(of, options, 4.5);
+                let kept = turn(&model, of, options, 4.5);
                 // Rounding ε of the state leaves ε over the distance of the branches, at least √margin = 0.07: a few 1e-6 of the speeds,
                 // ten times that of an angle on the way; energy has its square, and the rounding of thousands of steps.
                 assert!(kept.energy < 5e-5, "{kept:?}");
@@ -65,8 +75,9 @@ fn in_single_precision_neither_size_nor_speed_nor_uneven_masses_take_it_off_its_
             };
             for of in families(of) {
                 let options = [Options::rk4(1e-2 / rate), Options::tsit5(1e-5)];
+                let model = interpreted::<f32>(of);
                 for options in options {
-                    let kept = turn::<f32>(of, options, 9.0 / rate);
+                    let kept = turn(&model, of, options, 9.0 / rate);
                     assert!(kept.energy < 1e-3 && kept.tilt < 5e-3, "{kept:?}");
                 }
             }
@@ -83,8 +94,9 @@ fn in_single_precision_a_motor_turns_the_crank_through_the_flat_positions() {
             ..PLAIN
         };
         for of in families(of) {
+            let model = interpreted::<f32>(of);
             for options in single() {
-                let kept = turn::<f32>(of, options, 4.5);
+                let kept = turn(&model, of, options, 4.5);
                 // What rounding leaves of the speeds on the other branch has a share in the energy: nothing else gives way to a motor.
                 assert!(kept.energy < 1e-2 && kept.angle < 1e-5, "{kept:?}");
                 assert!(kept.tilt < 5e-4, "{kept:?}");
@@ -95,18 +107,18 @@ fn in_single_precision_a_motor_turns_the_crank_through_the_flat_positions() {
 
 #[test]
 fn adaptive_steps_of_any_tolerance_pass_sixty_flat_positions_in_double_precision() {
-    for (rtol, energy) in [(1e-6, 1e-3), (1e-9, 1e-6), (1e-12, 1e-9)] {
-        for cranks in [2, 3] {
+    for cranks in [2, 3] {
+        for (planar, until) in [(true, 100.0), (false, 20.0)] {
             let of = Parallelogram {
                 cranks,
-                planar: true,
+                planar,
                 ..PLAIN
             };
-            let kept = turn::<f64>(of, Options::tsit5(rtol), 100.0);
-            assert!(kept.energy < energy && kept.tilt < 1e-6, "{kept:?}");
-            let of = Parallelogram { cranks, ..PLAIN };
-            let kept = turn::<f64>(of, Options::tsit5(rtol), 20.0);
-            assert!(kept.energy < energy && kept.tilt < 1e-6, "{kept:?}");
+            let model = interpreted::<f64>(of);
+            for (rtol, energy) in [(1e-6, 1e-3), (1e-9, 1e-6), (1e-12, 1e-9)] {
+                let kept = turn(&model, of, Options::tsit5(rtol), until);
+                assert!(kept.energy < energy && kept.tilt < 1e-6, "{kept:?}");
+            }
         }
     }
 }
@@ -151,8 +163,9 @@ fn whatever_steps_come_to_a_flat_position_tight_tolerances_pass_it() {
         (three, short(1e-12)),
         (PLAIN, short(1e-12)),
     ] {
+        let model = interpreted::<f64>(of);
         for (of, until) in approaches(of) {
-            let kept = turn::<f64>(of, options, until);
+            let kept = turn(&model, of, options, until);
             // Rounding ε of a state leaves ε over the angle of rows of it on the way between branches: 1e-13 where limits begin, some of it
             // in each of ten steps from there on, and its square in energy. Accelerations by rows that are closer than that leave
             // a hundred times as much of all three, or no step that passes.
@@ -165,9 +178,9 @@ fn whatever_steps_come_to_a_flat_position_tight_tolerances_pass_it() {
 #[test]
 fn a_run_goes_on_from_a_snapshot_in_the_middle_of_a_flat_position_to_the_bit() {
     let mut snapshots = 0;
+    let model = interpreted::<f64>(PLANAR);
     for (of, until) in approaches(PLANAR) {
-        let (scene, state) = of.build();
-        let model = Interpreted::<f64>::new(scene, &[]).expect("a valid scene");
+        let (_, state) = of.build();
         let mut run = Simulation::new(&model, short(1e-12)).expect("options that fit");
         run.set_state(0.0, &state).expect("a valid state");
         run.start().expect("a start");
@@ -276,9 +289,10 @@ fn generated_code_turns_as_the_interpreter_does_in_single_precision() {
         ..PLAIN
     };
     let model = Turning::<f32>::new(Default::default()).expect("no params");
+    let by_terms = interpreted::<f32>(of);
     for options in single() {
         let kept = of.turn(&model, options, 2.0).expect("a run");
-        let again = turn::<f32>(of, options, 2.0);
+        let again = turn(&by_terms, of, options, 2.0);
         assert_eq!(
             [kept.energy, kept.angle, kept.tilt],
             [again.energy, again.angle, again.tilt]
