@@ -112,7 +112,7 @@ const SCENES: [Scene; 12] = [
             event stuck = b.angle rises 0.3 rad { lock: b, acts: once }
             event loose = time rises 1.2 s { free: b }
         }",
-        methods: ALL,
+        methods: || vec![Options::rk4(5e-3), Options::tsit5(1e-5), Options::vern7(1e-8), Options::rodas5p(1e-4), Options::auto(1e-4), Options::rattle(5e-3)],
         fails: None,
     },
     // A load that has no value.

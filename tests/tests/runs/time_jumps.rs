@@ -390,7 +390,8 @@ fn no_adaptive_step_leaps_over_a_pulse_whose_times_are_known() {
             .to_owned(),
         "let gust = max(0 N, 8 N - 40 N/s * abs(time - 10.25 s));".to_owned(),
     ] {
-        let exact = gust(&pulse, Options::rk4(1e-4));
+        // Steps of a quarter of a millisecond end on every time of the pulse, and are off by h⁴.
+        let exact = gust(&pulse, Options::rk4(2.5e-4));
         assert!(exact[1].abs() > 0.1, "{pulse}: {exact:?}");
         for options in [
             Options::tsit5(1e-8),
