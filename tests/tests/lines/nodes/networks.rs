@@ -80,20 +80,47 @@ fn tensions_of_a_network_are_unique_from_any_start() {
     assert!(taut > 600);
 }
 
+/// Whether lines lead from every node to an anchor.
+fn is_tied(web: &Web<f64>) -> bool {
+    let mut tied = vec![false; web.loads.len()];
+    for _ in 0..tied.len() {
+        for line in &web.lines {
+            let ends = line.ends.map(|end| match end {
+                Tie::Anchor(_) => true,
+                Tie::Node(node) => tied[node],
+            });
+            for end in line.ends {
+                if let Tie::Node(node) = end {
+                    tied[node] |= ends[0] || ends[1];
+                }
+            }
+        }
+    }
+    tied.into_iter().all(|tied| tied)
+}
+
+/// Networks with a group of nodes that no line ties to an anchor, of which this many are tried: what they take until they are refused is most of the test.
+const LOOSE: usize = 6;
+
 #[test]
 fn forces_on_every_node_of_a_network_balance_its_load() {
     let mut random = Random::new(6);
-    let mut refused = 0;
+    let (mut refused, mut loose) = (0, 0);
     for _ in 0..2000 {
         let mut web = network(&mut random);
         for load in &mut web.loads {
             *load = random.vector(50.0);
         }
         let start: Vec<[f64; 3]> = web.loads.iter().map(|_| random.vector(4.0)).collect();
+        let is_loose = !is_tied(&web);
+        loose += usize::from(is_loose);
+        if is_loose && loose > LOOSE {
+            continue;
+        }
         let found = match web.solve(&start, Tolerance::inside_step()) {
             Ok(found) => found,
             // A loaded group of nodes that no line ties to an anchor has no balance.
-            Err(NodeError::NotConverged { .. }) => {
+            Err(NodeError::NotConverged { .. }) if is_loose => {
                 refused += 1;
                 continue;
             }
@@ -107,7 +134,7 @@ fn forces_on_every_node_of_a_network_balance_its_load() {
         assert!(at.gradient().iter().all(|g| g.abs() < 1e-9 * strongest));
     }
     // Such groups fly off until rounding of their places outweighs their load.
-    assert!((1..50).contains(&refused), "{refused}");
+    assert!(refused >= 1 && loose < 50, "{refused} of {loose}");
 }
 
 #[test]
@@ -349,6 +376,10 @@ fn a_run_that_finds_no_balance_names_its_softest_and_its_stiffest_line_and_says_
             format!("make `{hard}` softer or `{soft}` stiffer"),
         ] {
             assert!(text.contains(&part), "{text}");
+        }
+        // Each is told in the same words.
+        if told == 8 {
+            break;
         }
     }
     assert!(told > 0);
