@@ -520,6 +520,51 @@ fn rates_of_a_loop_that_contradict_each_other_are_told() {
     }
 }
 
+/// A scene of two links that a rod ties to the world, in a plane and in both families, begun: its outputs.
+fn tied(settings: &str, start: &str) -> Vec<f64> {
+    let scene = read(&format!(
+        "model Tied {{ gravity: none; {settings}
+            world {{ frame base at [-0.109, 0, -0.013] m, frame far at [-0.363, 0, 0.079] m }}
+            body upper {{ mass: 2 kg, inertia: diag(0.03, 0.03, 0.03) kg*m^2, frame top at [0.2, 0, 0.087] m, frame end at [-0.004, 0, 0.016] m }}
+            body lower {{ mass: 2 kg, inertia: diag(0.03, 0.03, 0.03) kg*m^2, frame top at [-0.215, 0, -0.296] m, frame end at [0.16, 0, 0.262] m }}
+            joint shoulder: hinge from world.base to upper.top {{ axis: -y, start: {start} }}
+            joint elbow: hinge from upper.end to lower.top {{ axis: y, stiffness: 2 N*m/rad }}
+            joint rod: distance from world.far to lower.end {{ length: 0.922 m }}
+            output bend = elbow.angle; output wound = energy.potential;
+            output between = angle(upper.x, lower.x);
+        }}"
+    ));
+    let model = Generic::<f64>::new(scene, &[]).expect("a scene");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("a run");
+    run.start().expect("a start");
+    let mut out = vec![0.0; 3];
+    run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+    out
+}
+
+/// What closes a loop may turn on the way there: a spring would be wound up by what nobody said.
+#[test]
+fn full_turns_of_the_search_for_a_start_wind_up_no_spring() {
+    for settings in ["planar: xz;", "planar: xz; coordinates: relative;", ""] {
+        for start in [
+            "about -0.5 rad",
+            "about 0.343 rad",
+            "0.5 rad",
+            "1 rad",
+            "2 rad",
+        ] {
+            let out = tied(settings, start);
+            let [bend, wound, between] = out[..] else {
+                panic!("three outputs")
+            };
+            // The angle is that between the bodies, within half a turn, and ½ c θ² the energy of the spring.
+            let what = format!("{settings} {start}");
+            assert!((bend.abs() - between).abs() < 1e-9, "{what}: {out:?}");
+            assert!((wound - between * between).abs() < 1e-9, "{what}: {out:?}");
+        }
+    }
+}
+
 #[test]
 fn what_nothing_decides_in_a_loop_is_told_by_name() {
     let scene = read(

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{CLOSED, FREE, JointStart, Placement, PlacementError, PlacementReport, about};
 use crate::Quantity;
+use crate::laws::turns::next_to;
 use crate::laws::{branch, row_units};
 
 /// Iterations that close the loops.
@@ -70,14 +71,17 @@ impl Placement<'_> {
             }
         }
         let wishes = about::wishes(given);
-        let said = self.q.clone();
+        let begun = self.q.clone();
         let closed = self.close(&unknowns, state);
         if wishes.is_empty() {
             closed?;
         } else if closed != Ok(true) || !self.grants(&wishes, state) {
-            self.q = said;
+            self.q.clone_from(&begun);
             let all: Vec<(usize, usize)> = unknowns.iter().chain(&yielding).copied().collect();
             self.close_near(&all, &wishes, state)?;
+        }
+        for coordinate in unknowns.iter().chain(&yielding) {
+            self.take_out_turns(*coordinate, &begun, state);
         }
         self.close_rates([&said_rates, &rates], state)?;
         let assembly = PlacementReport {
@@ -119,6 +123,28 @@ impl Placement<'_> {
             self.q.clone_from(&here);
         }
         false
+    }
+
+    /// An angle next to where the search for it began: full turns that the search made are none of the mechanism, and springs and stops would count them.
+    fn take_out_turns(
+        &mut self,
+        (joint, k): (usize, usize),
+        begun: &[Vec<f64>],
+        state: &mut [f64],
+    ) {
+        let mut measured = self.scene.joints[joint].law.measured();
+        if !measured.nth(k).is_some_and(|it| it.is_periodic()) {
+            return;
+        }
+        let found = self.q[joint][k];
+        let next = next_to(found, begun[joint][k]);
+        if next != found {
+            self.q[joint][k] = next;
+            // Where a coupling holds it at its turn, it stays.
+            if self.rows(Quantity::Constraint, state).amax() > CLOSED {
+                self.q[joint][k] = found;
+            }
+        }
     }
 
     /// Moves coordinates away from where they are, each attempt further; the first leaves them.
