@@ -565,6 +565,42 @@ fn full_turns_of_the_search_for_a_start_wind_up_no_spring() {
     }
 }
 
+/// Where nothing is said and coordinates of zero do not close a loop, it is closed by them, and which ones could be otherwise is told; a ball by its name.
+/// How angular velocities are written decides nothing of it.
+#[test]
+fn what_nothing_decides_is_told_where_nothing_is_said_and_is_that_of_either_angular_velocity() {
+    let begun = |settings: &str| {
+        let scene = read(&format!(
+            "model Held {{ gravity: none; {settings}
+                world {{ frame base at [-0.257, 0.326, 0.224] m rotated about([-0.549, 0.941, 0.528], -35.862 deg) }}
+                body one {{ mass: 2.6 kg, inertia: diag(0.037, 0.03, 0.031) kg*m^2, frame top at [0.061, -0.295, -0.078] m, frame end at [-0.048, -0.162, 0.256] m }}
+                body two {{ mass: 2.4 kg, inertia: diag(0.03, 0.027, 0.046) kg*m^2, frame top at [0.224, 0.169, 0.257] m, frame end at [-0.031, 0.099, -0.026] m }}
+                joint ball: spherical from world.base to one.top
+                joint table: planar from one.end to two.top {{ axis: y }}
+                joint rod: distance from world to two.end {{ length: 1.069 m }}
+                output place = two.position;
+            }}"
+        ));
+        let model = Generic::<f64>::new(scene, &[]).expect("a scene");
+        let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("a run");
+        run.start().expect("a start");
+        let mut out = vec![0.0; 3];
+        run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+        (out, run.start_undecided())
+    };
+    let (body, told) = begun("angular_velocity: body;");
+    assert_eq!(told, ["ball", "table.x", "table.y", "table.angle"]);
+    for settings in [
+        "angular_velocity: world;",
+        "angular_velocity: body; coordinates: relative;",
+        "angular_velocity: world; coordinates: relative;",
+    ] {
+        let (out, told) = begun(settings);
+        assert_eq!(told, ["ball", "table.x", "table.y", "table.angle"]);
+        assert_close(&out, &body, 1e-9, 0.0, settings);
+    }
+}
+
 #[test]
 fn what_nothing_decides_in_a_loop_is_told_by_name() {
     let scene = read(

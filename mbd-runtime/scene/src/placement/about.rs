@@ -207,7 +207,7 @@ impl Placement<'_> {
         told
     }
 
-    /// Those of the coordinates that nobody gave with which loops close otherwise, too, whatever else stays as it is.
+    /// Those of the coordinates that nobody gave with which loops close otherwise, too, whatever else stays as it is; of an attitude the first number.
     pub(super) fn undecided(
         &mut self,
         unknowns: &[(usize, usize)],
@@ -219,16 +219,47 @@ impl Placement<'_> {
         let rows = self.slopes(unknowns, state, &|it, state| {
             it.rows(Quantity::Constraint, state)
         });
-        let free = kernel(&rows);
-        let least = SINGULAR * rows.column_iter().map(|it| it.norm()).fold(0.0, f64::max);
-        let all = unknowns.iter().enumerate();
-        let open = all.filter(|&(column, &(joint, k))| {
+        let largest = |rows: &DMatrix<f64>| {
+            let norms = rows.column_iter().map(|it| it.norm());
+            norms.fold(0.0, f64::max)
+        };
+        let least = SINGULAR * largest(&rows);
+        let free = kernel(&self.with_lengths_of_quaternions(unknowns, &rows));
+        let mut open: Vec<(usize, usize)> = Vec::new();
+        for (column, &(joint, k)) in unknowns.iter().enumerate() {
             // A coordinate that moves no loop is zero, as said.
             let in_loop = rows.column(column).norm() > least;
-            let measured = self.scene.joints[joint].law.measured().nth(k).is_some();
-            measured && in_loop && free.row(column).norm() > SINGULAR
-        });
-        open.map(|(_, coordinate)| *coordinate).collect()
+            if in_loop && free.row(column).norm() > SINGULAR {
+                let attitude = self.scene.joints[joint].law.attitude();
+                let first = attitude.filter(|attitude| attitude.contains(&k));
+                open.push((joint, first.map_or(k, |attitude| attitude.start)));
+            }
+        }
+        open.dedup();
+        open
+    }
+
+    /// Rows, and below them those that hold the lengths of the quaternions among the coordinates.
+    fn with_lengths_of_quaternions(
+        &self,
+        unknowns: &[(usize, usize)],
+        rows: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let size = rows.amax();
+        let mut held = rows.clone();
+        for (joint, declared) in self.scene.joints.iter().enumerate() {
+            let Some(attitude) = declared.law.attitude() else {
+                continue;
+            };
+            let row = held.nrows();
+            held = held.insert_row(row, 0.0);
+            for (column, &(other, k)) in unknowns.iter().enumerate() {
+                if other == joint && attitude.contains(&k) {
+                    held[(row, column)] = size * self.q[joint][k];
+                }
+            }
+        }
+        held
     }
 }
 

@@ -1,22 +1,24 @@
 //! Where nothing is given: all coordinates are zero, or what couplings make of that, or where loops close from there; what no loop closes with stays
 //! where it is.
 
-use super::{CLOSED, JointStart, Placement};
+use super::{CLOSED, JointStart, Placement, PlacementReport};
 use crate::{Part, Quantity};
 
 impl Placement<'_> {
     /// All coordinates zero but those of motors and what couplings make of them, as they are here. Loops that are open there are closed. Where none closes,
     /// parts between the ends of a joint that does not hold, and all that hangs on them, stay where they are; those that lead to a part with a
-    /// place of its own are at zero, since what does not fit is that place.
-    pub(super) fn rest(&mut self, motors: &[JointStart], state: &mut [f64]) {
+    /// place of its own are at zero, since what does not fit is that place. Tells what nothing decides of loops that were closed.
+    pub(super) fn rest(&mut self, motors: &[JointStart], state: &mut [f64]) -> PlacementReport {
         if self.holds_anywhere() {
             self.walk(state);
-            return;
+            return PlacementReport::default();
         }
         let before = state.to_vec();
         let gaps = self.rows(Quantity::Constraint, state);
-        if gaps.amax() > CLOSED.sqrt() && self.closes(motors, state) {
-            return;
+        if gaps.amax() > CLOSED.sqrt()
+            && let Some(report) = self.closes(motors, state)
+        {
+            return report;
         }
         let mut open: Vec<Part> = Vec::new();
         for (joint, slots) in self.layout.joints.iter().enumerate() {
@@ -47,13 +49,15 @@ impl Placement<'_> {
         state.copy_from_slice(&before);
         self.links.retain(|link| !open.contains(&link.to));
         self.walk(state);
+        PlacementReport::default()
     }
 
     /// Closes loops from the coordinates as they are, on the branches that joints mean; where that fails nothing is changed.
-    fn closes(&mut self, motors: &[JointStart], state: &mut [f64]) -> bool {
+    fn closes(&mut self, motors: &[JointStart], state: &mut [f64]) -> Option<PlacementReport> {
         let before = (self.q.clone(), self.u.clone());
-        let closed = self.solve(motors, state).is_ok() && self.is_on_branch(state);
-        if !closed {
+        let closed = self.solve(motors, state).ok();
+        let closed = closed.filter(|_| self.is_on_branch(state));
+        if closed.is_none() {
             (self.q, self.u) = before;
         }
         closed

@@ -316,7 +316,8 @@ impl Placement<'_> {
         joint.unwrap_or(0)
     }
 
-    /// The derivative of what the coordinates decide by some of them, by differences; the coordinates as parts of their [scales](Self::scale).
+    /// The derivative of what the coordinates decide by some of them, by differences; the coordinates as parts of their [scales](Self::scale). The
+    /// length of a quaternion decides nothing: rows of one that is no unit say what depends on how they are written.
     pub(super) fn slopes(
         &mut self,
         unknowns: &[(usize, usize)],
@@ -325,14 +326,16 @@ impl Placement<'_> {
     ) -> DMatrix<f64> {
         let mut columns = Vec::with_capacity(unknowns.len());
         for &(joint, k) in unknowns {
-            let here = self.q[joint][k];
+            let here = self.q[joint].clone();
             let by = DIFFERENCE * self.scale(joint, k);
-            let mut at = |q: f64| {
-                self.q[joint][k] = q;
+            let mut at = |by: f64| {
+                self.q[joint].clone_from(&here);
+                self.q[joint][k] += by;
+                self.normalise_joint(joint);
                 of(self, state)
             };
-            let difference = at(here + by) - at(here - by);
-            self.q[joint][k] = here;
+            let difference = at(by) - at(-by);
+            self.q[joint] = here;
             columns.push(difference / (2.0 * DIFFERENCE));
         }
         match columns.is_empty() {

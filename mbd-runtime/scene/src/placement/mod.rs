@@ -113,14 +113,13 @@ pub(crate) fn place_near(
     placement.set(&all);
     placement.follow_couplings(&[all.as_slice(), near].concat());
     placement.measure(state);
-    let mut report = PlacementReport::default();
-    if given.is_empty() {
-        placement.rest(&all, state);
+    let mut report = if given.is_empty() {
+        placement.rest(&all, state)
     } else {
         let solved = placement.solve(&all, state);
         placement.confirm(&decided, given, state)?;
-        report = solved?;
-    }
+        solved?
+    };
     report.about.extend(placement.gave_way(near, state));
     Ok(report)
 }
@@ -276,12 +275,17 @@ impl Placement<'_> {
 
     /// Attitudes are unit quaternions.
     fn normalise(&mut self) {
-        for (joint, q) in self.scene.joints.iter().zip(&mut self.q) {
-            if let Some(attitude) = joint.law.attitude() {
-                let attitude = &mut q[attitude];
-                let length = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
-                attitude.iter_mut().for_each(|x| *x /= length);
-            }
+        for joint in 0..self.scene.joints.len() {
+            self.normalise_joint(joint);
+        }
+    }
+
+    /// The attitude of one joint, if it has one, is a unit quaternion.
+    fn normalise_joint(&mut self, joint: usize) {
+        if let Some(attitude) = self.scene.joints[joint].law.attitude() {
+            let attitude = &mut self.q[joint][attitude];
+            let length = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
+            attitude.iter_mut().for_each(|x| *x /= length);
         }
     }
 }

@@ -7,7 +7,8 @@ use crate::{Scene, plain};
 pub struct PlacementReport {
     /// The coordinates that are said to be about a value, in the order they were given, then declared ones that gave way to what was given.
     pub about: Vec<AboutStart>,
-    /// Coordinates of loops that nothing said decides, joint and number: what is taken is near zero, or near what was taken before.
+    /// Coordinates of loops that nothing said decides, joint and number, of the attitude of a ball its first: what is taken is near zero, or near
+    /// what was taken before.
     pub undecided: Vec<(usize, usize)>,
 }
 
@@ -22,12 +23,17 @@ impl PlacementReport {
         told.collect()
     }
 
-    /// The coordinates that nothing decides, by their names.
+    /// The coordinates that nothing decides, by their names; an attitude, which is no number, by that of its joint.
     #[must_use]
     pub fn told_undecided(&self, scene: &Scene) -> Vec<String> {
-        let all = self.undecided.iter();
-        all.map(|&(joint, coordinate)| scene.coordinate_name(joint, coordinate))
-            .collect()
+        let name = |&(joint, coordinate): &(usize, usize)| match scene.coordinate(joint, coordinate)
+        {
+            Some(_) => scene.coordinate_name(joint, coordinate),
+            None => scene.joints[joint].name.clone(),
+        };
+        let mut told: Vec<String> = self.undecided.iter().map(name).collect();
+        told.dedup();
+        told
     }
 }
 
