@@ -25,7 +25,7 @@ mod phases;
 mod program;
 mod reading;
 mod resolve;
-mod signs;
+mod selection;
 mod simplify;
 mod solution;
 mod strided;

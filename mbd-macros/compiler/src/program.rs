@@ -6,7 +6,7 @@ use crate::directional::MatrixColumns;
 use crate::expression::{Expr, Graph, Label, Slot, Term, TermKind};
 use crate::hash::FastMap;
 use crate::operation::{Binary, Comparison, Fused, Op, Unary};
-use crate::signs::Operations;
+use crate::selection::Operations;
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,7 +1,7 @@
 //! What a term becomes when it is made: constants fold, nothing is added, nothing is multiplied by one, signs move outwards.
 //!
 //! −x is x with a sign, and (−c) x the product c x with a sign where that has been asked for: what a law does to a lever and to its opposite, or
-//! to two places of a body on either side of its centre, is shared. Where a sign stays, [`crate::signs`] has a place for it.
+//! to two places of a body on either side of its centre, is shared. Where a sign stays, [`crate::selection`] has a place for it.
 //!
 //! Every rule gives the bits of the operation it replaces, signs of zero and what is not finite apart. Nothing is re-associated.
 

@@ -1,4 +1,4 @@
-//! Which operation computes a term. A sign that nothing took up goes into what it stands before, where it costs nothing.
+//! Selection of operations: which one computes a term. A sign that nothing took up goes into what it stands before, where it costs nothing.
 //!
 //! ```text
 //! −(x − y) = y − x     −(c x) = (−c) x     −(x y) = (−x) y     −(x / y) = (−x) / y     −(x + y) = (−x) − y          (1)
