@@ -121,16 +121,19 @@ fn threads_lanes_and_shards_change_no_byte() {
     for (shards, lanes) in [(1, 1), (3, 4), (7, 8), (20, 8)] {
         let out = folder.0.join(format!("of_{shards}"));
         for shard in (1..=shards).rev() {
+            let threads = [1, 2, 5][shard % 3];
             let resources = Resources {
-                threads: [1, 2, 5][shard % 3],
+                threads,
                 lanes: Some(lanes),
             };
             let shard = format!("{shard}/{shards}");
             let done = run_on(&in_lanes, &out, &shard, resources).expect("it runs");
             // What the air takes is not integrated along: nobody asks for energy.
-            assert!(
-                done.beside <= done.steps && (done.beside > 0) == (lanes > 1 && done.cases > 1)
-            );
+            assert!(done.beside <= done.steps);
+            // Of several threads each may take one case, which is alone then.
+            let may = lanes > 1 && done.cases > 1;
+            let is_certain = !may || threads == 1;
+            assert!((done.beside > 0) == may || !is_certain);
         }
         assert!(gathered(&out) == expected, "{shards} {lanes}");
     }

@@ -42,6 +42,7 @@ pub trait Equations<S: Real>: Sized {
 /// let speeds = |lanes: usize| {
 ///     Batch::new(&stone, Options::tsit5(1e-8), 4.0)
 ///         .cases((1..=20).map(|k| Case::new().params([0.4 * f64::from(k)])))
+///         .threads(1)
 ///         .lanes(lanes)
 ///         .run(|_, history| history.column("speed").and_then(|speed| speed.last().copied()))
 /// };
