@@ -1,5 +1,6 @@
 //! The compiler of `mbd`: a declaration becomes a scene, its laws become equations, the equations a program, the program Rust.
 
+mod attitude;
 mod check;
 mod compile;
 mod describe;
@@ -22,6 +23,7 @@ mod number;
 mod operation;
 mod partition;
 mod phases;
+mod plane;
 mod program;
 mod reading;
 mod resolve;
@@ -58,6 +60,7 @@ pub use number::{read_number, read_vector};
 pub use operation::{Binary, Comparison, Op, Unary};
 pub use partition::{Local, ProgramBlock, partition};
 pub use phases::misfits;
+pub use plane::plane_of_motion;
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{
     DeclarationOptions, NamedFile, NextScene, Reading, Spans, read_text, read_text_in, read_tokens,

@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use mbd_scene::{Coordinates, Scene};
+use mbd_scene::{Coordinates, Plane, Scene};
 use proc_macro2::{Span, TokenStream};
 
+use crate::attitude::WithPoints;
 use crate::check::{check, without_inertia};
 use crate::families::Families;
 use crate::lexeme::{self, Lexeme, LexemeIndex, LexemeKind, Places, Region};
+use crate::messages::check::{as_points, in_no_plane, in_plane};
 use crate::messages::{Location, Message, Messages, syntax as say};
+use crate::plane::plane_of_motion;
 use crate::resolve::{Emitted, Named, Resolver, resolve};
 use crate::syntax::{self, Item, ModelSyntax};
 use crate::urdf;
@@ -169,8 +172,16 @@ pub(crate) fn finish(
     lexed: bool,
 ) -> Reading {
     let whole = messages.is_empty();
-    let mut resolver = resolve(model, whole);
-    check(&mut resolver, model, whole);
+    let mut resolver = resolved(model, whole, None);
+    if whole && resolver.asked.plane && resolver.messages.is_empty() {
+        resolver = in_its_plane(resolver, model);
+    }
+    let chooses = whole && resolver.asked.family && resolver.messages.is_empty();
+    let with_points = chooses.then(|| WithPoints::of(model, &resolver)).flatten();
+    let mut resolver = match &with_points {
+        Some(with_points) => without_attitude(resolver, with_points),
+        None => resolver,
+    };
     let mut errors = messages;
     if lexed && (errors.is_empty() || !model.items.is_empty()) {
         errors.extend(std::mem::take(&mut resolver.messages));
@@ -217,6 +228,45 @@ pub(crate) fn finish(
         },
         file: None,
     }
+}
+
+/// A model, resolved and checked, in a plane where one is given.
+fn resolved<'a>(model: &'a ModelSyntax<'a>, whole: bool, plane: Option<Plane>) -> Resolver<'a> {
+    let mut resolver = resolve(model, whole, plane);
+    check(&mut resolver, model, whole);
+    resolver
+}
+
+/// The same model in the plane in which it moves, or in space, and a note of which.
+fn in_its_plane<'a>(resolver: Resolver<'a>, model: &'a ModelSyntax<'a>) -> Resolver<'a> {
+    let (mut resolver, note) = match plane_of_motion(&resolver.scene) {
+        Ok(plane) => {
+            let flat = resolved(model, true, Some(plane));
+            match flat.messages.is_empty() {
+                true => (flat, in_plane(plane.word())),
+                false => (
+                    resolver,
+                    in_no_plane("its declaration needs three coordinates"),
+                ),
+            }
+        }
+        Err(why) => (resolver, in_no_plane(&why)),
+    };
+    resolver.notes.push(note);
+    resolver
+}
+
+/// The same model with some of its bodies as points, where it can be read so, and a note of them.
+fn without_attitude<'a>(resolver: Resolver<'a>, points: &'a WithPoints<'a>) -> Resolver<'a> {
+    let mut other = resolved(&points.model, true, resolver.scene.planar);
+    if !other.messages.is_empty() {
+        return resolver;
+    }
+    // Of the declaration as it is written; what bodies have and points have not is no less used.
+    other.warnings = resolver.warnings;
+    other.notes = resolver.notes;
+    other.notes.push(as_points(&points.names));
+    other
 }
 
 /// Where the first `motor` of a joint stands, of a coordinate in braces, too.

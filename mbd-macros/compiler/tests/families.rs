@@ -30,9 +30,9 @@ fn cloud(family: &str) -> String {
         "model Cloud {{
             coordinates: {family};
             gravity: [0.0, 0.0, -9.81] m/s^2;
-            body stone[i in 0..3] {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2 }}
+            body stone[i in 0..3] {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame hook at [0.1, 0.0, 0.2] m }}
             joint afloat[i in 0..3]: free from world to stone[i].com;
-            spring cord[i in 0..3] from world to stone[i].com {{ free_length: 1 m, stiffness: 20 N/m }}
+            spring cord[i in 0..3] from world to stone[i].hook {{ free_length: 1 m, stiffness: 20 N/m }}
         }}"
     )
 }

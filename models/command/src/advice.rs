@@ -1,21 +1,9 @@
 //! What a scene could do without: coordinates that cost less, and the plane in which it moves.
-//!
-//! A scene moves in a plane if the joints of its tree leave nothing else, and if bodies and points that nothing carries start in it and are
-//! not accelerated out of it at random states there, whatever the inputs and the time.
 
-use mbd_compiler::{Families, without_inertia};
-use mbd_runtime::scene::random::SplitMix64;
-use mbd_runtime::scene::{
-    Arguments, Coordinates, Layout, Model, Plane, PointSlots, Quantity, Scene, Slots,
-};
-use mbd_runtime::{Generic, Options, Simulation};
+use mbd_compiler::{Families, plane_of_motion, without_inertia};
+use mbd_runtime::scene::{Coordinates, Plane, Scene};
 
 use crate::run::{RunPlan, Settings};
-
-/// Random states at which a scene is looked at.
-const STATES: usize = 5;
-/// Rounding of places and of accelerations, as a part of the largest of them.
-const ROUNDING: f64 = 1e-9;
 
 /// Sentences about what would cost less, for runs with these settings.
 #[must_use]
@@ -59,117 +47,13 @@ fn in_plane(scene: &Scene, plane: Plane) -> Scene {
     }
 }
 
-/// The plane in which a scene in space moves; `None` where there is none, and of scenes with equilibrium points, which keep three coordinates.
+/// The plane in which a scene in space moves, with these settings, too.
 fn plane(scene: &Scene, settings: &Settings) -> Option<Plane> {
-    if scene.planar.is_some() {
-        return None;
-    }
-    let relative = scene.in_coordinates(Coordinates::Relative);
-    let model = Generic::<f64>::with_defaults(relative).ok()?;
-    if !model.layout().nodes.is_empty() {
-        return None;
-    }
-    let start = match RunPlan::new(model.scene(), settings) {
-        Ok(plan) => plan.state,
-        Err(_) => {
-            let run = Simulation::new(&model, Options::rk4(1e-3)).ok()?;
-            run.state().to_vec()
-        }
-    };
-    let planes = [Plane::Xy, Plane::Yz, Plane::Xz].into_iter();
-    let mut planes = planes.filter(|&plane| carries_in(&model, plane));
-    planes.find(|&plane| starts_in(&model, &start, plane) && stays_in(&model, &start, plane))
-}
-
-/// Whether the joints close in a plane, and what the tree carries has no other freedom.
-fn carries_in(model: &Generic<f64>, plane: Plane) -> bool {
-    let flat = in_plane(model.scene(), plane);
-    if !Layout::apart(&flat).is_empty() || !Layout::still(&flat).is_empty() {
-        return false;
-    }
-    let carried = |layout: &Layout| -> Vec<(usize, usize)> {
-        let links = layout.joint_links();
-        links.map(|(joint, link)| (joint, link.speeds)).collect()
-    };
-    carried(&Layout::new(&flat)) == carried(model.layout())
-}
-
-/// Where bodies that float and points with mass are: whether they turn, and their place in q and v.
-fn afloat(layout: &Layout) -> impl Iterator<Item = (bool, Slots)> + '_ {
-    let bodies = layout.own_bodies().map(|(_, slots)| (true, slots));
-    let points = layout.points.iter().filter_map(|point| match point {
-        PointSlots::Mass(slots) => Some((false, *slots)),
-        PointSlots::Node(_) => None,
-    });
-    bodies.chain(points)
-}
-
-/// The numbers of a state, or of its speeds, that are zero in a plane, of one that floats.
-fn across(plane: Plane, turns: bool, place: Option<usize>, motion: usize) -> Vec<usize> {
-    let normal = plane.normal();
-    let within = move |first: usize| {
-        (0..3)
-            .filter(move |&axis| axis != normal)
-            .map(move |axis| first + axis)
-    };
-    let mut all = vec![motion + normal];
-    all.extend(place.map(|place| place + normal));
-    if turns {
-        all.extend(within(motion + 3));
-        all.extend(place.into_iter().flat_map(|place| within(place + 4)));
-    }
-    all
-}
-
-fn largest(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
-}
-
-fn starts_in(model: &Generic<f64>, start: &[f64], plane: Plane) -> bool {
-    let layout = model.layout();
-    let none = ROUNDING * largest(start);
-    afloat(layout).all(|(turns, slots)| {
-        let numbers = across(plane, turns, Some(slots.q), layout.nq + slots.v);
-        numbers.into_iter().all(|at| start[at].abs() <= none)
-    })
-}
-
-/// Whether nothing that floats is accelerated out of the plane at random states in it.
-fn stays_in(model: &Generic<f64>, start: &[f64], plane: Plane) -> bool {
-    let layout = model.layout();
-    let mut random = SplitMix64(1);
-    let (mut work, mut rates) = (model.work(), vec![0.0; layout.nx()]);
-    (0..STATES).all(|_| {
-        let mut arguments = Arguments {
-            time: 1.0 + random.number(),
-            state: start[..layout.nx()]
-                .iter()
-                .map(|x| x + random.number())
-                .collect(),
-            hold: vec![0.0; layout.holds()],
-            inputs: (0..layout.ni).map(|_| random.number()).collect(),
-            ..Arguments::default()
-        };
-        let state = &mut arguments.state;
-        for (turns, slots) in afloat(layout) {
-            for at in across(plane, turns, Some(slots.q), layout.nq + slots.v) {
-                state[at] = 0.0;
-            }
-        }
-        for first in layout.quaternions() {
-            let square: f64 = state[first..first + 4].iter().map(|x| x * x).sum();
-            state[first..first + 4]
-                .iter_mut()
-                .for_each(|x| *x /= square.sqrt());
-        }
-        model.evaluate(Quantity::Derivative, &arguments.at(), &mut work, &mut rates);
-        let none = ROUNDING * largest(&rates);
-        rates.iter().all(|x| x.is_finite())
-            && afloat(layout).all(|(turns, slots)| {
-                let numbers = across(plane, turns, None, layout.nq + slots.v);
-                numbers.into_iter().all(|at| rates[at].abs() <= none)
-            })
-    })
+    let space = scene.planar.is_none();
+    let plane = space.then(|| plane_of_motion(scene).ok()).flatten()?;
+    // Who gives a start of something that a plane does not have, wants it.
+    let is_in_reach = |scene: &Scene| RunPlan::new(scene, settings).is_ok();
+    (is_in_reach(&in_plane(scene, plane)) || !is_in_reach(scene)).then_some(plane)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! `cargo test -p tests --test mechanisms joints::couplings` runs one of the files.
 
 mod car_axis;
+mod chosen;
 mod driven;
 mod joints;
 mod joints_generated;

@@ -48,7 +48,7 @@ mod tests {
         let (lexemes, places, mut messages) = from_text(text);
         let model = syntax::model(&lexemes, &mut messages).unwrap_or_default();
         let lost = |kind: &str| -> Vec<String> {
-            let mut resolver = resolve(&model, true);
+            let mut resolver = resolve(&model, true, None);
             resolver.instances.remove(kind);
             check_complete(&mut resolver, &model);
             let messages = std::mem::take::<Messages>(&mut resolver.messages);

@@ -258,6 +258,30 @@ pub fn gravity_across(plane: &str, normal: &str) -> String {
     )
 }
 
+/// A note: `planar: auto` took a plane.
+pub fn in_plane(plane: &str) -> String {
+    format!(
+        "planar: {plane}: nothing leaves this plane; what it carries across is in no reaction (`planar: auto`)"
+    )
+}
+
+/// A note: `planar: auto` took none.
+pub fn in_no_plane(why: &str) -> String {
+    format!("`planar: auto` takes no plane, everything moves in space: {why}")
+}
+
+/// A note: `coordinates: auto` took points for bodies.
+pub fn as_points(names: &[String]) -> String {
+    format!(
+        "{} as points with mass: nothing turns them, and nothing asks how they are turned (`coordinates: auto`)",
+        names
+            .iter()
+            .map(|name| format!("`{name}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    )
+}
+
 /// The axis of a joint in a plane, and what moves there.
 pub struct AxisInPlane {
     /// It turns about its axis; or slides along it.

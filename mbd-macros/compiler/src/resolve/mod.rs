@@ -37,7 +37,7 @@ mod vanishing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use mbd_scene::{Detachable, Formula, Scene};
+use mbd_scene::{Detachable, Formula, Plane, Scene};
 
 pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
@@ -90,6 +90,8 @@ pub struct RequestedItems {
     pub emit: Option<Vec<Emitted>>,
     /// `coordinates: auto;`
     pub family: bool,
+    /// `planar: auto;`
+    pub plane: bool,
 }
 
 /// What `emit: […]` asks for.
@@ -193,10 +195,11 @@ enum ResolvedSoFar {
     Outputs,
 }
 
-/// Resolves a model as far as it goes. Where items were lost in reading (not `whole`), what seems missing may be one of them.
-pub fn resolve<'a>(model: &'a ModelSyntax<'a>, whole: bool) -> Resolver<'a> {
+/// Resolves a model as far as it goes, in a plane where one is given and the model says no other. Where items were lost in reading (not `whole`), what seems missing may be one of them.
+pub fn resolve<'a>(model: &'a ModelSyntax<'a>, whole: bool, plane: Option<Plane>) -> Resolver<'a> {
     let mut resolver = Resolver::new(model);
     resolver.whole = whole;
+    resolver.scene.planar = plane;
     resolver.settings(model);
     resolver.collect_numbers(model);
     resolver.consts();

@@ -2,6 +2,7 @@
 
 use mbd_scene::{Formula, Place, PointKind};
 
+use super::places::behind_centre;
 use super::{MayDependOn, Resolver, Scope, Typed, fold};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
@@ -149,7 +150,7 @@ impl Resolver<'_> {
     ) -> Option<Typed> {
         let place = Place::Point(point);
         let known = quantities::POINT_QUANTITIES;
-        let Some((step, after)) = rest.split_first() else {
+        let Some((step, after)) = behind_centre(rest).split_first() else {
             return self.fail(say::without_quantity(at, owner, "point", known));
         };
         let word = step.word.text.as_str();

@@ -95,7 +95,7 @@ impl Resolver<'_> {
                     let after = rest.get(1..).unwrap_or_default();
                     (Place::Body(body, frame), after)
                 }
-                Named::Point(point) => (Place::Point(point), rest),
+                Named::Point(point) => (Place::Point(point), behind_centre(rest)),
                 other => return self.fail(say::no_place(value.at, word, other.kind())),
             }
         };
@@ -144,5 +144,13 @@ impl Resolver<'_> {
         let named = self.member(&entry, step, scope)?;
         self.mention(named, step.word.at);
         Some(named)
+    }
+}
+
+/// The steps behind the centre of mass of a point, which is the point.
+pub(super) fn behind_centre(steps: &[PathStep]) -> &[PathStep] {
+    match steps.split_first() {
+        Some((first, rest)) if first.word.text == "com" && first.index.is_none() => rest,
+        _ => steps,
     }
 }

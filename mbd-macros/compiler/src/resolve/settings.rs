@@ -61,8 +61,12 @@ impl Resolver<'_> {
                     }
                 }
                 ("planar", Some(value)) => {
-                    if let Some(plane) = self.choice(value, "plane", &Plane::WORDS) {
-                        self.scene.planar = Some(plane);
+                    let planes = Plane::WORDS.map(|(word, plane)| (word, Some(plane)));
+                    let set: Vec<_> = planes.into_iter().chain([("auto", None)]).collect();
+                    match self.choice(value, "plane", &set) {
+                        Some(Some(plane)) => self.scene.planar = Some(plane),
+                        Some(None) => self.asked.plane = true,
+                        None => {}
                     }
                 }
                 _ => {}

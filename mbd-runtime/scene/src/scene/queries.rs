@@ -3,7 +3,7 @@
 use super::{Coordinates, Joint, Line, LoadKind, NodeModel, PointKind, Scene};
 use crate::event::{Detachable, Event, Settable};
 use crate::joints::{Fold, JointForces, JointLaw, Side};
-use crate::{Ambiguous, Coordinate, Directions, Formula, Function, Layout, Part, Place};
+use crate::{Ambiguous, Coordinate, Directions, Formula, Function, Layout, Part, Place, Plane};
 
 impl Scene {
     /// The same scene in a family of coordinates.
@@ -248,6 +248,29 @@ impl Scene {
                 Ambiguous::add(&mut found, joint, both);
             }
         });
+        found
+    }
+
+    /// The first joint of which an output or an event asks for parts of the reaction that are no motion's in a plane: the force along the normal, the
+    /// torque about other axes.
+    #[must_use]
+    pub fn reaction_across(&self, plane: Plane) -> Option<usize> {
+        let mut found = None;
+        let normal = plane.normal();
+        let outputs = self.outputs.iter().map(|output| &output.value);
+        let guards = self.events.iter().map(|event| &event.guard);
+        let settings = self.events.iter().flat_map(|event| &event.actions.set);
+        let formulas = outputs
+            .chain(guards)
+            .chain(settings.map(|setting| &setting.value));
+        for formula in formulas {
+            self.walk_reactions(formula, None, &mut Vec::new(), &mut |joint, asked| {
+                let is_across = |k: usize| (k % 3 == normal) == (k < 3);
+                if (0..6).any(|k| asked[k] && is_across(k)) {
+                    found = found.or(Some(joint));
+                }
+            });
+        }
         found
     }
 

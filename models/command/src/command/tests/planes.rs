@@ -79,3 +79,35 @@ fn a_coordinate_that_a_plane_does_not_have_is_told_with_those_it_has() {
         assert!(told.contains(name) && told.contains(right), "{told}");
     }
 }
+
+#[test]
+fn a_plane_that_is_found_is_told_and_run_in_and_none_is_told_with_what_leaves_it() {
+    let folder = Folder::new("plane_found");
+    let history = |name: &str, text: &str| {
+        let file = folder.file(name, text);
+        let out = folder.0.join("out").display().to_string();
+        run(&["run", &file, "--out", &out, "--until", "0.5 s"]).unwrap();
+        let told = run(&["check", &file]).unwrap();
+        let history = std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap();
+        (told, history)
+    };
+    assert!(PLANAR.contains("planar: xz;"));
+    let (_, given) = history("given.mbd", PLANAR);
+    let auto = PLANAR.replace("planar: xz;", "planar: auto;");
+    let (told, found) = history("found.mbd", &auto);
+    assert!(
+        told.contains("planar: xz: nothing leaves this plane"),
+        "{told}"
+    );
+    assert_eq!(given, found);
+    let across = "load side on weight = [0 N, 1 N, 0 N]; planar: auto;";
+    // Starts in a plane are no starts in space.
+    let (declaration, _) = PLANAR.split_once("[run]").unwrap();
+    let across = declaration.replace("planar: xz;", across);
+    let told = run(&["check", &folder.file("across.mbd", &across)]).unwrap();
+    let why = "xz: `weight` is accelerated out of it";
+    assert!(
+        told.contains("takes no plane") && told.contains(why),
+        "{told}"
+    );
+}
