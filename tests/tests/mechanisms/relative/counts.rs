@@ -81,8 +81,13 @@ fn links_that_lie_anyhow_take_little_more_than_links_along_each_other() {
 }
 
 #[test]
-fn mass_matrix_and_bias_of_a_chain_of_six_take_the_operations_of_a_traced_recursion() {
-    let scene = chain(6);
-    let both = operations(&scene, Quantity::MassMatrix) + operations(&scene, Quantity::BiasForce);
-    assert!(both <= 551, "{both}");
+fn mass_matrix_and_bias_of_a_chain_take_fewer_operations_than_a_traced_recursion() {
+    // Traced: 738, 1,267, 3,816 and 12,006.
+    for (links, most) in [(6, 551), (8, 905), (16, 2_935), (32, 9_870)] {
+        let scene = chain(links);
+        let both = [Quantity::MassMatrix, Quantity::BiasForce].map(|what| operations(&scene, what));
+        let both: usize = both.into_iter().sum();
+        println!("{links} links: {both}");
+        assert!(both <= most, "{links}: {both}");
+    }
 }
