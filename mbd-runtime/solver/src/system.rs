@@ -13,11 +13,12 @@ use crate::fallback::Fallback;
 use crate::integrate::FreeMotion;
 use crate::laws::{Laws, params_of};
 use crate::linearise::Jacobian;
+use crate::locate::POINT;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::origin::Following;
 use crate::projection::Projection;
 use crate::supply::Law;
-use crate::trajectory::resolution;
+use crate::trajectory::{resolution, told_apart};
 use crate::turns::Turning;
 use crate::unilateral::Mode;
 use crate::watch;
@@ -122,6 +123,11 @@ pub(crate) struct System<T: Float> {
     pub of_time: Arc<TimeFunctions>,
 }
 
+/// How close the times of two entries of a table are that are one jump [s].
+fn one_instant<T: Float>(time: f64) -> f64 {
+    told_apart::<T>(time).max(POINT)
+}
+
 fn stage<'a, T: Float>(
     model: &'a dyn Model<T>,
     time: f64,
@@ -184,7 +190,7 @@ impl<T: Float> System<T> {
             known: KnownAtEnd::new(layout),
             following: Following::new(model.scene(), layout),
             world: Vec::new(),
-            breaks: breaks(model.scene(), &params_of(model.params())),
+            breaks: breaks(model.scene(), &params_of(model.params()), one_instant::<T>),
             passes_kinks: false,
             of_time: Arc::new(TimeFunctions::new(
                 model.scene(),
@@ -235,7 +241,7 @@ impl<T: Float> System<T> {
     /// Runs the same scene with other parameters from here on.
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
         let params = params_of(model.params());
-        self.breaks = breaks(model.scene(), &params);
+        self.breaks = breaks(model.scene(), &params, one_instant::<T>);
         if self.passes_kinks {
             self.pass_kinks();
         }

@@ -658,6 +658,11 @@ fn is_past(due: f64, time: f64) -> bool {
     due < time - resolution(time)
 }
 
+/// How much later than a time formulas see another one, whose time is a number of the run [s].
+pub(crate) fn told_apart<T: Float>(time: f64) -> f64 {
+    resolution(time).max(2.0 * T::EPSILON.to_f64() * time.abs())
+}
+
 /// Times closer than this are the same time.
 pub(crate) fn resolution(time: f64) -> f64 {
     16.0 * f64::EPSILON * time.abs().max(1e-6)

@@ -164,6 +164,84 @@ fn no_stage_of_a_step_is_on_the_wrong_side_of_a_jump() {
     }
 }
 
+/// Two entries of a table closer to each other than times of a run are told apart are one jump: the step behind it began on the old side.
+#[test]
+fn a_jump_that_is_written_as_two_entries_of_a_table_is_one() {
+    let table = |times: &str, argument: &str| {
+        read(&format!(
+            "model Stepped {{ gravity: none;
+                table push = {{ {times} }};
+                point mass {{ mass: 1 kg }}
+                load pushing on mass = [push({argument}), 0 N, 0 N]; }}"
+        ))
+    };
+    let late = "0 s: 1 N, 100 ms: 1 N, 100.00000000000001 ms: 3 N, 2 s: 3 N";
+    for (begin, times, argument) in [
+        (
+            0.0,
+            "0 s: 1 N, 1 s: 1 N, 1.0000000000000003 s: 3 N, 2 s: 3 N",
+            "time",
+        ),
+        (
+            0.0,
+            "0 s: 1 N, 1 s: 1 N, 1.000000000000003 s: 3 N, 2 s: 3 N",
+            "time",
+        ),
+        (
+            0.0,
+            "0 s: 1 N, 1 s: 1 N, 1.000000000000004 s: 3 N, 2 s: 3 N",
+            "time",
+        ),
+        (
+            0.0,
+            "0 s: 1 N, 1 s: 1 N, 1.000000000000009 s: 3 N, 2 s: 3 N",
+            "time",
+        ),
+        (
+            0.0,
+            "0 s: 1 N, 1 s: 1 N, 1.000000000000001 s: 2 N, 1.000000000000002 s: 3 N, 2 s: 3 N",
+            "time",
+        ),
+        (
+            0.0,
+            "0 s: 1 N, 300 ms: 1 N, 300.0000000000001 ms: 3 N, 2 s: 3 N",
+            "0.3 * time",
+        ),
+        // The next number behind the time of the first is behind the second.
+        (999.9, late, "time - 999.9 s"),
+    ] {
+        let scene = table(times, argument);
+        let jump = match argument {
+            "time" => 1.0,
+            "0.3 * time" => 1.0,
+            _ => 0.1,
+        };
+        let double = Generic::<f64>::with_defaults(scene.clone()).expect("no params");
+        let single = Generic::<f32>::with_defaults(scene).expect("no params");
+        for options in [
+            Options::tsit5(1e-8),
+            Options::vern7(1e-10),
+            Options::rodas5p(1e-8),
+            Options::rk4(0.03),
+            Options::rattle(0.01),
+        ] {
+            let mut run = Simulation::new(&double, options).expect("a model that runs");
+            run.set_state(begin, &[0.0; 6]).expect("a state");
+            run.run(begin + 2.0).expect("a run that ends");
+            let off = run.state()[3] - (jump + 3.0 * (2.0 - jump));
+            println!("{times} {:?} {off:e}", options.method);
+            let within = 1e-13 + 4.0 * f64::EPSILON * begin;
+            assert!(off.abs() < within, "{times} {options:?} {off:e}");
+            if begin == 0.0 && options.method.name() == "RK4" {
+                let mut run = Simulation::new(&single, options).expect("a model that runs");
+                run.run(2.0).expect("a run that ends");
+                let off = f64::from(run.state()[3]) - 4.0;
+                assert!(off.abs() < 2e-6, "{times} {options:?} {off:e} in f32");
+            }
+        }
+    }
+}
+
 /// The grid of steps goes on where it meets a jump, and begins anew where it does not.
 #[test]
 fn steps_go_on_from_where_they_were_cut() {

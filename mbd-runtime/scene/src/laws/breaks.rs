@@ -6,7 +6,7 @@
 //!
 //! A step that begins where nothing changes has an error of zero, whatever lies inside it: what it leaps over, the next one never sees. Functions of
 //! time that are not linear, as sin and exp, have no such times. What f is at such a time corrects it: a late one is the difference of numbers as large as it is, and a
-//! step would end beside the jump. Derived.
+//! step would end beside the jump. Entries of a table at times that a run does not tell apart are one jump: no step lies between them. Derived.
 
 use crate::laws::formula::scalar;
 use crate::laws::ground::with_params;
@@ -21,15 +21,15 @@ const LINEAR: f64 = 1e-9;
 pub struct Break {
     /// When [s].
     pub time: f64,
-    /// Whether something may jump there: at a choice.
+    /// Whether something may jump there: at a choice, and where two entries of a table are one time.
     pub jumps: bool,
     /// Whether it acts, and is not only told.
     pub acts: bool,
 }
 
-/// The times of (1) for these params, in order, of everything that a run reads.
+/// The times of (1) for these params, in order, of everything that a run reads; `apart` says how far from a time another one is at least [s].
 #[must_use]
-pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<Break> {
+pub fn breaks(scene: &Scene, params: &[f64], apart: impl Fn(f64) -> f64) -> Vec<Break> {
     let mut breaks = Vec::new();
     let told = scene.told_by_runs().map(|formula| (formula, false));
     let acting = scene.acting_formulas().map(|formula| (formula, true));
@@ -47,8 +47,15 @@ pub fn breaks(scene: &Scene, params: &[f64]) -> Vec<Break> {
                 let second = table.second.iter().map(|second| &second.z);
                 let entries = std::iter::once(&table.x).chain(second);
                 for (argument, entries) in arguments.iter().zip(entries) {
-                    if let Some(line) = Straight::of(scene, params, [argument, &ZERO]) {
-                        entries.iter().for_each(|x| add(line.time_of(*x), false));
+                    let Some(line) = Straight::of(scene, params, [argument, &ZERO]) else {
+                        continue;
+                    };
+                    let times: Vec<f64> = entries.iter().map(|x| line.time_of(*x)).collect();
+                    let are_one = |a: f64, b: f64| (a - b).abs() <= apart(a);
+                    for (at, &time) in times.iter().enumerate() {
+                        let beside = [at.checked_sub(1), Some(at + 1)].into_iter().flatten();
+                        let mut beside = beside.filter_map(|other| times.get(other));
+                        add(time, beside.any(|&other| are_one(time, other)));
                     }
                 }
             }

@@ -8,6 +8,7 @@ use crate::error::{Source, StepError};
 use crate::integrate::{INNER, Rates, fastest};
 use crate::linearise::{Jacobian, LinearisationError};
 use crate::list::all_finite;
+use crate::trajectory::told_apart;
 
 /// Of longer states no matrix is made for a message.
 const MOST_STATES: usize = 500;
@@ -239,6 +240,11 @@ impl<T: Float> Rates<T> for System<T> {
         if self.takes_other_rows() {
             return self.differentiate_anew(time, state, by_state, by_time);
         }
+        // As its rates are: on the far side of what jumps where a step begins.
+        let time = match self.jumps_at(time) {
+            true => time + told_apart::<T>(time),
+            false => time,
+        };
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let Some(jacobian) = &mut self.jacobian else {
