@@ -231,6 +231,7 @@ impl Layout {
             self.lines.push(LineSlots {
                 ends,
                 effective,
+                slackens: line.kind.is_unilateral(),
                 detachable: scene.is_detachable(Detachable::Line(index)),
                 detached: scene.starts.detached.contains(&Detachable::Line(index)),
             });

@@ -170,6 +170,8 @@ pub struct LineSlots {
     pub ends: [LineEnd; 2],
     /// Its place in [`At::effective`](crate::At::effective) (two numbers each), for lines of static and stepwise nodes.
     pub effective: Option<usize>,
+    /// Whether it pulls alone, and slackens: a spring does not.
+    pub slackens: bool,
     /// Whether a run may detach it.
     pub detachable: bool,
     /// Whether it is detached at the start.

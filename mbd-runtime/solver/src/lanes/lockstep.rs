@@ -13,7 +13,7 @@ use crate::trajectory::resolution;
 /// [`Options::rk4`](crate::Options::rk4) gives, to the bit.
 ///
 /// For scenes in which nothing happens and nothing is solved: no rows of joints (open trees in relative coordinates have none), no equilibrium points,
-/// no lines and stops that may let go, no events. A run ends a step where what acts jumps at a time known beforehand, `if(time < 3 s, …)`; steps of lanes, whose params may
+/// no lines and stops that may let go (springs do not), no events. A run ends a step where what acts jumps at a time known beforehand, `if(time < 3 s, …)`; steps of lanes, whose params may
 /// say other times, do not. A lane that stops being finite disturbs no other.
 ///
 /// ```
@@ -105,17 +105,11 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
         if start.len() != length {
             return Err(StepError::length("state", start.len(), length));
         }
-        for (is, what) in [
-            (layout.nc > 0, "joints with rows"),
-            (!layout.nodes.is_empty(), "equilibrium points"),
-            (layout.len(Quantity::Guards) > 0, "lines, stops or events"),
-        ] {
-            if is {
-                return Err(StepError::Unsupported {
-                    what: format!("a run in lock-step of a scene with {what}"),
-                    instead: "run its cases one by one: `Batch`".into(),
-                });
-            }
+        if let Some(what) = happens(layout) {
+            return Err(StepError::Unsupported {
+                what: format!("a run in lock-step of a scene with {what}"),
+                instead: "run its cases one by one: `Batch`".into(),
+            });
         }
         let (mut start, quaternions) = (start, layout.quaternions().collect::<Vec<_>>());
         // As at the start of a run; a lane that is no number disturbs no other.
@@ -205,6 +199,26 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
         let Ok(()) = method.stages([self.time, step], h, &self.state, each);
         method.accept(&mut self.state);
     }
+}
+
+/// What happens in a scene or is solved in it, if anything, in words.
+fn happens(layout: &Layout) -> Option<&'static str> {
+    let all = [
+        (layout.nc > 0, "joints with rows"),
+        (!layout.nodes.is_empty(), "equilibrium points"),
+        (layout.events > 0, "events"),
+        (!layout.stops.is_empty(), "stops"),
+        (
+            layout.lines.iter().any(|line| line.slackens),
+            "lines, which may slacken",
+        ),
+        (
+            layout.lines.iter().any(|line| line.detached),
+            "springs that are detached",
+        ),
+    ];
+    let mut all = all.into_iter();
+    all.find_map(|(is, what)| is.then_some(what))
 }
 
 /// Makes every quaternion a unit quaternion, and tells the largest | |q| − 1 | there was; one that is zero or not finite stays.
