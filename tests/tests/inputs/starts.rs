@@ -299,12 +299,10 @@ fn a_crank_that_starts_turned_around_brings_its_slider_the_right_way_up() {
             output upright = ram.z.z;
         }",
     );
-    let model = Generic::<f64>::with_defaults(scene).expect("no params");
-    let mut run = Simulation::<f64>::new(&model, Options::rk4(1e-3)).expect("options");
-    run.start().expect("it can stand so");
-    let mut out = [0.0; 3];
-    run.evaluate(Quantity::Outputs, &mut out).expect("no node");
-    let [crank, height, upright] = out;
+    let (_, out) = begin(scene, &[]).expect("it can stand so");
+    let [crank, height, upright] = out[..] else {
+        panic!("three outputs")
+    };
     assert!((crank.abs() - std::f64::consts::PI).abs() < 1e-9, "{out:?}");
     assert!((upright - 1.0).abs() < 1e-9, "{out:?}");
     // The rod hangs below its crank pin or stands on it: both hold.
@@ -337,17 +335,26 @@ fn said(family: &str, [motor, knee, hip, close]: [&str; 4]) -> Scene {
     ))
 }
 
+/// A run of a scene that has begun, and its outputs there.
+fn begin(scene: Scene, set: &[(&str, f64)]) -> Result<(Simulation<f64>, Vec<f64>), String> {
+    let count = scene.outputs.iter().map(|output| output.components).sum();
+    let model = Generic::<f64>::with_defaults(scene).map_err(|error| error.to_string())?;
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).map_err(|error| error.to_string())?;
+    run.set_joints(set).map_err(|error| error.to_string())?;
+    run.start().map_err(|error| error.to_string())?;
+    let mut out = vec![0.0; count];
+    run.evaluate(Quantity::Outputs, &mut out)
+        .map_err(|error| error.to_string())?;
+    Ok((run, out))
+}
+
 /// Outputs where a run begins, what became of the starts that are about a value, and what nothing decides.
 type Begun = (Vec<f64>, Vec<(String, f64, f64)>, Vec<String>);
 
 /// Where a run of a scene begins.
 fn begun(scene: Scene) -> Result<Begun, String> {
-    let model = Generic::<f64>::new(scene, &[]).expect("a scene");
-    let mut run = Simulation::new(&model, Options::rk4(1e-3)).map_err(|error| error.to_string())?;
-    run.start().map_err(|error| error.to_string())?;
+    let (run, out) = begin(scene, &[])?;
     assert!(run.start_moved().iter().all(|moved| moved.distance < 1e-9));
-    let mut out = vec![0.0; 4];
-    run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
     Ok((out, run.started_about(), run.start_undecided()))
 }
 
@@ -534,12 +541,7 @@ fn tied(settings: &str, start: &str) -> Vec<f64> {
             output between = angle(upper.x, lower.x);
         }}"
     ));
-    let model = Generic::<f64>::new(scene, &[]).expect("a scene");
-    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("a run");
-    run.start().expect("a start");
-    let mut out = vec![0.0; 3];
-    run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
-    out
+    begin(scene, &[]).expect("a start").1
 }
 
 /// What closes a loop may turn on the way there: a spring would be wound up by what nobody said.
@@ -581,11 +583,7 @@ fn what_nothing_decides_is_told_where_nothing_is_said_and_is_that_of_either_angu
                 output place = two.position;
             }}"
         ));
-        let model = Generic::<f64>::new(scene, &[]).expect("a scene");
-        let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("a run");
-        run.start().expect("a start");
-        let mut out = vec![0.0; 3];
-        run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+        let (run, out) = begin(scene, &[]).expect("a start");
         (out, run.start_undecided())
     };
     let (body, told) = begun("angular_velocity: body;");
@@ -654,14 +652,7 @@ fn outputs_at_start(family: &str, plane: &str, joints: &str, set: &[(&str, f64)]
             {joints}
         }}"
     ));
-    let count = scene.outputs.len();
-    let model = Generic::<f64>::with_defaults(scene).expect("defaults");
-    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
-    run.set_joints(set).expect("they are there");
-    run.start().expect("a start");
-    let mut out = vec![0.0; count];
-    run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
-    out
+    begin(scene, set).expect("a start").1
 }
 
 #[test]
@@ -761,12 +752,7 @@ fn a_rod_to_a_point_closes_its_loop_wherever_it_is_declared() {
                     output at_a = a.position;
                     output at_b = b.position; }}"
             ));
-            let model = Generic::<f64>::with_defaults(scene).expect("defaults");
-            let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
-            run.start().expect("a start");
-            let mut out = vec![0.0; 6];
-            run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
-            out
+            begin(scene, &[]).expect("a start").1
         };
         let (before, behind) = (at_start([rod, others]), at_start([others, rod]));
         assert_close(&before, &behind, 0.0, 1e-9, family);
