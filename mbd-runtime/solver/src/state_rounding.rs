@@ -10,7 +10,7 @@
 //! ⊕ and ⊖ round; b are the weights of the stages, added one after the other, here as if all had the same rate. A number that grows evenly is rounded to the same side at every step: (1) adds up one step of each look for all since the last, and each look is at one number, in turn. It is zero
 //! where a method keeps what rounding takes. In (2) f are accelerations, rates of states, outputs and guards of events, each by the largest so far, and accelerations by that of
 //! gravity at least. What brings a number back to where it was is left out: a stiff spring on an angle, a state that decays, feel rounding, and lose nothing by it.
-//! A state that has not doubled has the digits of its start.
+//! A state that has neither doubled nor moved by a thousand of its roundings has the digits of its start.
 //!
 //! Source: derived; (1) from Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., section 4.3.
 
@@ -24,6 +24,8 @@ const CLOSE: f64 = 1e-6;
 /// what is rounded up as often as down, as a body at rest is, stays where it is.
 const SEEN: f64 = 64.0;
 const ONE_SIDED: f64 = 0.5;
+/// From so many of its roundings on a declared state has moved: what its distance from the start makes has three digits.
+const MOVED: f64 = 1e3;
 /// So many looks at a number must agree before a run is refused: where what follows it is near zero, one says too much.
 const LOOKS: u32 = 10;
 
@@ -233,8 +235,8 @@ impl StateRounding {
         if let NumberKind::Angle(_) = number.kind {
             keep(&mut self.told, worst(apart));
         }
-        // What is a part of nothing is none: it has not moved.
-        if number.is_taken(rounding) && number.moved > 0.0 {
+        // All of what stays where it is, too.
+        if number.is_taken(rounding) {
             let share = number.taken.abs() / number.moved.max(number.taken.abs());
             keep(&mut self.told, worst(share));
             keep(&mut self.refused, worst(share));
@@ -251,7 +253,10 @@ impl StateRounding {
             let value = state.get(number.at)?.to_f64();
             let grown = match number.kind {
                 NumberKind::Angle(_) => true,
-                NumberKind::Declared => value.abs() > 2.0 * number.start.abs(),
+                NumberKind::Declared => {
+                    let far = number.moved >= MOVED * precision * value.abs();
+                    far || value.abs() > 2.0 * number.start.abs()
+                }
                 NumberKind::Length => false,
             };
             let apart = number.apart(precision * value.abs());
@@ -342,6 +347,32 @@ impl StateRounding {
         }
     }
 
+    /// Forgets what was seen, to look anew at the angles and declared states with few digits at a state, whether they grew or began so: each of them, with how far
+    /// apart numbers are there.
+    pub(crate) fn look_anew<T: mbd_scene::Float>(&mut self, state: &[T]) -> Vec<(usize, f64)> {
+        self.largest.clear();
+        self.refused = None;
+        let mut all = Vec::new();
+        for number in &mut self.numbers {
+            number.looks = 0;
+            let value = state.get(number.at).map_or(0.0, |x| x.to_f64());
+            let apart = T::EPSILON.to_f64() * value.abs();
+            if number.kind != NumberKind::Length && apart >= CLOSE {
+                all.push((number.at, apart));
+            }
+        }
+        all
+    }
+
+    /// Counts a look at a number; whether more are needed before it says something.
+    pub(crate) fn needs_more(&mut self, at: usize) -> bool {
+        let Some(number) = self.numbers.iter_mut().find(|number| number.at == at) else {
+            return false;
+        };
+        number.looks = number.looks.saturating_add(1);
+        number.looks <= 2 * LOOKS
+    }
+
     /// The worst so far.
     pub(crate) fn told(&self) -> Option<WorstState> {
         self.told
@@ -350,6 +381,11 @@ impl StateRounding {
     /// The largest part of accelerations and rates of states that rounding makes.
     pub(crate) fn share_of_rates(&self) -> f64 {
         self.refused.map_or(0.0, |worst| worst.share)
+    }
+
+    /// What makes most of accelerations and rates of states.
+    pub(crate) fn worst_of_rates(&self) -> Option<WorstState> {
+        self.refused
     }
 
     /// What a run is to be refused for.

@@ -29,7 +29,7 @@ pub(crate) const LIMIT: f64 = 2.5;
 /// Differences of stages below this part of k₁ are not looked at.
 pub(crate) const NEGLIGIBLE: f64 = 1e-3;
 /// The part of the energy that moved that a fixed-step run may make or lose.
-const ENERGY: f64 = 0.02;
+pub(crate) const ENERGY: f64 = 0.02;
 /// For how many steps in a row it must be. From rest energy grows like a power of time, and the first step has an error like its whole: the
 /// balance of a run that is right holds after the next.
 const PERSISTS: u64 = 3;
@@ -125,6 +125,16 @@ impl Instability {
     /// That of a step times the largest rate of a scene, if it is too long.
     pub(crate) fn beyond(rho: f64) -> Option<Self> {
         (rho > LIMIT).then_some(Instability::Stages(rho))
+    }
+
+    /// The least part of what follows a number of the state that rounding of it makes where this is its doing: as much as of an energy, or a tenth of the energy
+    /// that comes or goes, of which other work is the most.
+    pub(crate) fn least_rounding(self) -> f64 {
+        match self {
+            Instability::Stages(_) => ENERGY,
+            Instability::Energy(part) => (0.1 * part.abs()).max(ENERGY),
+            Instability::Turn(_) => f64::INFINITY,
+        }
     }
 
     /// A step that should do in place of this one: hρ = 2, with the rate taken no smaller than the limit implies; or energy kept to a tenth of what is

@@ -189,6 +189,69 @@ fn a_sine_that_moves_something_is_refused_where_its_phase_has_no_digits_left() {
     refused(turns.end, "phase", f64::EPSILON);
 }
 
+/// It ended as a step that is too long, with the advice of a shorter one, which has as few digits.
+#[test]
+fn a_sine_whose_phase_begins_without_digits_is_refused_for_that_and_not_for_its_step() {
+    let begins =
+        |phase: f64| shaken(3000.0).replace("phase = 0 rad", &format!("phase = {phase:?} rad"));
+    for options in [Options::rk4(1e-4), Options::rk4(1e-5)] {
+        let flown = Flown::<f32>::new(&begins(7e5), options, 1.0);
+        let Err(StepError::LargeState {
+            state,
+            value,
+            apart,
+            ..
+        }) = flown.end
+        else {
+            panic!("{options:?}: {:?}", flown.end);
+        };
+        assert_eq!(state, "phase");
+        assert!((value - 7e5).abs() < 3e3, "{value}");
+        assert!(
+            (apart - 7e5 * f64::from(f32::EPSILON)).abs() < 1e-3,
+            "{apart}"
+        );
+        let double = Flown::<f64>::new(&begins(7e5), options, 1.0);
+        assert_eq!((double.end, double.run.coarse_state()), (Ok(()), None));
+    }
+    // Adaptive steps of a coarse tolerance pass; then it is told, and how much of the force is rounding.
+    let single = Flown::<f32>::new(&begins(7e5), Options::tsit5(1e-5), 1.0);
+    let told = single.told().expect("a coarse phase");
+    assert_eq!((told.state.as_str(), single.end), ("phase", Ok(())));
+    assert!((0.03..0.1).contains(&told.share), "{told:?}");
+    // Steps of which nothing is left: the phase stayed where it began, and the force was that of its start, without a word.
+    for options in [
+        Options::tsit5(1e-8),
+        Options::vern7(1e-10),
+        Options::rodas5p(1e-8),
+    ] {
+        let stays = Flown::<f64>::new(&begins(1e15), options, 0.1);
+        assert!(
+            matches!(&stays.end, Err(StepError::LargeState { state, .. }) if state == "phase"),
+            "{options:?} {:?}",
+            stays.end
+        );
+    }
+    // What moves by few of its roundings has what its start had.
+    let warm = "model Warm { gravity: none;
+        state heat = 3e5 J { rate: (3.00001e5 J - heat) / (1 s) }
+        point bob { mass: 1 kg }
+        load push on bob = [1 N/J * (heat - 3e5 J), 0 N, 0 N]; }";
+    let single = Flown::<f32>::new(warm, Options::tsit5(1e-4), 0.5);
+    assert_eq!(single.told(), None);
+    // Steps that are too long stay what they are, whatever begins far from zero beside them.
+    let stiff = "model Stiff { gravity: none;
+        state phase = 7e5 rad { rate: 3000 rad/s }
+        point bob { mass: 1 kg, start at [1.1, 0, 0] m }
+        spring rope from world to bob { free_length: 1 m, stiffness: 1e4 N/m } }";
+    let flown = Flown::<f32>::new(stiff, Options::rk4(0.04), 1.0);
+    assert!(
+        matches!(flown.end, Err(StepError::UnstableStep { .. })),
+        "{:?}",
+        flown.end
+    );
+}
+
 /// What the refusal says to do: the phase is set back by a turn at each.
 #[test]
 fn a_phase_that_is_set_back_keeps_its_digits() {

@@ -79,19 +79,42 @@ impl<T: Float> Simulation<T> {
             self.move_number(at, apart);
         }
         self.state_rounding.see_turns(&self.system.memory.turns);
-        match self.state_rounding.is_refused() {
-            Some(worst) => {
-                let told = self.in_words(worst);
-                Err(StepError::LargeState {
-                    state: told.state,
-                    unit: told.unit,
-                    value: told.value,
-                    apart: told.apart,
-                    affected: told.affected,
-                    share: told.share,
-                })
+        self.state_rounding
+            .is_refused()
+            .map_or(Ok(()), |worst| Err(self.large_state(worst)))
+    }
+
+    /// Why no step is short enough here, if an angle or a declared state began with so few digits that its rounding makes at least such a part of what
+    /// follows it: rates then jump from stage to stage.
+    #[cold]
+    pub(super) fn lacks_digits(&mut self, least: f64) -> Option<StepError> {
+        let kept = self.state_rounding.clone();
+        for (at, apart) in self.state_rounding.look_anew(&self.state) {
+            let begun = self.state.get(at).copied();
+            while self.state_rounding.needs_more(at) {
+                self.move_number(at, apart);
+                if let Some(x) = self.state.get_mut(at) {
+                    *x += T::from_f64(apart);
+                }
             }
-            None => Ok(()),
+            if let (Some(x), Some(begun)) = (self.state.get_mut(at), begun) {
+                *x = begun;
+            }
+        }
+        let looked = std::mem::replace(&mut self.state_rounding, kept);
+        let worst = looked.worst_of_rates()?;
+        (worst.share >= least).then(|| self.large_state(worst))
+    }
+
+    fn large_state(&self, worst: WorstState) -> StepError {
+        let told = self.in_words(worst);
+        StepError::LargeState {
+            state: told.state,
+            unit: told.unit,
+            value: told.value,
+            apart: told.apart,
+            affected: told.affected,
+            share: told.share,
         }
     }
 

@@ -6,13 +6,13 @@ use super::beside::Attempt;
 use super::{Pace, Simulation, Snapshot};
 use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
 use crate::columns::part_name;
-use crate::error::{RunError, Source, StepError};
+use crate::error::{Collapse, RunError, Source, StepError};
 use crate::integrate::stiffness;
 use crate::moving::moving;
 use crate::rounding::{REFUSED, TimeRounding};
 use crate::system::WORKS;
 use crate::trajectory::Trajectory;
-use crate::watch::{Instability, LIMIT, NEGLIGIBLE, Watch};
+use crate::watch::{ENERGY, Instability, LIMIT, NEGLIGIBLE, Watch};
 
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
 pub(super) const OFTEN: u64 = 10;
@@ -498,14 +498,26 @@ impl<T: Float> Simulation<T> {
     }
 
     /// After a step that is too long: back to the last good state, and what was recorded since is dropped. A step that grows at the state where it
-    /// goes on from is not suggested: what stages show of a rate far above the step is less than it is.
+    /// goes on from is not suggested: what stages show of a rate far above the step is less than it is. Where rounding of a large number makes rates jump, no
+    /// step is short enough, and that is the cause.
     #[cold]
     pub(super) fn go_back(
         &mut self,
         cause: &mut StepError,
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), RunError> {
-        if !self.watched || !matches!(cause, StepError::UnstableStep { .. }) {
+        if let StepError::StepCollapse {
+            cause: Collapse::ErrorTest,
+            ..
+        } = cause
+            && let Some(large) = self.lacks_digits(ENERGY)
+        {
+            *cause = large;
+        }
+        let StepError::UnstableStep { what, .. } = *cause else {
+            return Ok(());
+        };
+        if !self.watched {
             return Ok(());
         }
         let good = std::mem::take(&mut self.good);
@@ -516,6 +528,9 @@ impl<T: Float> Simulation<T> {
         self.changes.all.retain(|acted| acted.time <= time);
         if let Some(trajectory) = trajectory {
             trajectory.cut(time);
+        }
+        if let Some(large) = self.lacks_digits(what.least_rounding()) {
+            *cause = large;
         }
         if let StepError::UnstableStep { suggestion, .. } = cause
             && let Some(rate) = self.system.fastest_rate(time, &self.state)
