@@ -82,6 +82,15 @@ pub enum Op<R> {
 }
 
 impl<R: Copy> Op<R> {
+    /// How many operations it counts for: a product in a sum for two.
+    #[must_use]
+    pub fn operations(self) -> usize {
+        match self {
+            Op::Fused(..) => 2,
+            _ => 1,
+        }
+    }
+
     /// Its arguments, in order.
     pub fn arguments(self) -> impl Iterator<Item = R> {
         let (all, count) = match self {

@@ -349,8 +349,7 @@ impl Program {
     /// How many operations it does, a product in a sum counted as two: what its length as code goes by.
     #[must_use]
     pub fn operations(&self) -> usize {
-        let fused = |i: &&Instruction| matches!(i.op, Op::Fused(..));
-        self.instructions.len() + self.instructions.iter().filter(fused).count()
+        self.instructions.iter().map(|it| it.op.operations()).sum()
     }
 
     /// How many operations of each kind it takes. A product in a sum is one, and one in all where several read it.

@@ -5,7 +5,8 @@ mod scenes;
 use std::collections::HashSet;
 
 use mbd_compiler::{
-    Kernels, Op, Operand, Program, Registers, SceneEquations, Solution, partition, read_text,
+    EmitSettings, Kernels, NameSpans, Op, Operand, Program, Registers, SceneEquations, Solution,
+    emit_model, partition, read_text,
 };
 use mbd_scene::{AngularVelocity, At, Gravity, Layout, Place, Quantity, Scene};
 use scenes::{body, frame, line, numbers};
@@ -137,6 +138,36 @@ fn equal_bodies_share_their_kernels_and_their_calls_are_loops() {
         forty, eighty,
         "twice as many bodies, not one operation more"
     );
+}
+
+/// What the documentation of a kernel says is a part of `COST`: a product in a sum is two operations in both.
+#[test]
+fn a_product_in_a_sum_counts_as_two_in_the_documentation_of_its_kernel() {
+    let equations = SceneEquations::trace(&string_of_bodies(12));
+    let kernels = Kernels::of(&equations);
+    let text = emit_model(&equations, &NameSpans::default(), &EmitSettings::default());
+    let text = text.to_string();
+    let said: Vec<usize> = text
+        .split(" operations.\"")
+        .filter_map(|before| {
+            let terms = before.rsplit_once("Terms of ")?.1;
+            terms.rsplit_once(": ")?.1.parse().ok()
+        })
+        .collect();
+    let mut fused = 0;
+    let counted: Vec<usize> = kernels
+        .kernels
+        .iter()
+        .map(|kernel| {
+            let (program, block) = kernel.first;
+            let driver = kernels.drivers[program].as_ref().expect("cut");
+            let ops = &driver.blocks[block].pattern;
+            let products = ops.iter().filter(|op| matches!(op, Op::Fused(..))).count();
+            fused += products;
+            ops.len() + products
+        })
+        .collect();
+    assert!(fused > 0 && said == counted, "{said:?} {counted:?}");
 }
 
 #[test]

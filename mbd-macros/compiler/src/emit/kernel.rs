@@ -151,7 +151,7 @@ fn documentation(program: &Program, kernel: &Kernel, block: &ProgramBlock) -> St
             things.push(thing);
         }
     }
-    let operations = block.instructions.len();
+    let operations: usize = block.pattern.iter().map(|op| op.operations()).sum();
     let what = match things.as_slice() {
         [first, second, third, .., last] if things.len() > 6 => {
             format!("{first}, {second}, {third} … {last}")
