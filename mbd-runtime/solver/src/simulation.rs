@@ -220,7 +220,7 @@ pub struct Simulation<T: Float> {
     fingerprint: OnceCell<u64>,
     columns: OnceCell<u64>,
     /// The last good state, for fixed steps that turn out too long.
-    good: Snapshot<T>,
+    good: Option<Box<Snapshot<T>>>,
     /// Steps that the run made elsewhere, before it was restored here; those that were made here and do not belong to it count back, modulo 2^64.
     steps_elsewhere: u64,
     /// Fixed steps count from here, so that time does not accumulate rounding.

@@ -84,7 +84,7 @@ impl<T: Float> Simulation<T> {
                 });
                 // A run that goes back does not go back to where it had fewer controllers.
                 if self.started && self.watched {
-                    self.good = self.kept();
+                    self.good = Some(Box::new(self.kept()));
                 }
             }
         }

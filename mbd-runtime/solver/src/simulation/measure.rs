@@ -25,7 +25,8 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         };
         let start = self.time;
-        if self.watched && self.good.time() == start {
+        let good = self.good.as_ref();
+        if self.watched && good.is_some_and(|good| good.time() == start) {
             measures.keep(start);
         }
         let (model, of_time) = (self.system.model.clone(), self.system.of_time.clone());

@@ -70,18 +70,14 @@ impl<T: Float> Simulation<T> {
             balance.take_up(start);
             balance
         });
-        self.good = if self.watched {
-            self.kept()
-        } else {
-            Snapshot::default()
-        };
+        self.good = self.watched.then(|| Box::new(self.kept()));
     }
 
     /// Goes on watching from a snapshot, once its first stage is evaluated.
     pub(super) fn resume_watch(&mut self, from: &Snapshot<T>) {
         self.meter = self.find_meter();
         if self.watched {
-            self.good = from.clone();
+            self.good = Some(Box::new(from.clone()));
         }
     }
 
@@ -423,9 +419,9 @@ impl<T: Float> Simulation<T> {
             return;
         }
         if self.watch.is_calm(self.excess_now()) {
-            let mut good = std::mem::take(&mut self.good);
+            let mut good = self.good.take().unwrap_or_default();
             self.save_into(&mut good);
-            self.good = good;
+            self.good = Some(good);
         }
     }
 
@@ -520,9 +516,9 @@ impl<T: Float> Simulation<T> {
         if !self.watched {
             return Ok(());
         }
-        let good = std::mem::take(&mut self.good);
+        let good = self.good.take().unwrap_or_default();
         let back = self.take_up(&good);
-        self.good = good;
+        self.good = Some(good);
         let time = self.time;
         self.events.retain(|event| event.time <= time);
         self.changes.all.retain(|acted| acted.time <= time);

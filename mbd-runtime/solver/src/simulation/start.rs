@@ -15,7 +15,7 @@ use super::offered::{differentiable, offered, stepwise, unsupplied};
 use super::overlooked::Overlooked;
 use super::sizes::RunSizes;
 use super::stability::Meter;
-use super::{Pace, Simulation, Snapshot, WorldState};
+use super::{Pace, Simulation, WorldState};
 use crate::chatter::Chatter;
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
@@ -165,7 +165,7 @@ impl<T: Float> Simulation<T> {
             meter: Meter::Nothing,
             fingerprint: OnceCell::new(),
             columns: OnceCell::new(),
-            good: Snapshot::default(),
+            good: None,
             sizes,
             rounded: 0.0,
             steps_elsewhere: 0,
