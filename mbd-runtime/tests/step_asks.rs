@@ -5,12 +5,14 @@ use std::sync::{Arc, Mutex};
 
 use mbd_runtime::scene::laws::LineNumbers;
 use mbd_runtime::scene::{ParamError, Scene};
-use mbd_runtime::{At, Layout, Model, Options, Quantity, Simulation, Work, model};
+use mbd_runtime::{At, Layout, Model, Options, Quantity, Simulation, StepStages, Work, model};
 
 /// A model that counts what it is asked.
 #[derive(Clone)]
 struct Asked {
     model: Arc<dyn Model<f64>>,
+    /// Whether it makes the stages of a step in one call, as the model does.
+    at_once: bool,
     counts: Arc<Mutex<BTreeMap<String, usize>>>,
 }
 
@@ -48,12 +50,24 @@ impl Model<f64> for Asked {
         self.count(&format!("{what:?}"));
         self.model.evaluate(what, at, work, out);
     }
+    fn inner_stages(&self, step: StepStages<'_, f64>, work: &mut Work<f64>) -> bool {
+        if !self.at_once {
+            return false;
+        }
+        self.count("stages");
+        self.model.inner_stages(step, work)
+    }
 }
 
 /// What nine steps ask, the first of them after the first look back, at which a run looks at where bodies are.
 fn asked(model: &impl Model<f64>, options: Options) -> Vec<(String, usize)> {
+    asked_by(model, options, false)
+}
+
+fn asked_by(model: &impl Model<f64>, options: Options, at_once: bool) -> Vec<(String, usize)> {
     let model = Asked {
         model: model.share(),
+        at_once,
         counts: Arc::default(),
     };
     let mut run = Simulation::new(&model, options).unwrap();
@@ -148,6 +162,24 @@ hung!(RateKnot { equilibrium: rate } { , damping: 90 N*s/m });
 hung!(StaticKnot { equilibrium: static } {});
 
 model! {
+    /// A capsule that swings and turns on a riser and three legs, which go slack and taut again.
+    model Capsule {
+        emit: [derivative];
+        gravity: [0.0, 0.0, -3.7] m/s^2;
+        body capsule {
+            mass: 760 kg,
+            inertia: diag(235, 225, 290) kg*m^2,
+            start at [0.6, 0.0, -6.0] m,
+            frame bridle[i in 0..3] at polar(0.6 m, i * 120 deg, 1.2 m),
+        }
+        joint capsule_free: free from world to capsule.com;
+        point knot { equilibrium: rate }
+        line riser from world to knot { free_length: 3 m, stiffness: 60 kN/m, damping: 500 N*s/m }
+        line leg[i in 0..3] from capsule.bridle[i] to knot { free_length: 1.5 m, stiffness: 47 kN/m, damping: 500 N*s/m }
+    }
+}
+
+model! {
     /// A four-bar: a loop of hinges.
     model Bar {
         coordinates: relative;
@@ -206,6 +238,15 @@ fn a_rate_node_is_found_along_with_the_derivative() {
 }
 
 #[test]
+fn a_step_without_rows_is_made_in_one_call() {
+    let rods = Rods::new(RodsParams::default()).unwrap();
+    let knot = RateKnot::new(RateKnotParams::default()).unwrap();
+    let only = expected(&[("stages", 9)]);
+    assert_eq!(asked_by(&rods, Options::rk4(1e-3), true), only);
+    assert_eq!(asked_by(&knot, without_locating(1e-3), true), only);
+}
+
+#[test]
 fn a_static_node_asks_for_its_anchors_once_a_stage_and_for_its_lines_twice() {
     let knot = StaticKnot::new(StaticKnotParams::default()).unwrap();
     let asked: BTreeMap<String, usize> = asked(&knot, Options::rk4(1e-3)).into_iter().collect();
@@ -227,17 +268,25 @@ fn stages_made_in_one_call_are_those_made_one_by_one() {
             run.step().unwrap();
         }
         let bits: Vec<u64> = run.state().iter().map(|x| x.to_bits()).collect();
-        (bits, run.statistics())
+        // How far quaternions were off, and where nodes are, are in the snapshot.
+        (bits, run.snapshot(), run.statistics())
     };
     let rods = Rods::new(RodsParams::default()).unwrap();
     let bar = Bar::new(BarParams::default()).unwrap();
     let mass = MassKnot::new(MassKnotParams::default()).unwrap();
     let rate = RateKnot::new(RateKnotParams::default()).unwrap();
-    let models: [(&dyn Model<f64>, f64); 4] =
-        [(&rods, 1e-3), (&bar, 1e-3), (&mass, 1e-4), (&rate, 1e-3)];
+    let capsule = Capsule::new(CapsuleParams::default()).unwrap();
+    let models: [(&dyn Model<f64>, f64); 5] = [
+        (&rods, 1e-3),
+        (&bar, 1e-3),
+        (&mass, 1e-4),
+        (&rate, 1e-3),
+        (&capsule, 2e-3),
+    ];
     for (model, step) in models {
         let one_by_one = Asked {
             model: model.share(),
+            at_once: false,
             counts: Arc::default(),
         };
         for options in [Options::rk4(step), without_locating(step)] {
@@ -272,6 +321,7 @@ fn inputs_as_functions_of_time_and_state_are_the_same_in_one_call() {
     let driven = Driven::new(DrivenParams::default()).unwrap();
     let one_by_one = Asked {
         model: driven.share(),
+        at_once: false,
         counts: Arc::default(),
     };
     assert_eq!(ends(&driven), ends(&one_by_one));

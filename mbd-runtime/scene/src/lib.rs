@@ -59,7 +59,7 @@ pub use layout::{
     LinkAxes, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots, StopSlots, Tree,
 };
 pub use lines::LineKind;
-pub use model::{Model, StageInputs, StepStages, Work};
+pub use model::{Model, StageInputs, StepEnd, StepStages, Work};
 pub use number::{plain, significant};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};

@@ -31,8 +31,8 @@ pub trait Model<T: Float>: Send + Sync {
     /// (`MassMatrix`, `NodeByAnchor`, `CondensedStiffness`, `Partial`) only the structural non-zeros, so `out` starts at zero there.
     /// A slice of a wrong length, or the scratch of another model, leaves `out` untouched; what a compiled model was not asked to emit is not a number.
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]);
-    /// Evaluates the stages inside a step of the classical method of order four in one call; `false`: they are evaluated one by one. A
-    /// compiled model without equilibrium points does it, to the bit, where the lengths of all lists are known.
+    /// Evaluates the stages inside a step of the classical method of order four in one call, and the last one where its end is asked for; `false`: they are
+    /// evaluated one by one. A compiled model does it, to the bit, where the lengths of all lists are known.
     fn inner_stages(&self, _step: StepStages<'_, T>, _work: &mut Work<T>) -> bool {
         false
     }
@@ -66,6 +66,22 @@ pub struct StepStages<'a, T> {
     pub next: &'a mut [T],
     /// What [`Quantity::Rates`] is at the three stages inside it, where nodes are found along with the rates; empty elsewhere.
     pub found: &'a mut [T],
+    /// Whether the nodes of a stage hold that were found so: where they do not, other rules find them, and nothing is made behind them.
+    pub holds: &'a dyn Fn(&[T]) -> bool,
+    /// What its last stage k₅ takes; `None`: it is not made, and the end is left as the stages lead there.
+    pub end: Option<StepEnd<'a, T>>,
+}
+
+/// The last stage of a step, at its end, where nothing but quaternions is put back before.
+pub struct StepEnd<'a, T> {
+    /// Where the quaternions begin in the state.
+    pub quaternions: &'a [usize],
+    /// By how much the length of a quaternion was off at most; written where they are put back.
+    pub drift: &'a mut f64,
+    /// As [`StepStages::found`], of this stage.
+    pub found: &'a mut [T],
+    /// Whether its rates are finite, and its nodes hold; written where they are evaluated.
+    pub made: &'a mut bool,
 }
 
 /// Scratch of the evaluations of one model: carries nothing from call to call.

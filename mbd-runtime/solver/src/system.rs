@@ -10,7 +10,7 @@ use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError, UnevenLines};
 use crate::fallback::Fallback;
-use crate::integrate::FreeMotion;
+use crate::integrate::{FreeMotion, normalise};
 use crate::laws::{Laws, params_of};
 use crate::linearise::Jacobian;
 use crate::locate::POINT;
@@ -450,22 +450,7 @@ impl<T: Float> System<T> {
     /// Makes every quaternion a unit quaternion; returns the largest | |q| − 1 | there was. A zero quaternion stays.
     #[inline]
     pub(crate) fn normalise(&self, state: &mut [T]) -> f64 {
-        let mut drift: f64 = 0.0;
-        for &at in &self.quaternions {
-            let Some(quaternion) = state.get_mut(at..at + 4) else {
-                continue;
-            };
-            let square = quaternion.iter().fold(T::zero(), |sum, x| sum + *x * *x);
-            let norm = square.sqrt();
-            drift = drift.max((norm.to_f64() - 1.0).abs());
-            if norm > T::zero() && norm.is_finite() {
-                let inverse = T::one() / norm;
-                for x in quaternion {
-                    *x *= inverse;
-                }
-            }
-        }
-        drift
+        normalise(state, &self.quaternions)
     }
 
     #[cold]

@@ -14,7 +14,7 @@
 use mbd_scene::{Float, Real};
 
 use super::tableau::Tableau;
-use super::{RK4, Rates};
+use super::{Made, RK4, Rates};
 use crate::error::StepError;
 use crate::list::{Combination, MOST_TERMS, combine, weighted_change, weighted_size};
 
@@ -341,25 +341,30 @@ impl<T: Float> Explicit<T> {
     ) -> Result<(), StepError> {
         system.enter();
         system.hold(true);
-        let made = match self.makes_inner_stages(system, [time, step], state) {
-            true => self.make_last_stage(system, [time, step]),
-            false => self.make_stages(system, [time, step], state),
+        let made = match self.make_at_once(system, [time, step], state) {
+            Made::Whole => Ok(()),
+            Made::End => self.make_last_stage(system, [time, step]),
+            Made::Inside => {
+                let put_back = system.project_end(time + step, &mut self.next);
+                put_back.and_then(|()| self.make_last_stage(system, [time, step]))
+            }
+            Made::Nothing => self.make_stages(system, [time, step], state),
         };
         system.hold(false);
         made
     }
 
-    /// Makes the stages inside a step at once, and the state at its end; `false`: they are made one by one.
+    /// Makes what can be made of a step at once.
     #[inline]
-    fn makes_inner_stages(
-        &mut self,
-        system: &mut impl Rates<T>,
-        span: [f64; 2],
-        state: &[T],
-    ) -> bool {
-        let made =
-            self.at_once && system.inner_stages(span, state, &mut self.stages, &mut self.next);
-        if made
+    fn make_at_once(&mut self, system: &mut impl Rates<T>, span: [f64; 2], state: &[T]) -> Made {
+        if !self.at_once {
+            return Made::Nothing;
+        }
+        self.complete = false;
+        let lists = (&mut self.stages[..], &mut self.next[..]);
+        // What is kept of rounding is added before the last stage.
+        let made = system.stages_at_once(span, state, lists, self.lost.is_empty());
+        if made == Made::Inside
             && !self.lost.is_empty()
             && let Some(row) = self.rows.get(self.steps - 1)
         {
@@ -377,12 +382,9 @@ impl<T: Float> Explicit<T> {
         system: &mut impl Rates<T>,
         [time, step]: [f64; 2],
     ) -> Result<(), StepError> {
-        self.complete = false;
         let last = (self.steps - 1) * self.length;
         let stage = self.stages.get_mut(last..last + self.length);
-        let (end, next) = (time + step, &mut self.next);
-        system.project_end(end, next)?;
-        system.rates(end, step, next, stage.unwrap_or_default())
+        system.rates(time + step, step, &self.next, stage.unwrap_or_default())
     }
 
     /// All stages of a step but the first, one by one.

@@ -5,6 +5,7 @@ mod explicit;
 mod free_motion;
 mod inner_stages;
 mod norm;
+mod quaternions;
 mod rattle;
 mod resolution;
 mod rk4;
@@ -28,6 +29,7 @@ pub(crate) use inner_stages::INNER;
 pub use inner_stages::{inner_rates, inner_stages};
 pub(crate) use norm::ErrorNorm;
 pub use norm::Scales;
+pub(crate) use quaternions::normalise;
 pub(crate) use rattle::{Rattle, Reversible};
 pub(crate) use resolution::Resolution;
 pub(crate) use rk4::RK4;
@@ -38,6 +40,19 @@ pub(crate) use stepper::{Family, Stepper};
 pub(crate) use stiffness_test::{StiffnessTest, fastest};
 pub(crate) use tsit5::TSIT5;
 pub(crate) use vern7::VERN7;
+
+/// What a system made of a step in one call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Made {
+    /// Nothing.
+    Nothing,
+    /// The stages inside it and the state at its end, which is still to be put back on its manifold.
+    Inside,
+    /// The same, and it is there.
+    End,
+    /// The last stage, too.
+    Whole,
+}
 
 /// A system of ordinary differential equations ẋ = f(t, x), as an integrator sees it.
 pub(crate) trait Rates<T> {
@@ -55,15 +70,16 @@ pub(crate) trait Rates<T> {
         self.rates(time, span, state, out)
     }
 
-    /// Evaluates the stages inside a step of RK4 in one call, from the rates at its start, and the state at its end; `false`: they are evaluated one by one.
-    fn inner_stages(
+    /// Evaluates the stages inside a step of RK4 in one call, from the rates at its start, and the state at its end; where it is asked `to_end` what it can
+    /// of the last stage, too.
+    fn stages_at_once(
         &mut self,
         _span: [f64; 2],
         _state: &[T],
-        _rates: &mut [T],
-        _next: &mut [T],
-    ) -> bool {
-        false
+        (_rates, _next): (&mut [T], &mut [T]),
+        _to_end: bool,
+    ) -> Made {
+        Made::Nothing
     }
 
     /// Writes ∂f/∂x, dense, row by row, and ∂f/∂t at the start of a step, where the rates were evaluated last.

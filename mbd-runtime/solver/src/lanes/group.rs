@@ -142,8 +142,7 @@ impl<L: Lanes> Stages<L> {
     ) -> L {
         let mut rates = std::mem::take(&mut self.rates);
         form.evaluate(Quantity::Rates, &self.at(time, state), &mut rates);
-        let layout = nodes.layout_of_rates();
-        for [z, node] in layout.velocities() {
+        for [z, node] in nodes.velocities_in_rates() {
             if let (Some(to), Some(from)) =
                 (self.nodes.get_mut(node..node + 3), rates.get(z..z + 3))
             {
@@ -154,7 +153,8 @@ impl<L: Lanes> Stages<L> {
         out.copy_from_slice(own);
         let (ends, _) = rest.split_at(self.ends.len());
         self.ends.copy_from_slice(ends);
-        let holds = layout.holds(&rates, 0, L::from_f64(f64::EPSILON));
+        let epsilon = L::from_f64(f64::EPSILON);
+        let holds = nodes.certificates().hold_beside(&rates, epsilon);
         self.rates = rates;
         L::select(holds, L::one(), L::zero())
     }

@@ -1,17 +1,15 @@
 //! Rate nodes found along with the state derivative, in one evaluation of the model: the case of almost every stage. What it cannot answer, lines
 //! that change between slack and taut, lines that do not span space, nodes on a line or plane, is left to [`RateNode`](super::RateNode).
 
-use std::ops::Range;
-
 use mbd_scene::laws::rate::NODE_CERTIFICATE;
-use mbd_scene::{Float, Quantity, Real, StageInputs, StepStages, Work};
+use mbd_scene::{Float, Quantity, Real, StageInputs, StepEnd, StepStages, Work};
 
 use super::error::NodeError;
 use super::memory::NodeMemory;
 use super::rate::ROUNDING;
 use super::scene::NetworkPlan;
 use super::stage::{Nodes, Stage};
-use crate::integrate::INNER;
+use crate::integrate::Made;
 use crate::list::copy;
 use crate::unilateral::Mode;
 
@@ -47,41 +45,55 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Makes the stages inside a step of a size that starts at a stage in one call, and the state at its end, as [`Nodes::differentiate`] makes them
-    /// one by one; `false`: nothing is done.
+    /// one by one; with `end`, where quaternions begin and by how much they were off, the last stage, too.
     #[inline]
-    pub(crate) fn make_inner_stages(
+    pub(crate) fn make_stages(
         &mut self,
         (stage, inputs): (Stage<'_, T>, Option<&mut dyn StageInputs<T>>),
         span: [f64; 2],
         memory: &NodeMemory<T>,
         work: &mut Work<T>,
         (rates, next): (&mut [T], &mut [T]),
-    ) -> bool {
+        end: Option<(&[usize], &mut f64)>,
+    ) -> Made {
         if !self.has_networks() {
             self.hold_once(memory);
         } else if self.spanned && (self.held || self.hold_for_rates(memory)) {
             self.has_held();
         } else {
             // Where nodes were found by other rules they mostly are again.
-            return false;
+            return Made::Nothing;
         }
-        let at = stage.at([&self.nodes, &self.effective, &self.hold, &self.ends]);
+        let certificates = self.certificates();
+        let (to_end, mut made) = (end.is_some(), false);
         let step = StepStages {
-            at,
+            at: stage.at([&self.nodes, &self.effective, &self.hold, &self.ends]),
             inputs: inputs.map(|inputs| inputs as &mut dyn StageInputs<T>),
             span,
             rates,
-            next,
+            next: &mut *next,
             found: &mut self.inner,
+            holds: &|found: &[T]| certificates.hold(found),
+            end: end.map(|(quaternions, drift)| StepEnd {
+                quaternions,
+                drift,
+                found: &mut self.rates,
+                made: &mut made,
+            }),
         };
-        stage.model.inner_stages(step, work) && self.takes_inner_stages()
-    }
-
-    /// Whether the nodes of the stages inside a step may be taken as they were found.
-    fn takes_inner_stages(&self) -> bool {
-        let (layout, length) = (self.layout_of_rates(), self.rates.len());
-        let mut stages = (0..INNER).map(|number| number * length);
-        length == 0 || stages.all(|first| layout.holds(&self.inner, first, T::EPSILON))
+        if !stage.model.inner_stages(step, work) {
+            return Made::Nothing;
+        }
+        match (to_end, made) {
+            (false, _) => Made::Inside,
+            (true, false) => Made::End,
+            (true, true) => {
+                if self.has_networks() {
+                    self.take_nodes(next, T::from_f64(span[1]));
+                }
+                Made::Whole
+            }
+        }
     }
 
     /// Whether nodes and derivative may be found at once at a stage: lines that may span space carry at every node. Elements are then held in the modes
@@ -164,14 +176,20 @@ impl<T: Float> Nodes<T> {
 
     /// Takes over nodes, anchors and lines out of [`Quantity::Rates`], if the lines that were held are those which carry.
     fn take_rates(&mut self, stage: Stage<'_, T>, span: T) -> bool {
-        if !self.holds(&self.rates) {
-            return false;
+        let holds = self.holds(&self.rates);
+        if holds {
+            self.take_nodes(stage.state, span);
         }
+        holds
+    }
+
+    /// Takes over the nodes where they were found at a state.
+    fn take_nodes(&mut self, state: &[T], span: T) {
         // What its lines do is read off where somebody asks: most stages are followed by others.
         for plan in &mut self.plans {
             if let (Some(&node), Some(z)) = (plan.nodes.first(), plan.z) {
                 let velocity = self.rates.get(z..).and_then(<[T]>::first_chunk::<3>);
-                let place = stage.state.get(z..).and_then(<[T]>::first_chunk::<3>);
+                let place = state.get(z..).and_then(<[T]>::first_chunk::<3>);
                 let node = self.nodes.get_mut(3 * node..);
                 if let (Some(velocity), Some(place)) = (velocity, place)
                     && let Some(own) = node.and_then(<[T]>::first_chunk_mut)
@@ -183,12 +201,19 @@ impl<T: Float> Nodes<T> {
         }
         self.count_solves(1);
         (self.span, self.spanned) = (span, true);
-        true
     }
 
     /// Whether the lines that were held are those which carry.
     fn holds(&self, rates: &[T]) -> bool {
-        self.layout_of_rates().holds(rates, 0, T::EPSILON)
+        self.certificates().hold(rates)
+    }
+
+    /// What tells of rates whether their nodes hold.
+    pub(crate) fn certificates(&self) -> Certificates {
+        Certificates {
+            places: [self.certificates.start, self.certificates.end],
+            frozen: self.frozen,
+        }
     }
 
     /// What [`Nodes::accept`] writes where nodes were found along with the derivative: nothing of such a node begins in the step before it but the
@@ -228,52 +253,66 @@ impl<T: Float> Nodes<T> {
         self.statistics.solves += (times * self.plans.len()) as u64;
     }
 
-    /// Where nodes and lines are in [`Quantity::Rates`].
-    pub(crate) fn layout_of_rates(&self) -> RatesLayout<'_, T> {
-        RatesLayout {
-            plans: &self.plans,
-            certificates: self.certificates.clone(),
-            frozen: self.frozen,
-        }
+    /// Where the velocity of every node is in [`Quantity::Rates`], and in the node unknowns.
+    pub(crate) fn velocities_in_rates(&self) -> impl Iterator<Item = [usize; 2]> {
+        let places = self.plans.iter();
+        places.filter_map(|plan| Some([plan.z?, 3 * plan.nodes.first()?]))
     }
 }
 
-/// Where nodes and lines are in [`Quantity::Rates`].
-#[derive(Clone, Debug)]
-pub(crate) struct RatesLayout<'a, T: Float> {
-    plans: &'a [NetworkPlan<T>],
-    /// What is said of every node, [`NODE_CERTIFICATE`] numbers each; the stretches of their lines follow.
-    certificates: Range<usize>,
+/// What [`Quantity::Rates`] says of every node, [`NODE_CERTIFICATE`] numbers each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Certificates {
+    /// Where it begins, and where it ends: the stretches of the lines follow.
+    places: [usize; 2],
     /// Whether the modes of lines are kept, whatever stretch and pull say.
     frozen: bool,
 }
 
-impl<T: Float> RatesLayout<'_, T> {
-    /// Where the velocity of every node is in the rates, and in the node unknowns.
-    pub(crate) fn velocities(&self) -> impl Iterator<Item = [usize; 2]> {
-        let places = self.plans.iter();
-        places.filter_map(|plan| Some([plan.z?, 3 * plan.nodes.first()?]))
+impl Certificates {
+    /// Whether the lines that were held are those which carry: at every node they pull beyond rounding and span space, and where modes are not frozen every
+    /// line does what was held of it.
+    #[inline]
+    fn hold<T: Float>(&self, rates: &[T]) -> bool {
+        let rounding = T::EPSILON * T::from_f64(ROUNDING);
+        // One after the other: most scenes have one.
+        let nodes = self.of(rates);
+        nodes.is_some_and(|nodes| nodes.iter().all(|node| self.node_holds(node, rounding)))
     }
 
-    /// Whether the lines that were held are those which carry, in rates that begin at a place: at every node they pull beyond rounding and span space, and
-    /// where modes are not frozen every line does what was held of it.
-    #[inline]
-    pub(crate) fn holds<S: Real>(&self, rates: &[S], first: usize, epsilon: S) -> S::Mask {
+    /// The same in lanes.
+    pub(crate) fn hold_beside<S: Real>(&self, rates: &[S], epsilon: S) -> S::Mask {
         let zero = S::zero();
-        let Range { start, end } = self.certificates;
-        let Some(nodes) = rates.get(first + start..first + end) else {
+        let Some(nodes) = self.of(rates) else {
             return zero.lt(zero);
         };
         let rounding = epsilon * S::from_f64(ROUNDING);
-        let mut all = zero.le(zero);
-        // Numbers that were never found are none, and nothing holds.
-        for &[margin, size, most, agreed] in nodes.as_chunks::<NODE_CERTIFICATE>().0 {
-            // Where nothing pulls, or D may have lost a direction, the node follows other rules.
-            all = S::both(all, S::both((size * rounding).lt(most), zero.lt(margin)));
-            if !self.frozen {
-                all = S::both(all, zero.lt(agreed));
-            }
+        let nodes = nodes.iter();
+        nodes.fold(zero.le(zero), |all, node| {
+            S::both(all, self.node_holds(node, rounding))
+        })
+    }
+
+    /// What is said of every node.
+    #[inline]
+    fn of<'a, S>(&self, rates: &'a [S]) -> Option<&'a [[S; NODE_CERTIFICATE]]> {
+        let [start, end] = self.places;
+        Some(rates.get(start..end)?.as_chunks().0)
+    }
+
+    /// Whether a node is where its lines hold it. Numbers that were never found are none, and nothing holds.
+    #[inline]
+    fn node_holds<S: Real>(
+        &self,
+        &[margin, size, most, agreed]: &[S; NODE_CERTIFICATE],
+        rounding: S,
+    ) -> S::Mask {
+        let zero = S::zero();
+        // Where nothing pulls, or D may have lost a direction, the node follows other rules.
+        let carries = S::both((size * rounding).lt(most), zero.lt(margin));
+        match self.frozen {
+            true => carries,
+            false => S::both(carries, zero.lt(agreed)),
         }
-        all
     }
 }

@@ -5,7 +5,7 @@ use mbd_scene::{Float, Node, NodeModel, Quantity, StageInputs};
 use super::{System, stage};
 use crate::columns::state_names;
 use crate::error::{Source, StepError};
-use crate::integrate::{INNER, Rates, fastest};
+use crate::integrate::{INNER, Made, Rates, fastest};
 use crate::linearise::{Jacobian, LinearisationError};
 use crate::list::all_finite;
 use crate::trajectory::told_apart;
@@ -182,18 +182,18 @@ impl<T: Float> Rates<T> for System<T> {
     }
 
     #[inline]
-    fn inner_stages(
+    fn stages_at_once(
         &mut self,
         span: [f64; 2],
         state: &[T],
-        rates: &mut [T],
-        next: &mut [T],
-    ) -> bool {
+        out: (&mut [T], &mut [T]),
+        to_end: bool,
+    ) -> Made {
         if !self.takes_inner_stages() {
-            return false;
+            return Made::Nothing;
         }
         let functions = self.has_functions();
-        let (memory, out) = (&self.memory, (rates, next));
+        let memory = &self.memory;
         let held = stage(&*self.model, span[0], state, &self.held);
         let mut inputs = functions.then(|| {
             self.controls
@@ -202,14 +202,27 @@ impl<T: Float> Rates<T> for System<T> {
         let supplied = inputs
             .as_mut()
             .map(|inputs| inputs as &mut dyn StageInputs<T>);
-        let made =
-            self.nodes
-                .make_inner_stages((held, supplied), span, memory, &mut self.work, out);
-        let made = made && inputs.is_none_or(|inputs| inputs.finite);
-        if made {
-            self.counters.rhs = self.counters.rhs.saturating_add(INNER as u64);
-            self.nodes.count_solves(INNER);
+        // Functions are asked at the end itself, which may stand on joints.
+        let alone = to_end && !functions && !self.projection.any();
+        let mut drift = f64::NAN;
+        let end = alone.then_some((&self.quaternions[..], &mut drift));
+        let start = (held, supplied);
+        let made = self
+            .nodes
+            .make_stages(start, span, memory, &mut self.work, out, end);
+        if inputs.is_some_and(|inputs| !inputs.finite) {
+            return Made::Nothing;
         }
+        let stages = match made {
+            Made::Nothing => return made,
+            Made::Inside | Made::End => INNER,
+            Made::Whole => INNER + 1,
+        };
+        if made != Made::Inside {
+            (self.drift, self.fallback.margin) = (drift, f64::NAN);
+        }
+        self.counters.rhs = self.counters.rhs.saturating_add(stages as u64);
+        self.nodes.count_solves(INNER);
         made
     }
 
