@@ -13,11 +13,20 @@ pub struct Unit {
     pub dimension: Dimension,
 }
 
+/// Numbers that are told with all their digits; others have an exponent.
+const SMALLEST: f64 = 1e-9;
+const LARGEST: f64 = 1e15;
+
 impl Unit {
     /// A number [SI] in this unit, as it is told.
     #[must_use]
     pub fn told(&self, value: f64) -> String {
         let number = twelve_digits(value / self.factor);
+        // Not hundreds of zeros.
+        let number = match number == 0.0 || (SMALLEST..LARGEST).contains(&number.abs()) {
+            true => format!("{number}"),
+            false => format!("{number:e}"),
+        };
         format!("{number} {}", self.text).trim_end().to_owned()
     }
 }
@@ -56,3 +65,28 @@ pub const LENGTH: Dimension = Dimension {
     time: 0,
     current: 0,
 };
+
+#[cfg(test)]
+mod tests {
+    use super::Unit;
+
+    #[test]
+    fn a_number_is_told_with_its_digits_or_with_an_exponent_and_not_with_hundreds_of_zeros() {
+        let unit = Unit {
+            text: "kN".into(),
+            factor: 1e3,
+            ..Unit::default()
+        };
+        for (value, told) in [
+            (1e308, "1e305 kN"),
+            (-2.5e-300, "-2.5e-303 kN"),
+            (f64::INFINITY, "inf kN"),
+            (0.0, "0 kN"),
+            (1234.5, "1.2345 kN"),
+            (1e15, "1000000000000 kN"),
+            (2e-4, "0.0000002 kN"),
+        ] {
+            assert_eq!(unit.told(value), told);
+        }
+    }
+}
