@@ -84,6 +84,7 @@ pub struct Element<'a, S> {
 
 impl<S: Real> Element<'_, S> {
     /// A damped linear line.
+    #[inline]
     pub fn linear(numbers: LineNumbers<S>) -> Self {
         Element {
             kind: LineKind::Line,
@@ -94,6 +95,7 @@ impl<S: Real> Element<'_, S> {
     }
 
     /// Elastic force f(s) [N].
+    #[inline]
     fn elastic(&self, stretch: S) -> S {
         self.kind
             .force(self.tables, self.numbers.stiffness, stretch)
@@ -108,6 +110,7 @@ impl<S: Real> Element<'_, S> {
     }
 
     /// Pull P = f(s) + C ṡ [N] whatever its sign.
+    #[inline]
     pub fn pull(&self, stretch: S, rate: S) -> S {
         let elastic = self.elastic(stretch);
         (if self.damped {
