@@ -72,6 +72,12 @@ fn told(report: LexemeMessage) -> String {
     report.text
 }
 
+/// Whether a number that is not zero is read as zero: it is smaller than any that there is.
+pub(crate) fn vanishes(text: &str, value: f64) -> bool {
+    let significand = text.split(['e', 'E']).next().unwrap_or_default();
+    value == 0.0 && significand.contains(|c: char| c.is_ascii_digit() && c != '0')
+}
+
 /// Takes a number with its sign and its unit.
 fn number(cursor: &mut Cursor<'_>, text: &str) -> Result<(f64, Unit), String> {
     let sign = if cursor.sign('-').is_some() {
@@ -79,10 +85,11 @@ fn number(cursor: &mut Cursor<'_>, text: &str) -> Result<(f64, Unit), String> {
     } else {
         1.0
     };
-    let number = match cursor.peek().map(|lexeme| &lexeme.kind) {
-        Some(LexemeKind::Number(digits)) => digits.replace('_', "").parse::<f64>().ok(),
-        _ => None,
+    let digits = match cursor.peek().map(|lexeme| &lexeme.kind) {
+        Some(LexemeKind::Number(digits)) => digits.replace('_', ""),
+        _ => String::new(),
     };
+    let number = digits.parse::<f64>().ok();
     let Some(number) = number.filter(|number| number.is_finite()) else {
         if let (Some(_), Some(LexemeKind::Number(digits))) =
             (cursor.sign('.'), cursor.peek().map(|lexeme| &lexeme.kind))
@@ -93,6 +100,9 @@ fn number(cursor: &mut Cursor<'_>, text: &str) -> Result<(f64, Unit), String> {
             "`{text}` is no number with a unit, such as `2.5 kN/m`"
         ));
     };
+    if vanishes(&digits, number) {
+        return Err(format!("`{text}` is too small"));
+    }
     cursor.take();
     let unit = match unit::suffix(cursor).map_err(told)? {
         None => unit::below(cursor).map_err(told)?,

@@ -716,6 +716,13 @@ pub fn unit_expected(at: Region) -> LexemeMessage {
     LexemeMessage::new(at, "expected a unit such as `N` or `kg*m^2`")
 }
 
+pub fn tiny_number(at: Region, text: &str) -> LexemeMessage {
+    LexemeMessage::new(
+        at,
+        format!("`{text}` is too small for a number: it would be zero"),
+    )
+}
+
 pub fn huge_number(at: Region, text: &str) -> LexemeMessage {
     LexemeMessage::new(at, format!("`{text}` is too large for a number"))
 }

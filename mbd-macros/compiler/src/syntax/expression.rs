@@ -6,6 +6,7 @@ use super::chain::Chain;
 use super::{Cursor, ValueSyntax, Word, unit};
 use crate::lexeme::{Bracket, LexemeKind, Region};
 use crate::messages::{LexemeMessage, syntax as say};
+use crate::number::vanishes;
 
 /// Brackets and operators may nest this deep.
 const DEEPEST: usize = 120;
@@ -499,6 +500,7 @@ pub fn range(cursor: &Cursor<'_>) -> bool {
 fn number(text: &str, at: Region) -> Result<f64, LexemeMessage> {
     let digits: String = text.chars().filter(|&c| c != '_').collect();
     match digits.parse::<f64>() {
+        Ok(value) if vanishes(&digits, value) => Err(say::tiny_number(at, text)),
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(say::huge_number(at, text)),
     }

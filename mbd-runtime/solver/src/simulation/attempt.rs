@@ -8,7 +8,7 @@ use super::{Pace, Simulation};
 use crate::accuracy::FINER_STEP;
 use crate::error::{Collapse, StepError};
 use crate::integrate::Verdict;
-use crate::trajectory::resolution;
+use crate::trajectory::{resolution, told_apart};
 use crate::watch::Instability;
 
 /// A step that is to be tried.
@@ -95,7 +95,7 @@ impl<T: Float> Simulation<T> {
     /// How much later than now the first stage of a step is evaluated, so that what jumps at the time of now has jumped [s]. Nothing moves in that time.
     pub(crate) fn behind_jump(&self) -> f64 {
         match self.system.jumps_at(self.time) {
-            true => resolution(self.time).max(2.0 * T::EPSILON.to_f64() * self.time.abs()),
+            true => told_apart::<T>(self.time),
             false => 0.0,
         }
     }
