@@ -29,6 +29,8 @@ pub struct Reading {
     pub warnings: Vec<Message>,
     /// Choices that were made.
     pub notes: Vec<String>,
+    /// Items that are declared as bodies and read as points with mass.
+    pub as_points: Vec<String>,
     /// Where the names are.
     pub spans: Spans,
     /// Where the model's name is, for a message.
@@ -178,9 +180,9 @@ pub(crate) fn finish(
     }
     let chooses = whole && resolver.asked.family && resolver.messages.is_empty();
     let with_points = chooses.then(|| WithPoints::of(model, &resolver)).flatten();
-    let mut resolver = match &with_points {
+    let (mut resolver, as_points) = match &with_points {
         Some(with_points) => without_attitude(resolver, with_points),
-        None => resolver,
+        None => (resolver, Vec::new()),
     };
     let mut errors = messages;
     if lexed && (errors.is_empty() || !model.items.is_empty()) {
@@ -219,6 +221,7 @@ pub(crate) fn finish(
         errors: errors.located(places),
         warnings: resolver.warnings.located(places),
         notes: resolver.notes,
+        as_points,
         spans,
         options: DeclarationOptions {
             verify: resolver.asked.verify,
@@ -256,17 +259,20 @@ fn in_its_plane<'a>(resolver: Resolver<'a>, model: &'a ModelSyntax<'a>) -> Resol
     resolver
 }
 
-/// The same model with some of its bodies as points, where it can be read so, and a note of them.
-fn without_attitude<'a>(resolver: Resolver<'a>, points: &'a WithPoints<'a>) -> Resolver<'a> {
+/// The same model with some of its bodies as points, where it can be read so, and a note of them; and which.
+fn without_attitude<'a>(
+    resolver: Resolver<'a>,
+    points: &'a WithPoints<'a>,
+) -> (Resolver<'a>, Vec<String>) {
     let mut other = resolved(&points.model, true, resolver.scene.planar);
     if !other.messages.is_empty() {
-        return resolver;
+        return (resolver, Vec::new());
     }
     // Of the declaration as it is written; what bodies have and points have not is no less used.
     other.warnings = resolver.warnings;
     other.notes = resolver.notes;
     other.notes.push(as_points(&points.names));
-    other
+    (other, points.names.clone())
 }
 
 /// Where the first `motor` of a joint stands, of a coordinate in braces, too.

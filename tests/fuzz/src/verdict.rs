@@ -113,7 +113,12 @@ fn check(input: &Input, reading: &Reading, again: bool) -> Result<(), String> {
         Form::Urdf => None,
     };
     if let Some(declared) = declared {
-        same(&declared, &resolved(scene))?;
+        let counts = [declared, resolved(scene)];
+        let [declared, found] = match reading.as_points.is_empty() {
+            true => counts,
+            false => counts.map(with_points_for_bodies),
+        };
+        same(&declared, &found)?;
     }
     if !again {
         return Ok(());
@@ -133,6 +138,15 @@ fn check(input: &Input, reading: &Reading, again: bool) -> Result<(), String> {
             ))
         }
     }
+}
+
+/// Counts in which bodies may be points, whose joints only said that they float.
+fn with_points_for_bodies(mut counts: Counts) -> Counts {
+    let [bodies, points] = ["body", "point"].map(|kind| counts.remove(kind).flatten());
+    counts.remove("joint");
+    let both = bodies.zip(points).map(|(bodies, points)| bodies + points);
+    counts.insert("body", both);
+    counts
 }
 
 /// Whether as many things are there as are declared.

@@ -4,6 +4,7 @@ use mbd_compiler::SceneEquations;
 use mbd_scene::joints::{Axis, Hinge, JointLaw, Rigid};
 use mbd_scene::{AngularVelocity, Coordinates, Place, Quantity, Scene};
 use nalgebra::{Matrix3, Vector3};
+use tests::declared::read;
 use tests::mechanism::{add_body, add_frame, add_joint, empty, frame, hinged_anyhow};
 use tests::reference::load;
 use tests::system::scene;
@@ -89,5 +90,43 @@ fn mass_matrix_and_bias_of_a_chain_take_fewer_operations_than_a_traced_recursion
         let both: usize = both.into_iter().sum();
         println!("{links} links: {both}");
         assert!(both <= most, "{links}: {both}");
+    }
+}
+
+/// Rods hinged about these axes in turn, their mass, moments and length told by `rod`, with the frames of its joints.
+fn rods(n: usize, axes: &[&str], params: &str, rod: &str) -> Scene {
+    let mut text =
+        format!("model Chain {{ coordinates: relative; gravity: [0.0, 0.0, -9.81] m/s^2; {params}");
+    let mut from = "world".to_owned();
+    for (index, axis) in (0..n).zip(axes.iter().cycle()) {
+        text += &format!(
+            "body rod{index} {{ {rod} }}
+             joint pin{index}: hinge from {from} to rod{index}.top {{ axis: {axis} }}"
+        );
+        from = format!("rod{index}.end");
+    }
+    read(&(text + "}"))
+}
+
+#[test]
+fn live_parameters_cost_a_derivative_no_more_than_numbers() {
+    let live = "param mass = 1 kg; param length = 0.3 m; param across = 0.0076 kg*m^2; param along = 0.0002 kg*m^2;";
+    let of_live = "mass: mass, inertia: [across, across, along],
+        frame top at [0 m, 0 m, 0.5 * length], frame end at [0 m, 0 m, -0.5 * length]";
+    let of_numbers = "mass: 1 kg, inertia: diag(0.0076, 0.0076, 0.0002) kg*m^2,
+        frame top at [0, 0, 0.15] m, frame end at [0, 0, -0.15] m";
+    for axes in [
+        &["y"][..],
+        &["y", "x"],
+        &["[0.6, 0.0, 0.8]", "[0.0, 0.6, 0.8]"],
+    ] {
+        for n in [2, 8, 32] {
+            let count = |params: &str, rod: &str| {
+                operations(&rods(n, axes, params, rod), Quantity::Derivative) as f64
+            };
+            let (numbers, live) = (count("", of_numbers), count(live, of_live));
+            println!("{n} rods about {axes:?}: {live} over {numbers}");
+            assert!(live <= 1.3 * numbers, "{n} {axes:?}: {live} over {numbers}");
+        }
     }
 }
