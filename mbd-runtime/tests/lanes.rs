@@ -107,7 +107,11 @@ mod apart {
         pub model Apart<T> {
             gravity: none;
             point bob { mass: 0.5 kg, start at [0.4, 0.0, 0.0] m }
-            spring cord from world to bob { free_length: 0.3 m, stiffness: 40 N/m, at_start: detached }
+            spring cord from world to bob {
+                free_length: 0.3 m,
+                stiffness: 40 N/m,
+                at_start: detached,
+            }
         }
     }
 }
