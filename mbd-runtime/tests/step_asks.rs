@@ -175,7 +175,11 @@ model! {
         joint capsule_free: free from world to capsule.com;
         point knot { equilibrium: rate }
         line riser from world to knot { free_length: 3 m, stiffness: 60 kN/m, damping: 500 N*s/m }
-        line leg[i in 0..3] from capsule.bridle[i] to knot { free_length: 1.5 m, stiffness: 47 kN/m, damping: 500 N*s/m }
+        line leg[i in 0..3] from capsule.bridle[i] to knot {
+            free_length: 1.5 m,
+            stiffness: 47 kN/m,
+            damping: 500 N*s/m,
+        }
     }
 }
 
