@@ -45,10 +45,7 @@ fn bodies_that_nothing_turns_are_the_points_that_their_author_could_have_declare
         .iter()
         .find(|note| note.contains("points with mass"));
     let note = note.expect("a note");
-    assert!(
-        note.starts_with("`lower`, `thrown`, `upper` as points"),
-        "{note}"
-    );
+    assert!(note.ends_with(": `lower`, `thrown`, `upper`"), "{note}");
     let scene = found.scene.as_ref().expect("a scene");
     assert!(scene.bodies.is_empty() && scene.joints.is_empty() && scene.points.len() == 4);
     let declared = read_text(POINTS);

@@ -272,13 +272,10 @@ pub fn in_no_plane(why: &str) -> String {
 
 /// A note: `coordinates: auto` took points for bodies.
 pub fn as_points(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     format!(
-        "{} as points with mass: nothing turns them, and nothing asks how they are turned (`coordinates: auto`)",
-        names
-            .iter()
-            .map(|name| format!("`{name}`"))
-            .collect::<Vec<_>>()
-            .join(", ")
+        "compiled as points with mass, because nothing turns them and nothing asks how they are turned (`coordinates: auto`): {}",
+        names.join(", ")
     )
 }
 
