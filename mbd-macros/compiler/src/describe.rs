@@ -2,7 +2,21 @@
 
 use mbd_scene::joints::{Coordinate, FILTER, FORCE, JointForces, MOTOR, NUMBERS, STOPS};
 use mbd_scene::metrics::{Metric, Take};
-use mbd_scene::{Formula, Function, Gravity, LoadKind, MapSource, Place, PointKind, Scene, Triple};
+use mbd_scene::{
+    Formula, Function, Gravity, LoadKind, MapSource, Part, Place, PointKind, Scene, Triple,
+};
+
+/// The name of a body, a point or a joint.
+#[must_use]
+pub fn part(scene: &Scene, part: Part) -> &str {
+    match part {
+        Part::Body(body) => scene.bodies.get(body).map_or("", |body| &body.name),
+        Part::Point(point) => scene.points.get(point).map_or("", |point| &point.name),
+        Part::Joint(joint) | Part::Coordinates(joint) => {
+            scene.joints.get(joint).map_or("", |joint| &joint.name)
+        }
+    }
+}
 
 /// A place by its name, `capsule.bridle[0]`.
 #[must_use]

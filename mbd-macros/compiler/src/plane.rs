@@ -175,15 +175,10 @@ fn starts_beside(scene: &Scene, layout: &Layout, params: &[f64], plane: Plane) -
                 || off(along - 1.0)
         })
     })?;
-    Some(format!("`{}` does not start in it", name_of(scene, part)))
-}
-
-fn name_of(scene: &Scene, part: Part) -> &str {
-    match part {
-        Part::Body(body) => scene.bodies.get(body).map_or("", |body| &body.name),
-        Part::Point(point) => scene.points.get(point).map_or("", |point| &point.name),
-        Part::Joint(_) | Part::Coordinates(_) => "",
-    }
+    Some(format!(
+        "`{}` does not start in it",
+        describe::part(scene, part)
+    ))
 }
 
 /// The numbers of the speeds, and of a state where `place` is given, that are zero in a plane, of one that floats.
@@ -242,7 +237,7 @@ fn accelerated_out(
         })?;
         Some(format!(
             "`{}` is accelerated out of it",
-            name_of(scene, part)
+            describe::part(scene, part)
         ))
     })
 }

@@ -3,6 +3,7 @@
 use mbd_scene::{Formula, Part, PartStart, Place, Plane, Triple};
 
 use super::{Instance, MayDependOn, Named, Resolver, fold};
+use crate::describe;
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
 use crate::syntax::{ValueSyntax, words};
@@ -42,7 +43,7 @@ impl Resolver<'_> {
             return Some(());
         };
         let at = Region::from(first.word.at);
-        let name = self.part_name(part)?;
+        let name = describe::part(&self.scene, part).to_owned();
         if let Some(field) = starts.iter().find(|start| start.clause(":").is_some()) {
             return self.fail(say::start_of_part(field.word.at.into(), &name));
         }
@@ -91,14 +92,6 @@ impl Resolver<'_> {
         }
         self.scene.starts.parts.push(start);
         Some(())
-    }
-
-    fn part_name(&self, part: Part) -> Option<String> {
-        Some(match part {
-            Part::Body(body) => self.scene.bodies.get(body)?.name.clone(),
-            Part::Point(point) => self.scene.points.get(point)?.name.clone(),
-            Part::Joint(_) | Part::Coordinates(_) => return None,
-        })
     }
 
     /// A start in a planar scene keeps to the plane, with all params at their defaults.
