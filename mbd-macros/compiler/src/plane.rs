@@ -1,7 +1,8 @@
 //! `planar: auto`: the plane in which a scene moves, and why it moves in none.
 //!
 //! A scene moves in a plane if the joints of its tree leave nothing else, and if bodies and points that nothing carries start in it and are
-//! not accelerated out of it at random states there, whatever the inputs, the time and the params, and whatever events detach.
+//! not accelerated out of it: looked for at random states there, times, inputs and params, with what events detach and without, and then proved of the
+//! equations, in which every term of such an acceleration must vanish by itself.
 
 use mbd_scene::laws::line::DETACHED;
 use mbd_scene::laws::{constant, starts};
@@ -12,6 +13,7 @@ use mbd_scene::{
 };
 
 use crate::describe;
+use crate::equations::vanishing_rates;
 
 /// Values of the params at which a scene is looked at: the defaults first.
 const VALUES: usize = 4;
@@ -69,7 +71,7 @@ fn leaves(scene: &Scene, plane: Plane) -> Option<String> {
     }
     let mut random = SplitMix64(1);
     let relative = scene.in_coordinates(Coordinates::Relative);
-    (0..VALUES).find_map(|k| {
+    let seen = (0..VALUES).find_map(|k| {
         let at = with_values(&relative, k, &mut random);
         let layout = Layout::new(&at);
         let freedom = other_freedom(&at, &layout, plane);
@@ -81,7 +83,8 @@ fn leaves(scene: &Scene, plane: Plane) -> Option<String> {
             0 => why,
             _ => format!("{why}, with other values of the params"),
         })
-    })
+    });
+    seen.or_else(|| may_be_accelerated_out(&relative, plane))
 }
 
 /// A frame of the world that moves otherwise than along a plane.
@@ -240,6 +243,25 @@ fn accelerated_out(
             describe::part(scene, part)
         ))
     })
+}
+
+/// Something that floats whose acceleration out of a plane is not zero by the equations alone: beyond the states that were looked at it may leave it.
+fn may_be_accelerated_out(scene: &Scene, plane: Plane) -> Option<String> {
+    let layout = Layout::new(scene);
+    let out = |turns, slots: Slots| across(plane, turns, Some(slots.q), layout.nq + slots.v);
+    let zero: Vec<usize> = afloat(&layout)
+        .flat_map(|(_, turns, slots)| out(turns, slots))
+        .collect();
+    let vanishes = vanishing_rates(scene, &layout, &zero);
+    let mut afloat = afloat(&layout);
+    let (part, ..) = afloat.find(|&(_, turns, slots)| {
+        let mut out = across(plane, turns, None, layout.nq + slots.v).into_iter();
+        out.any(|rate| !vanishes.get(rate).copied().unwrap_or_default())
+    })?;
+    Some(format!(
+        "`{}` may be accelerated out of it, as far as its equations tell",
+        describe::part(scene, part)
+    ))
 }
 
 /// What events or the start detach.

@@ -88,6 +88,17 @@ fn what_leaves_a_plane_is_named_and_the_scene_stays_in_space() {
             "input push: force; load wind on weight = [0.0, push, 0.0]; line cord",
             "`weight` is accelerated out of it",
         ),
+        // Nothing of this is seen at the times and places that are looked at.
+        (
+            "line cord",
+            "load gust on weight = [0.0, if(time > 40 s, 5 N, 0 N), 0.0]; line cord",
+            "`weight` may be accelerated out of it, as far as its equations tell",
+        ),
+        (
+            "line cord",
+            "load wall on weight = [0.0, max(weight.position.x - 90 m, 0 m) * 1 N/m, 0.0]; line cord",
+            "`weight` may be accelerated out of it, as far as its equations tell",
+        ),
         (
             "line cord",
             "load wind on weight = [0.0, 1 N * sin(tilt), 0.0]; line cord",
