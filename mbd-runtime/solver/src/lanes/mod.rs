@@ -51,6 +51,22 @@ macro_rules! lanes {
         pub struct $name($wide);
 
         impl $name {
+            /// Sine and cosine in the quarter turns that the last two bits of the first number count: in odd ones they are exchanged, half of them are
+            /// opposite.
+            #[inline(always)]
+            fn in_quarters([counted, sine, cosine]: [Self; 3]) -> (Self, Self) {
+                let one = $wide::splat(1.0);
+                // A number whose other bits are those of 1, so that none is too small to be compared.
+                let has = |bit: u64| ((counted.0 & $wide::splat(f64::from_bits(bit))) | one).simd_ne(one);
+                let (is_odd, is_second) = (has(1), has(2));
+                let exchanged = (sine.0 ^ cosine.0) & is_odd;
+                let sign = $wide::splat(-0.0);
+                (
+                    $name(sine.0 ^ exchanged ^ (is_second & sign)),
+                    $name(cosine.0 ^ exchanged ^ ((is_second ^ is_odd) & sign)),
+                )
+            }
+
             /// A function of one number, lane by lane.
             #[inline]
             fn map(self, of: impl FnMut(f64) -> f64) -> Self {
@@ -172,7 +188,7 @@ macro_rules! lanes {
             fn sin_cos(self) -> (Self, Self) {
                 let largest = Self::from_f64(LARGEST_ANGLE);
                 if self.abs().le(largest).all() {
-                    return sin_cos_within(self, |near| near.any());
+                    return sin_cos_within(self, |near| near.any(), Self::in_quarters);
                 }
                 let mut cosines = [0.0; $width];
                 let mut cosine = cosines.iter_mut();
@@ -362,6 +378,39 @@ mod tests {
     fn an_operation_in_a_lane_is_that_of_one_number_to_the_bit() {
         every_lane_is_the_scalar::<Lanes4>();
         every_lane_is_the_scalar::<Lanes8>();
+    }
+
+    /// Angles in all quarters, next to whole ones, at the last for which they are counted and beyond.
+    fn sines_are_those_of_one_number<L: Lanes>() {
+        for k in -60_000..60_000_i32 {
+            let whole = f64::from(k) * std::f64::consts::FRAC_PI_2;
+            let x = L::each(|lane| match lane {
+                0 => whole,
+                1 => whole + 1.2e-4,
+                2 => 1.618 * f64::from(k),
+                3 => 1e-4 * f64::from(k),
+                4 => whole.next_up(),
+                5 => whole - 1.4e-4,
+                6 => f64::from(k % 2) * LARGEST_ANGLE,
+                _ => f64::from(k.signum()) * 0.0,
+            });
+            let (sine, cosine) = x.sin_cos();
+            for lane in 0..L::WIDTH {
+                let expected = Real::sin_cos(x.lane(lane));
+                let found = (sine.lane(lane), cosine.lane(lane));
+                assert!(
+                    same(found.0, expected.0) && same(found.1, expected.1),
+                    "{:?}: {found:?} {expected:?}",
+                    x.lane(lane)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn sine_and_cosine_in_a_lane_are_those_of_one_number_to_the_bit() {
+        sines_are_those_of_one_number::<Lanes4>();
+        sines_are_those_of_one_number::<Lanes8>();
     }
 
     #[test]
