@@ -4,7 +4,8 @@ use mbd_scene::laws::{LineNumbers, Numbers};
 use std::sync::Arc;
 
 use mbd_scene::{
-    At, Float, Layout, Model, ParamError, Quantity, Real, Scene, Work, check_params, each_column,
+    At, Float, Layout, Model, ParamError, Quantity, Real, Scene, Work, check_params, check_tables,
+    each_column,
 };
 
 use crate::equations::SceneEquations;
@@ -226,8 +227,9 @@ impl<T: Float> Interpreted<T> {
     /// Traces a scene and evaluates its constants for `params` (SI, declaration order).
     ///
     /// # Errors
-    /// A parameter out of its range, not finite or missing; a mass or an inertia that no body has.
+    /// A parameter out of its range, not finite or missing; a mass or an inertia that no body has; a table that is none.
     pub fn new(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
+        check_tables(&scene)?;
         Self::from_equations(Arc::new(SceneEquations::trace(&scene)), params)
     }
 

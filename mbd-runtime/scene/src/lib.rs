@@ -62,7 +62,7 @@ pub use lines::LineKind;
 pub use model::{Model, StageInputs, StepEnd, StepStages, Work};
 pub use number::{plain, significant};
 pub use packed::Packed;
-pub use params::{ParamError, check_params, checked_numbers};
+pub use params::{ParamError, check_params, check_tables, checked_numbers};
 pub use placement::{
     AboutStart, BeyondReach, JointStart, PlacementError, PlacementReport, StartNumber,
     beyond_reach, place,

@@ -50,6 +50,13 @@ pub enum ParamError {
         /// What it must be.
         rule: &'static str,
     },
+    /// A table of a scene that was made or changed by a program is none.
+    Table {
+        /// The table and its number, `wind.x[2]`.
+        what: String,
+        /// What it must be.
+        rule: &'static str,
+    },
 }
 
 impl fmt::Display for ParamError {
@@ -83,6 +90,9 @@ impl fmt::Display for ParamError {
                 f,
                 "`{what}` is {value} with these params; it must be {rule}"
             ),
+            ParamError::Table { what, rule } => {
+                write!(f, "`{what}` of a table of this scene must be {rule}")
+            }
         }
     }
 }
@@ -131,6 +141,20 @@ pub fn checked_numbers<T: Float>(scene: &Scene, params: &[T]) -> Result<Numbers<
     let numbers = Numbers::new(scene, params);
     check_numbers(scene, &numbers)?;
     Ok(numbers)
+}
+
+/// Checks the tables of a scene: of one that was compiled from a declaration they are tables.
+///
+/// # Errors
+/// [`ParamError::Table`] of the first that is none.
+pub fn check_tables(scene: &Scene) -> Result<(), ParamError> {
+    for table in &scene.tables {
+        table.check().map_err(|(number, rule)| ParamError::Table {
+            what: format!("{}.{number}", table.name),
+            rule,
+        })?;
+    }
+    Ok(())
 }
 
 fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), ParamError> {

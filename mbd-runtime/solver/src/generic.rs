@@ -8,7 +8,8 @@ use std::sync::Arc;
 use mbd_scene::Arguments;
 use mbd_scene::laws::{LineNumbers, Numbers};
 use mbd_scene::{
-    At, Float, Layout, ParamError, Quantity, Scene, Scratch, Work, checked_numbers, double,
+    At, Float, Layout, ParamError, Quantity, Scene, Scratch, Work, check_tables, checked_numbers,
+    double,
 };
 
 use crate::laws::params_of;
@@ -43,6 +44,7 @@ impl LawRoom {
 impl<T: Float> Generic<T> {
     /// What [`Generic::new`] does.
     pub(crate) fn make(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
+        check_tables(&scene)?;
         let layout = Arc::new(Layout::new(&scene));
         Self::with(Arc::new(scene), layout, params)
     }

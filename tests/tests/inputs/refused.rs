@@ -1,8 +1,9 @@
 //! What a program gives that cannot be used: refused by its name, and nothing is written.
 
+use mbd_compiler::Interpreted;
 use mbd_runtime::{
-    Collapse, Content, LinearisationError, Options, ParamError, RunError, Sampling, Simulation,
-    StepError, Trajectory, TrimError, inverse_dynamics, linearise, model, trim,
+    Collapse, Content, Generic, LinearisationError, Options, ParamError, RunError, Sampling,
+    Simulation, StepError, Trajectory, TrimError, inverse_dynamics, linearise, model, trim,
 };
 
 model! {
@@ -16,6 +17,18 @@ model! {
         load by_hand on leaf = [push, 0, 0];
         output swing = pin.angle;
         metric most = max swing;
+    }
+}
+
+model! {
+    /// A sail in gusts.
+    model Sail {
+        units: si;
+        gravity: none;
+        table gust = { 0 s: 1 N, 1 s: 3 N, 2 s: 2 N };
+        body hull { mass: 2, inertia: diag(0.17, 0.17, 0.02) }
+        joint afloat: free from world to hull.com;
+        load wind on hull = [gust(time), 0, 0];
     }
 }
 
@@ -220,6 +233,30 @@ fn params_that_cannot_be_run_are_an_error_of_the_run() {
     );
     assert_eq!(error.cause.status(), "params");
     assert_eq!(error.progress.time, 0.1);
+}
+
+#[test]
+fn a_table_of_a_scene_that_a_program_changed_is_refused_where_it_is_none() {
+    let with = |x: [f64; 3], y: &[f64]| {
+        let mut scene = Sail::scene();
+        (scene.tables[0].x, scene.tables[0].y) = (x.to_vec(), y.to_vec());
+        let told = Generic::<f64>::with_defaults(scene.clone())
+            .map(drop)
+            .map_err(|error| error.to_string());
+        let interpreted = Interpreted::<f64>::new(scene, &[]).map(drop);
+        assert_eq!(told, interpreted.map_err(|error| error.to_string()));
+        told
+    };
+    assert_eq!(with([0.0, 1.0, 2.5], &[1.0, 3.0, 2.0]), Ok(()));
+    for (x, y, named) in [
+        ([0.0, 2.0, 1.0], &[1.0, 3.0, 2.0][..], "`gust.x[2]`"),
+        ([0.0, 1.0, f64::INFINITY], &[1.0, 3.0, 2.0], "`gust.x[2]`"),
+        ([0.0, 1.0, 2.0], &[1.0, 3.0], "`gust.y`"),
+        ([0.0, 1.0, 2.0], &[1.0, f64::NAN, 2.0], "`gust.y[1]`"),
+    ] {
+        let told = with(x, y).expect_err(named);
+        assert!(told.starts_with(named), "{told}");
+    }
 }
 
 #[test]
