@@ -74,10 +74,7 @@ impl SceneEquations {
             .filter(|&what| layout.spells_out(what))
             .filter(|&what| what != Quantity::MassMatrix || layout.len(what) <= WIDEST)
             .collect();
-        let ((constants, traced), graph) = session(|| {
-            let state = slots(layout.nx(), Slot::State);
-            trace(scene, &layout, &state, &wanted)
-        });
+        let ((constants, traced), graph) = session(|| trace(scene, &layout, &[], &wanted));
         let derived = derived(&graph, &traced);
         let outputs: Vec<(usize, Expr)> = derived.iter().copied().enumerate().collect();
         let places = TermPlaces::new(&graph, &derived, Slot::Derived);
@@ -273,26 +270,28 @@ pub fn of_origin(scene: &Scene) -> usize {
 #[must_use]
 pub(crate) fn vanishing_rates(scene: &Scene, layout: &Layout, zero: &[usize]) -> Vec<bool> {
     let (rates, _) = session(|| {
-        let mut state = slots(layout.nx(), Slot::State);
-        for &place in zero {
-            state[place] = Expr::zero();
-        }
-        let (_, traced) = trace(scene, layout, &state, &[Quantity::Derivative]);
+        let (_, traced) = trace(scene, layout, zero, &[Quantity::Derivative]);
         let outputs = traced.into_iter().flat_map(|traced| traced.outputs);
         outputs.map(|(_, rate)| rate.is_structural_zero()).collect()
     });
     rates
 }
 
-/// Runs the laws on symbols. The first list holds the terms of the constants.
+/// Runs the laws on symbols, some numbers of the state being zero. The first list holds the terms of the constants.
 fn trace(
     scene: &Scene,
     layout: &Layout,
-    state: &[Expr],
+    zero: &[usize],
     wanted: &[Quantity],
 ) -> (Vec<Term>, Vec<Traced>) {
     let params = slots(layout.np, Slot::Param);
     let (numbers, constants) = recorded(|| Numbers::new(scene, &params));
+    let mut state = slots(layout.nx(), Slot::State);
+    for &place in zero {
+        if let Some(number) = state.get_mut(place) {
+            *number = Expr::zero();
+        }
+    }
     let nodes = slots(3 * layout.nodes.len(), Slot::Node);
     let effective = slots(layout.effective_numbers, Slot::Effective);
     let mut hold = slots(layout.holds(), Slot::Hold);
@@ -310,7 +309,7 @@ fn trace(
     let motion = slots(layout.nv + layout.nc, Slot::Motion);
     let at = At {
         time: Expr::slot(Slot::Time),
-        state,
+        state: &state,
         nodes: &nodes,
         effective: &effective,
         hold: &hold,

@@ -130,8 +130,13 @@ fn kernels_are_named_after_what_they_do() {
         "rod_forward",
         "rod_projection_step",
     ] {
-        assert!(text.contains(&format!("fn {name}<")), "{name}");
+        assert!(text.contains(&format!("fn {name}(")), "{name}");
     }
+    // Over any scalar they say so, and nothing else differs but how known numbers are written.
+    let over_any = chain.replace("model Chain", "model Chain<T>");
+    let over_any = formatted(emit(&read_text(&over_any)));
+    assert!(over_any.contains("fn rod_motion<T: ::mbd_runtime::Real>("));
+    assert!(text.contains("type T = f64;") && !over_any.contains("type T"));
 }
 
 #[test]

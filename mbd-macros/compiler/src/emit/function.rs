@@ -4,9 +4,10 @@ use mbd_scene::Quantity;
 use proc_macro2::TokenStream;
 
 use super::kernel;
-use super::literal::{digits, document, number_text};
+use super::literal::{digits, document};
 use super::naming::flat_names;
 use super::quantity;
+use super::scalars::{Scalar, Scalars};
 use super::terms::{Terms, lets};
 use crate::equations::{SceneEquations, is_matrix};
 use crate::kernels::Kernels;
@@ -21,7 +22,7 @@ use crate::titles::headings;
 /// blocks, `fn name<T: Real>(lists it reads, work, out) -> bool`.
 pub fn function(
     equations: &SceneEquations,
-    kernels: &Kernels,
+    (kernels, scalars): (&Kernels, &Scalars),
     (index, program): (usize, &Program),
     name: &str,
     docs: &[String],
@@ -32,21 +33,23 @@ pub fn function(
     }
     out.push_str("#[inline(never)] fn ");
     out.push_str(name);
-    out.push_str("<T: ::mbd_runtime::Real>(");
+    let scalar = scalars.of_program(index);
+    out.push_str(scalar.generics());
+    out.push('(');
     let together = kernels.solution.as_ref();
     let together = together.and_then(|solution| Some((solution, solution.member(index)?)));
     match (kernels.drivers.get(index), together) {
         (Some(Some(driver)), _) => {
-            kernel::driver(equations, program, (kernels, driver), &mut out);
+            kernel::driver(equations, (program, scalar), (kernels, driver), &mut out);
         }
         (_, Some((solution, (place, _)))) => member(equations, solution, program, place, &mut out),
-        _ => flat(equations, program, &mut out),
+        _ => flat(equations, (program, scalar), &mut out),
     }
     tokens(&out)
 }
 
 /// The function of the quantities that are found together. rustc takes it into the function of each and leaves out what that does not need.
-pub fn solution(equations: &SceneEquations, solution: &Solution) -> TokenStream {
+pub fn solution(equations: &SceneEquations, scalars: &Scalars, solution: &Solution) -> TokenStream {
     let mut out = String::new();
     let (scene, layout) = (&equations.scene, &equations.layout);
     let names: Vec<String> = solution
@@ -57,7 +60,9 @@ pub fn solution(equations: &SceneEquations, solution: &Solution) -> TokenStream 
     let what = format!(" The system solved once: {}.", names.join(", "));
     document(&mut out, &what);
     document(&mut out, &format!(" {}.", solution.program.cost()));
-    out.push_str("#[inline(always)] fn solution<T: ::mbd_runtime::Real>(");
+    out.push_str("#[inline(always)] fn solution");
+    out.push_str(scalars.of_model().generics());
+    out.push('(');
     let lists = ProgramArguments::of(&solution.program, layout).0;
     taken((equations, &solution.program), &lists, &mut out);
     let members = solution.members.iter().zip(&names);
@@ -71,7 +76,8 @@ pub fn solution(equations: &SceneEquations, solution: &Solution) -> TokenStream 
         .iter()
         .map(|member| (member.begin, member.what))
         .collect();
-    let terms = body(equations, &solution.program, &parts, &mut out);
+    let program = (&solution.program, scalars.of_model());
+    let terms = body(equations, program, &parts, &mut out);
     let values = results(&solution.program, &terms);
     for (member, name) in members {
         let own = member.begin..member.begin + member.len;
@@ -97,14 +103,14 @@ fn member(
     let all = ProgramArguments::of(&solution.program, &equations.layout);
     let passed = |&group: &NumberList| match group {
         group if own.reads(group) => group.name().to_owned(),
-        NumberList::Time => "T::zero()".to_owned(),
-        group => format!("&[T::zero(); {}]", group.len(equations, None)),
+        NumberList::Time => "T::from_f64(0.0)".to_owned(),
+        group => format!("&[T::from_f64(0.0); {}]", group.len(equations, None)),
     };
     let passed = all.0.iter().map(passed);
     let written = solution.members.iter().enumerate();
     let written = written.map(|(index, member)| match index == place {
         true => "out".to_owned(),
-        false => format!("&mut [T::zero(); {}]", member.len),
+        false => format!("&mut [T::from_f64(0.0); {}]", member.len),
     });
     let passed: Vec<String> = passed.chain(written).collect();
     out.push_str(&format!(
@@ -137,7 +143,7 @@ pub fn taken(
     }
 }
 
-fn flat(equations: &SceneEquations, program: &Program, out: &mut String) {
+fn flat(equations: &SceneEquations, (program, scalar): (&Program, Scalar), out: &mut String) {
     let arguments = ProgramArguments::of(program, &equations.layout);
     taken((equations, program), &arguments.0, out);
     out.push_str("out: &mut [T; ");
@@ -145,7 +151,7 @@ fn flat(equations: &SceneEquations, program: &Program, out: &mut String) {
     out.push_str("]) {\n");
     let whole = program.what.filter(|_| program.by_column.is_none());
     let parts: Vec<(usize, Quantity)> = whole.map(|what| (0, what)).into_iter().collect();
-    let terms = body(equations, program, &parts, out);
+    let terms = body(equations, (program, scalar), &parts, out);
     returned(program, &terms, out);
     out.push('}');
 }
@@ -153,7 +159,7 @@ fn flat(equations: &SceneEquations, program: &Program, out: &mut String) {
 /// What a function reads, knows and computes; the names of all that. `parts`: what the result holds from which place on.
 fn body(
     equations: &SceneEquations,
-    program: &Program,
+    (program, scalar): (&Program, Scalar),
     parts: &[(usize, Quantity)],
     out: &mut String,
 ) -> Terms {
@@ -171,13 +177,14 @@ fn body(
     }
     let all: Vec<usize> = (0..ops.len()).collect();
     let terms = Terms {
+        scalar,
         headings: headings(equations, program, &all, &lets),
         ops,
         given: names.given,
         constants: names.constants,
         values: names.values,
     };
-    constants(&program.constants, &terms.constants, out);
+    constants(scalar, &program.constants, &terms.constants, out);
     terms.write(out);
     terms
 }
@@ -221,14 +228,17 @@ fn list(
     out.push_str(";\n");
 }
 
-/// `let half = T::from_f64(0.5);` for each known number.
-pub fn constants(values: &[f64], names: &[String], out: &mut String) {
+/// `let half = T::from_f64(0.5);`, or `let half: T = 0.5;`, for each known number.
+pub fn constants(scalar: Scalar, values: &[f64], names: &[String], out: &mut String) {
     for (&value, name) in values.iter().zip(names) {
         out.push_str("let ");
         out.push_str(name);
-        out.push_str(" = T::from_f64(");
-        out.push_str(&number_text(value));
-        out.push_str(");\n");
+        out.push_str(match scalar {
+            Scalar::Any => " = ",
+            Scalar::Double => ": T = ",
+        });
+        out.push_str(&scalar.number(value));
+        out.push_str(";\n");
     }
 }
 

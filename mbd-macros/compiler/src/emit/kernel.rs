@@ -10,6 +10,7 @@ use proc_macro2::TokenStream;
 use super::function::{constants, taken, tokens};
 use super::literal::{digits, document, number_text};
 use super::naming::kernel_names;
+use super::scalars::{Scalar, Scalars};
 use super::terms::{Terms, lets};
 use crate::equations::SceneEquations;
 use crate::kernels::{Kernel, KernelDriver, Kernels, ResultPlaces, Window};
@@ -20,17 +21,18 @@ use crate::strided::{RoundItem, StridedRun};
 use crate::titles::headings;
 
 /// Every kernel of a model.
-pub fn kernels(equations: &SceneEquations, kernels: &Kernels) -> TokenStream {
+pub fn kernels(equations: &SceneEquations, kernels: &Kernels, scalars: &Scalars) -> TokenStream {
     let programs: Vec<&Program> = equations.every_program().collect();
     let mut out = String::new();
-    for kernel in &kernels.kernels {
+    for (index, kernel) in kernels.kernels.iter().enumerate() {
         let (program, block) = kernel.first;
+        let scalar = scalars.of_kernel(index);
         let driver = kernels.drivers.get(program).and_then(Option::as_ref);
         let program = programs.get(program).zip(driver);
         let program = program.map(|(program, driver)| driver.program(program));
         let block = driver.and_then(|driver| driver.blocks.get(block));
         if let (Some(program), Some(block)) = (program, block) {
-            write(equations, program, kernel, block, &mut out);
+            write(equations, program, (kernel, scalar), block, &mut out);
         }
     }
     tokens(&out)
@@ -39,7 +41,7 @@ pub fn kernels(equations: &SceneEquations, kernels: &Kernels) -> TokenStream {
 fn write(
     equations: &SceneEquations,
     program: &Program,
-    kernel: &Kernel,
+    (kernel, scalar): (&Kernel, Scalar),
     block: &ProgramBlock,
     out: &mut String,
 ) {
@@ -60,6 +62,7 @@ fn write(
         _ => Vec::new(),
     };
     let terms = Terms {
+        scalar,
         headings,
         ops: block.pattern.clone(),
         given: names.given,
@@ -67,10 +70,8 @@ fn write(
         values: names.values,
     };
     document(out, &documentation(program, kernel, block));
-    out.push_str(&format!(
-        "#[inline(never)] fn {}<T: ::mbd_runtime::Real>(",
-        kernel.name
-    ));
+    let generics = scalar.generics();
+    out.push_str(&format!("#[inline(never)] fn {}{generics}(", kernel.name));
     for (window, name) in kernel.windows.iter().zip(&windows) {
         out.push_str(&format!("{name}: &[T; {}], ", window.len));
     }
@@ -88,14 +89,14 @@ fn write(
     } else {
         let known = block.constants.iter();
         let known = known.filter_map(|&register| constant(program, register));
-        constants(&known.collect::<Vec<f64>>(), &terms.constants, out);
+        constants(scalar, &known.collect::<Vec<f64>>(), &terms.constants, out);
     }
     terms.write(out);
     out.push_str("*own = [");
     let results: Vec<&str> = block.results.iter().map(|&at| terms.name(at)).collect();
     out.push_str(&results.join(", "));
     out.push_str("];\n}\n");
-    at_places(kernel, block, &windows, out);
+    at_places((kernel, scalar), block, &windows, out);
 }
 
 /// `let &[wx, _, wz] = from_0;`: what is read of a window.
@@ -110,15 +111,20 @@ fn taken_from(window: &Window, given: &[String], name: &str, out: &mut String) {
 }
 
 /// The kernel at places of a working list. Where these are known when the driver is compiled, nothing is left of it but the call.
-fn at_places(kernel: &Kernel, block: &ProgramBlock, windows: &[String], out: &mut String) {
-    let name = &kernel.name;
+fn at_places(
+    (kernel, scalar): (&Kernel, Scalar),
+    block: &ProgramBlock,
+    windows: &[String],
+    out: &mut String,
+) {
+    let (name, generics) = (&kernel.name, scalar.generics());
     document(out, &format!(" [`{name}`] at places of `work`."));
     let places: Vec<&str> = ["begin"]
         .into_iter()
         .chain(windows.iter().map(String::as_str))
         .collect();
     out.push_str(&format!(
-        "#[inline(always)] fn {name}_at<T: ::mbd_runtime::Real>(work: &mut [T], [{}]: [usize; {}]",
+        "#[inline(always)] fn {name}_at{generics}(work: &mut [T], [{}]: [usize; {}]",
         places.join(", "),
         places.len()
     ));
@@ -167,7 +173,7 @@ fn documentation(program: &Program, kernel: &Kernel, block: &ProgramBlock) -> St
 /// The function of a program in blocks, from its arguments on.
 pub fn driver(
     equations: &SceneEquations,
-    program: &Program,
+    (program, scalar): (&Program, Scalar),
     (kernels, driver): (&Kernels, &KernelDriver),
     out: &mut String,
 ) {
@@ -201,9 +207,7 @@ pub fn driver(
     }
     if !driver.kept.is_empty() {
         let values = driver.kept.iter().filter_map(|&r| constant(program, r));
-        let values: Vec<String> = values
-            .map(|value| format!("T::from_f64({})", number_text(value)))
-            .collect();
+        let values: Vec<String> = values.map(|value| scalar.number(value)).collect();
         let values = values.join(", ");
         steps.call(format!(
             "::mbd_runtime::__private::enter(work, {}, &[{values}])",

@@ -22,6 +22,7 @@ mod model;
 pub mod naming;
 mod parts;
 pub mod quantity;
+mod scalars;
 mod terms;
 mod wording;
 

@@ -12,6 +12,7 @@ use super::kernel;
 use super::literal::{number, readable, whole};
 use super::methods::methods;
 use super::quantity;
+use super::scalars::Scalars;
 use crate::equations::is_matrix;
 use crate::lists::{NumberList, ProgramArguments};
 use crate::program::Program;
@@ -57,11 +58,12 @@ fn declaration(context: &EmitContext) -> TokenStream {
 fn hidden(context: &EmitContext) -> TokenStream {
     let equations = context.equations;
     let kernels = &context.kernels;
-    let parts = kernel::kernels(equations, kernels);
+    let scalars = Scalars::of(context);
+    let parts = kernel::kernels(equations, kernels, &scalars);
     let solution = kernels
         .solution
         .as_ref()
-        .map(|found| solution(equations, found));
+        .map(|found| solution(equations, &scalars, found));
     let functions = equations
         .programs
         .iter()
@@ -75,11 +77,11 @@ fn hidden(context: &EmitContext) -> TokenStream {
             }
             text.push(format!("{}.", program.cost()));
             let text: Vec<String> = text.into_iter().map(|line| format!(" {line}")).collect();
-            function(equations, kernels, (index, program), &name, &text)
+            function(equations, (kernels, &scalars), (index, program), &name, &text)
         });
     let derived = function(
         equations,
-        kernels,
+        (kernels, &scalars),
         (equations.programs.len(), &equations.derived),
         DERIVED,
         &[" Terms of the parameters alone, computed once.".to_owned()],
@@ -88,7 +90,7 @@ fn hidden(context: &EmitContext) -> TokenStream {
         let text = " Rates of the coordinates: `q̇ = N(q) v`.".to_owned();
         function(
             equations,
-            kernels,
+            (kernels, &scalars),
             (equations.programs.len() + 1, program),
             KINEMATICS,
             &[text, format!(" {}.", program.cost())],
@@ -107,7 +109,7 @@ fn hidden(context: &EmitContext) -> TokenStream {
             ];
             function(
                 equations,
-                kernels,
+                (kernels, &scalars),
                 (first + k, program),
                 &values_of(&column),
                 &text,
@@ -119,7 +121,9 @@ fn hidden(context: &EmitContext) -> TokenStream {
         methods(context),
         execution::implementation(context),
     );
+    let alias = scalars.alias();
     quote! {
+        #alias
         #construction
         #methods
         #constants

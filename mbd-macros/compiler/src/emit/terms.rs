@@ -3,6 +3,7 @@
 //! Text, not tokens: a macro is seldom optimised, and the compiler that runs it reads text faster than it takes tokens one by one.
 
 use super::literal::document;
+use super::scalars::Scalar;
 use crate::operation::{Binary, Comparison, Fused, Op, Unary};
 use crate::partition::Local;
 
@@ -17,6 +18,8 @@ const CALL: u8 = 4;
 
 /// The operations of one function and the names in it.
 pub struct Terms {
+    /// What they are operations of.
+    pub scalar: Scalar,
     /// Each operation, arguments counted inside the function.
     pub ops: Vec<Op<Local>>,
     /// Names of the numbers from outside.
@@ -90,9 +93,9 @@ impl Terms {
                     out.push_str(&name(cos).unwrap_or_default());
                     out.push_str(") = ");
                     if let Op::Unary(_, angle) = op {
-                        self.argument(out, angle, CALL);
+                        self.of_scalar(out, "sin_cos", &[angle]);
                     }
-                    out.push_str(".sin_cos();\n");
+                    out.push_str(";\n");
                 }
                 Some(_) => {}
                 None => {
@@ -160,17 +163,23 @@ impl Terms {
                 out.push('-');
                 self.argument(out, a, CALL);
             }
+            Op::Unary(Unary::Sin, a) => {
+                self.of_scalar(out, "sin_cos", &[a]);
+                out.push_str(".0");
+            }
+            Op::Unary(Unary::Cos, a) => {
+                self.of_scalar(out, "sin_cos", &[a]);
+                out.push_str(".1");
+            }
             Op::Unary(kind, a) => {
                 self.argument(out, a, CALL);
                 out.push_str(match kind {
                     Unary::Sqrt => ".sqrt()",
-                    Unary::Sin => ".sin_cos().0",
-                    Unary::Cos => ".sin_cos().1",
                     Unary::Exp => ".exp()",
                     Unary::Ln => ".ln()",
                     Unary::Tanh => ".tanh()",
                     Unary::Floor => ".floor()",
-                    Unary::Abs | Unary::Neg => ".abs()",
+                    _ => ".abs()",
                 });
             }
             Op::Binary(Binary::Add, a, b) => self.between(out, a, (SUM, " + ", PRODUCT), b),
@@ -178,8 +187,8 @@ impl Terms {
             Op::Binary(Binary::Mul, a, b) => self.between(out, a, (PRODUCT, " * ", SIGN), b),
             Op::Binary(Binary::Div, a, b) => self.between(out, a, (PRODUCT, " / ", SIGN), b),
             Op::Binary(Binary::Atan2, a, b) => self.method(out, a, ".atan2(", b),
-            Op::Binary(Binary::Min, a, b) => self.method(out, a, ".min(", b),
-            Op::Binary(Binary::Max, a, b) => self.method(out, a, ".max(", b),
+            Op::Binary(Binary::Min, a, b) => self.of_scalar(out, "min", &[a, b]),
+            Op::Binary(Binary::Max, a, b) => self.of_scalar(out, "max", &[a, b]),
             Op::Fused(kind, a, b, c) => self.fused(out, kind, [a, b], c),
             Op::Compare(Comparison::Lt, a, b) => self.method(out, a, ".lt(", b),
             Op::Compare(Comparison::Le, a, b) => self.method(out, a, ".le(", b),
@@ -193,6 +202,17 @@ impl Terms {
         self.argument(out, a, sign.0);
         out.push_str(sign.1);
         self.argument(out, b, sign.2);
+    }
+
+    /// A function that `f64` has of its own by the same name, which differs: its sine in the last digit, its minimum where a number is none.
+    fn of_scalar(&self, out: &mut String, function: &str, arguments: &[Local]) {
+        match (self.scalar, arguments) {
+            (Scalar::Any, [first, rest @ ..]) => {
+                self.argument(out, *first, CALL);
+                self.call(out, &format!(".{function}("), rest);
+            }
+            _ => self.call(out, &format!("::mbd_runtime::Real::{function}("), arguments),
+        }
     }
 
     fn method(&self, out: &mut String, a: Local, method: &str, b: Local) {
@@ -248,9 +268,14 @@ mod tests {
     use super::*;
 
     fn written(ops: &[Op<Local>], results: &[usize]) -> String {
+        written_of(Scalar::Any, ops, results)
+    }
+
+    fn written_of(scalar: Scalar, ops: &[Op<Local>], results: &[usize]) -> String {
         let lets = lets(ops, |_| false, results);
         let name = |(index, &has): (usize, &bool)| has.then(|| format!("t{index}"));
         let terms = Terms {
+            scalar,
             ops: ops.to_vec(),
             given: ["a", "b", "c"].map(str::to_owned).to_vec(),
             constants: vec!["half".to_owned()],
@@ -308,6 +333,19 @@ mod tests {
         ];
         let text = "let t0 = half * a;\nlet (t2, t1) = t0.sin_cos();\nlet t3 = t1 * t2;\nlet t5 = T::select(t3.lt(b), t3, c);\n";
         assert_eq!(written(&ops, &[5]), text);
+    }
+
+    #[test]
+    fn functions_that_f64_has_otherwise_are_those_of_the_scalar() {
+        let ops = [
+            Op::Unary(Unary::Sin, A),
+            Op::Unary(Unary::Sqrt, value(0)),
+            Op::Binary(Binary::Max, value(1), B),
+        ];
+        let text = "let t0 = ::mbd_runtime::Real::sin_cos(a).0;\nlet t2 = ::mbd_runtime::Real::max(t0.sqrt(), b);\n";
+        assert_eq!(written_of(Scalar::Double, &ops, &[2]), text);
+        let text = "let t0 = a.sin_cos().0;\nlet t2 = t0.sqrt().max(b);\n";
+        assert_eq!(written(&ops, &[2]), text);
     }
 
     #[test]
