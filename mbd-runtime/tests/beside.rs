@@ -313,6 +313,161 @@ fn lines_between_masses_that_go_slack_are_what_they_are_alone() {
     );
 }
 
+/// One tight and one loose.
+fn stiff() -> [Options; 2] {
+    [Options::rodas5p(1e-4), Options::rodas5p(1e-7)]
+}
+
+model! {
+    /// A capsule that swings below a canopy; their lines meet in a point of little mass, and go slack where it is thrown up.
+    pub model Swinging<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param m_point = 0.1 kg in 0.01 kg ..= 10.0 kg;
+        param stiffness = 20 kN/m in 1 kN/m ..= 100 kN/m;
+        param damping = 20 N*s/m in 0 N*s/m ..= 1000 N*s/m;
+        input wind: speed;
+        body canopy {
+            mass: 8.0 kg,
+            inertia: diag(4.0, 4.0, 6.0) kg*m^2,
+            frame left at [-1.0, 0.3, -0.2] m,
+            frame right at [1.0, 0.3, -0.2] m,
+            frame back at [0.0, -1.0, -0.2] m,
+        }
+        body capsule {
+            mass: 40.0 kg,
+            inertia: diag(3.0, 2.0, 2.5) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
+        joint canopy_free: free from world to canopy.com;
+        joint capsule_free: free from world to capsule.com;
+        point confluence { mass: m_point }
+        line left from canopy.left to confluence {
+            free_length: 2.0 m, stiffness: stiffness, damping: damping,
+        }
+        line right from canopy.right to confluence {
+            free_length: 2.0 m, stiffness: stiffness, damping: damping,
+        }
+        line back from canopy.back to confluence {
+            free_length: 2.0 m, stiffness: stiffness, damping: damping,
+        }
+        line riser from confluence to capsule.top {
+            free_length: 1.0 m, stiffness: stiffness, damping: damping,
+        }
+        load drag on canopy = -30 kg/m
+            * norm(canopy.velocity - [wind, 0.0, 0.0]) * (canopy.velocity - [wind, 0.0, 0.0]);
+        event fast = capsule.position.z falls -6.0 m { set: stiffness = 25 kN/m }
+        output pull = riser.tension;
+        metric peak = max riser.tension;
+        metric loud = time_above riser.tension { level: 400 N };
+    }
+}
+
+#[test]
+fn stiff_steps_of_a_light_point_between_lines_are_what_they_are_alone() {
+    let swinging = Swinging::new(SwingingParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..9_u32).map(|k| {
+            let k = f64::from(k);
+            let mut start = SwingingState::at_origin();
+            let upright = |position: [f64; 3], velocity: [f64; 3]| mbd_runtime::BodyState {
+                position,
+                orientation: [1.0, 0.0, 0.0, 0.0],
+                velocity,
+                angular_velocity: [0.02 * k, -0.1, 0.03 * k],
+            };
+            start.set_canopy(upright([0.0, 0.0, 0.0], [0.1 * k, 0.0, -2.0]));
+            start.set_capsule(upright([0.0, 0.0, -3.52], [0.0, 0.05 * k, 0.3 - 0.2 * k]));
+            start.set_confluence(mbd_runtime::PointState {
+                position: [0.0, 0.0, -1.95],
+                velocity: [0.0, 0.0, -0.2 * k],
+            });
+            Case::new()
+                .params([0.05 + 0.05 * k, 15e3 + 1e3 * k, 40.0 + 10.0 * k])
+                .inputs(&SwingingInputs { wind: 0.5 * k })
+                .state(0.03 * (k % 5.0), start.to_vec())
+        })
+    };
+    assert_same_bits(&swinging, &[Options::rodas5p(1e-4)], 0.5, cases);
+}
+
+#[test]
+fn stiff_steps_that_are_rejected_pass_events_and_switches_are_what_they_are_alone() {
+    let stone = Stone::new(StoneParams::default())
+        .expect("params")
+        .in_lanes();
+    let stones = || {
+        (0..21_u32).map(|k| {
+            let k = f64::from(k);
+            let start = vec![0.3, -0.1 * k, 30.0 + k, 4.0, 1.0 + k, 5.0 - k];
+            Case::new()
+                .params([0.4 + 0.3 * k, 0.01 * k])
+                .inputs(&StoneInputs { push: 0.1 * k })
+                .state(0.05 * (k % 7.0), start)
+        })
+    };
+    assert_same_bits(&stone, &stiff(), 0.5, stones);
+    let bob = Bob::new(BobParams::default()).expect("params").in_lanes();
+    let bobs = || (1..12_u32).map(|k| Case::new().params([0.3 * f64::from(k)]));
+    assert_same_bits(&bob, &stiff(), 0.3, bobs);
+    let tumbler = Tumbler::new(TumblerParams::default())
+        .expect("params")
+        .in_lanes();
+    let tumblers = || {
+        (0..10_u32).map(|k| {
+            let mut start = vec![0.0; 13];
+            (start[3], start[11], start[12]) = (1.0, 2.0 + f64::from(k), 0.01);
+            Case::new().state(0.0, start)
+        })
+    };
+    assert_same_bits(&tumbler, &stiff(), 0.9, tumblers);
+}
+
+#[test]
+fn stiff_steps_whose_derivatives_are_more_than_a_partial_one_are_made_alone() {
+    // ∂f/∂t; accelerations that are solved for; a knot without mass.
+    let pushed = Pushed::new(PushedParams::default())
+        .expect("params")
+        .in_lanes();
+    let chain = Chain::new(ChainParams::default())
+        .expect("params")
+        .in_lanes();
+    let lamp = Lamp::new(LampParams::default()).expect("params").in_lanes();
+    for model in [&pushed, &chain, &lamp] {
+        let fly = |lanes| {
+            let cases = (0..3).map(|_| Case::new());
+            let sampling = Sampling::Every(0.1);
+            fly(model, Options::rodas5p(1e-5), sampling, cases, (1, lanes))
+        };
+        let (alone, beside) = (fly(1), fly(4));
+        assert_eq!(bits(&alone), bits(&beside));
+        assert!(beside.iter().all(|it| it.result.is_ok() && it.beside == 0));
+    }
+}
+
+#[test]
+fn a_stiff_case_that_fails_disturbs_none_beside_it() {
+    let bob = Bob::new(BobParams::default()).expect("params").in_lanes();
+    let fly = |lanes: usize| {
+        let cases = (0..9_u32).map(|k| match k {
+            // At the place that its line goes to, where that has no direction; speeds whose squares overflow.
+            3 => Case::new().state(0.0, vec![0.0, 0.0, 0.9, 0.0, 0.0, 1e200]),
+            5 => Case::new().state(0.0, vec![1e160, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            k => Case::new().params([0.3 + 0.2 * f64::from(k)]),
+        });
+        let sampling = Sampling::Steps;
+        fly(&bob, Options::rodas5p(1e-5), sampling, cases, (1, lanes))
+    };
+    let (alone, beside) = (fly(1), fly(4));
+    assert_eq!(bits(&alone), bits(&beside));
+    let failed = beside.iter().filter(|it| it.result.is_err());
+    let failed: Vec<usize> = failed.map(|it| it.case).collect();
+    println!("{failed:?}");
+    assert!(!failed.is_empty());
+    assert!(beside.iter().any(|it| it.beside > 0));
+}
+
 #[test]
 fn a_case_that_fails_explodes_or_panics_disturbs_none_beside_it() {
     let stone = Stone::new(StoneParams::default())

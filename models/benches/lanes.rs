@@ -12,8 +12,8 @@ use mbd_runtime::{
     Sampling, model,
 };
 use models::parachute::scene::{
-    ParachuteRate, ParachuteRateParams, ParachuteStepwise, ParachuteStepwiseParams, SceneInstant,
-    TestCase,
+    ParachuteMass, ParachuteMassParams, ParachuteRate, ParachuteRateParams, ParachuteStepwise,
+    ParachuteStepwiseParams, SceneInstant, TestCase,
 };
 use models::parachute::variant::state;
 
@@ -151,6 +151,10 @@ fn parachutes(criterion: &mut Criterion) {
     let rate = rate.expect("params").in_lanes();
     let options = Options::tsit5(1e-6);
     flights(criterion, "rate node, Tsit5 1e-6", &rate, options);
+    let mass = ParachuteMass::new(ParachuteMassParams::default());
+    let mass = mass.expect("params").in_lanes();
+    let options = Options::rodas5p(1e-4);
+    flights(criterion, "point of 0.1 kg, Rodas5P 1e-4", &mass, options);
 }
 
 fn all(criterion: &mut Criterion) {

@@ -280,7 +280,7 @@ impl<T: Float> Simulation<T> {
             .method
             .end_early(&mut self.system, self.time, size, &self.state)?;
         if ends {
-            self.attempted = size;
+            (self.attempted, self.beside) = (size, false);
         }
         Ok(ends)
     }

@@ -171,7 +171,7 @@ pub struct Simulation<T: Float> {
     /// When what acts with time alone is hidden from fixed steps [s].
     hidden: Option<f64>,
     /// Whether the attempted step was one of those, and whether the last accepted one was, and nothing was changed since.
-    beside: bool,
+    pub(crate) beside: bool,
     stays: bool,
     /// Whether the attempted step was one of those, of which nothing but the end was taken over.
     lacks_stages: bool,

@@ -568,7 +568,12 @@ impl Scene {
     /// does not change.
     #[must_use]
     pub fn reads_time(&self) -> bool {
-        format!("{self:?}").contains(&format!("{:?}", Formula::Time))
+        let (text, word) = (format!("{self:?}"), format!("{:?}", Formula::Time));
+        let goes_on = |letter: char| letter.is_alphanumeric() || letter == '_';
+        // `TimeAbove` of a metric is another word.
+        let parts: Vec<&str> = text.split(&word).collect();
+        let mut pairs = parts.iter().zip(parts.iter().skip(1));
+        pairs.any(|(before, after)| !before.ends_with(goes_on) && !after.starts_with(goes_on))
     }
 }
 

@@ -147,7 +147,8 @@ impl<'b, T: Scalar, I> Batch<'b, T, I> {
     ///
     /// In lanes are the steps of explicit methods in which nothing happens, of models that have their equations over lanes at hand
     /// ([`InLanes`](crate::InLanes)), without rows of joints and without inputs that are functions of time and state, whose equilibrium points, if
-    /// there are any, are `rate` nodes on lines that span space. Every other step is made by its case alone:
+    /// there are any, are `rate` nodes on lines that span space; and those of the stiff method of such models of bodies and points in which nothing
+    /// reads time and no point is one of equilibrium. Every other step is made by its case alone:
     /// [`Finished::beside`] tells how many were not.
     #[must_use]
     pub fn lanes(mut self, lanes: usize) -> Self {

@@ -34,7 +34,7 @@ pub(crate) use rattle::{Rattle, Reversible};
 pub(crate) use resolution::Resolution;
 pub(crate) use rk4::RK4;
 pub(crate) use rodas5p::RODAS5P;
-pub(crate) use rosenbrock::Rosenbrock;
+pub(crate) use rosenbrock::{Rosenbrock, StiffCount};
 pub(crate) use shifted::Attached;
 pub(crate) use stepper::{Family, Stepper};
 pub(crate) use stiffness_test::{StiffnessTest, fastest};
@@ -90,6 +90,16 @@ pub(crate) trait Rates<T> {
         by_state: &mut [T],
         by_time: &mut [T],
     ) -> Result<(), StepError>;
+
+    /// The same where it is counted already: it was made elsewhere, and is asked for after all.
+    fn differentiate_again(
+        &mut self,
+        time: f64,
+        state: &[T],
+        (by_state, by_time): (&mut [T], &mut [T]),
+    ) -> Result<(), StepError> {
+        self.differentiate(time, state, by_state, by_time)
+    }
 
     /// The matrix of a step was factored.
     fn factored(&mut self) {}

@@ -14,7 +14,7 @@
 //!
 //! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.7.
 
-use mbd_scene::Float;
+use mbd_scene::{Float, Real};
 
 use super::Rates;
 use super::shifted::{Attached, Shifted};
@@ -184,6 +184,28 @@ const fn product<const R: usize, const S: usize>(
     found
 }
 
+/// Whether derivatives are known at the start of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Known {
+    /// They are not.
+    No,
+    /// They were found beside those of other runs, and are counted.
+    Elsewhere,
+    /// They are.
+    Yes,
+}
+
+/// What a step that was made elsewhere counts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StiffCount {
+    /// Derivatives that were not known yet.
+    pub jacobian: bool,
+    /// A factor.
+    pub factor: bool,
+    /// Rates.
+    pub rates: usize,
+}
+
 /// A method with the storage of its stages.
 #[derive(Clone, Debug)]
 pub(crate) struct Rosenbrock<T> {
@@ -199,7 +221,9 @@ pub(crate) struct Rosenbrock<T> {
     by_state: Vec<T>,
     by_time: Vec<T>,
     /// Whether the derivatives are those at the start of the step.
-    known: bool,
+    known: Known,
+    /// The shift of the last factor that was made of them, wherever.
+    factored: Option<T>,
     /// U_i, one after the other.
     stages: Vec<T>,
     /// Σ m_j U_j, then Σ d_1j U_j, …, one after the other.
@@ -213,7 +237,7 @@ pub(crate) struct Rosenbrock<T> {
     next: Vec<T>,
 }
 
-impl<T: Float> Rosenbrock<T> {
+impl<T: Real> Rosenbrock<T> {
     /// Storage for states of a given length, the first of whose numbers are attached to others, and of whose last nothing depends on `behind`.
     pub(crate) fn new<const S: usize, const D: usize>(
         tableau: &RosenbrockTableau<S, D>,
@@ -240,7 +264,8 @@ impl<T: Float> Rosenbrock<T> {
             matrix: Shifted::new(length, attached, behind),
             by_state: vec![T::zero(); length * length],
             by_time: room(),
-            known: false,
+            known: Known::No,
+            factored: None,
             stages: vec![T::zero(); S * length],
             sums: vec![T::zero(); (D + 1) * length],
             made: f64::NAN,
@@ -252,6 +277,169 @@ impl<T: Float> Rosenbrock<T> {
         }
     }
 
+    /// A at the start of a step, to be written; the rest of it is [`Rosenbrock::take_slopes`].
+    pub(crate) fn slopes_mut(&mut self) -> &mut [T] {
+        &mut self.by_state
+    }
+
+    /// Takes up A of rates that say nothing of time, as it was written.
+    pub(crate) fn take_slopes(&mut self, state: &[T]) {
+        self.matrix.along_units(state, &mut self.by_state);
+        self.matrix.forget();
+    }
+
+    /// The stages of a step by (1), and the state at its end by (2): the time `from` and the step `over` are in a scalar of their own, which `number` makes one
+    /// of the state; `rates` is told when a stage is and how long after the start of the step, and writes the rates at its state.
+    ///
+    /// # Errors
+    /// The first of `rates`.
+    pub(crate) fn stages<C: Real, E>(
+        &mut self,
+        [from, over]: [C; 2],
+        number: impl Fn(C) -> T,
+        state: &[T],
+        mut rates: impl FnMut([C; 2], &[T], &mut [T]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let rate = number(C::one() / over);
+        for (i, ([c, d], [a, terms])) in self.rows.iter().enumerate() {
+            let (done, rest) = self.stages.split_at_mut(i * self.length);
+            let (stage, _) = rest.split_at_mut(self.length);
+            if i == 0 {
+                stage.copy_from_slice(&self.first);
+            } else {
+                self.trial.copy_from_slice(state);
+                add(a, done, &mut self.trial);
+                let span = C::from_f64(*c) * over;
+                self.matrix.shorten(&mut self.trial);
+                rates([from + span, span], &self.trial, stage)?;
+                self.matrix.lengthen(stage);
+            }
+            let mut weights = [T::zero(); MOST_STAGES];
+            for (weight, term) in weights.iter_mut().zip(terms) {
+                *weight = *term * rate;
+            }
+            add(&weights[..i], done, stage);
+            let weight = number(C::from_f64(*d) * over);
+            for (sum, slope) in stage.iter_mut().zip(&self.by_time) {
+                *sum += weight * *slope;
+            }
+            self.matrix.solve(&self.by_state, stage);
+        }
+        self.sums.fill(T::zero());
+        let sums = self.sums.chunks_exact_mut(self.length.max(1));
+        for (weights, sum) in self.inside.iter().zip(sums) {
+            add(weights, &self.stages, sum);
+        }
+        let moved = state.iter().zip(&self.sums);
+        for (next, (x, change)) in self.next.iter_mut().zip(moved) {
+            *next = *x + *change;
+        }
+        Ok(())
+    }
+
+    /// 1/(hγ) of a step.
+    fn shift<C: Real>(&self, step: C) -> C {
+        C::one() / (C::from_f64(self.gamma) * step)
+    }
+
+    /// Factors the matrix of a step of size h, unless that is done.
+    pub(crate) fn factor<C: Real>(&mut self, step: C, number: impl Fn(C) -> T) -> T {
+        let shift = number(self.shift(step));
+        self.matrix.factor(shift, &self.by_state);
+        shift
+    }
+
+    /// The state at the end of the last attempt.
+    pub(crate) fn next(&self) -> &[T] {
+        &self.next
+    }
+
+    /// The same to be put back on its manifold, and the rates there, which are to be written.
+    pub(crate) fn end_mut(&mut self) -> [&mut [T]; 2] {
+        [&mut self.next, &mut self.last]
+    }
+
+    /// The rates at the start of the step, to be changed.
+    pub(crate) fn first_mut(&mut self) -> &mut [T] {
+        &mut self.first
+    }
+
+    /// The rates at the start of the step.
+    pub(crate) fn first(&self) -> &[T] {
+        &self.first
+    }
+
+    /// U_S, Σ m_j U_j and the like, rates and state at the end of the last attempt.
+    pub(crate) fn attempted(&self) -> [&[T]; 4] {
+        [self.error(), &self.sums, &self.last, &self.next]
+    }
+
+    /// The estimate of the error of the last attempt.
+    fn error(&self) -> &[T] {
+        let last = self.stages.len() - self.length;
+        self.stages.get(last..).unwrap_or_default()
+    }
+
+    /// Takes the last attempt where a mask says so.
+    pub(crate) fn accept_where(&mut self, mask: T::Mask, state: &mut [T]) {
+        let lists = [(state, &self.next), (&mut self.first[..], &self.last)];
+        for (own, end) in lists {
+            for (x, end) in own.iter_mut().zip(end) {
+                *x = T::select(mask, *end, *x);
+            }
+        }
+    }
+}
+
+impl<T: Float> Rosenbrock<T> {
+    /// The same method over another scalar, with room of its own.
+    pub(crate) fn over<S: Real>(&self) -> Rosenbrock<S> {
+        let number = |x: &T| S::from_f64(x.to_f64());
+        let list = |list: &Vec<T>| -> Vec<S> { list.iter().map(number).collect() };
+        let room = |list: &Vec<T>| vec![S::zero(); list.len()];
+        let row = |(times, [a, c]): &([f64; 2], [Vec<T>; 2])| (*times, [list(a), list(c)]);
+        Rosenbrock {
+            length: self.length,
+            gamma: self.gamma,
+            rows: self.rows.iter().map(row).collect(),
+            inside: self.inside.iter().map(list).collect(),
+            exponent: self.exponent,
+            matrix: self.matrix.over(),
+            by_state: room(&self.by_state),
+            by_time: room(&self.by_time),
+            known: Known::No,
+            factored: None,
+            stages: room(&self.stages),
+            sums: room(&self.sums),
+            made: f64::NAN,
+            first: room(&self.first),
+            last: room(&self.last),
+            trial: room(&self.trial),
+            room: room(&self.room),
+            next: room(&self.next),
+        }
+    }
+
+    /// Takes over an attempt of a size that was made elsewhere from the derivatives at the accepted state: `fill` writes what
+    /// [`Rosenbrock::attempted`] is there. What it counts, as if it had been made here.
+    pub(crate) fn receive(&mut self, step: f64, fill: impl FnOnce([&mut [T]; 4])) -> StiffCount {
+        let jacobian = self.known == Known::No;
+        if jacobian {
+            (self.known, self.factored) = (Known::Elsewhere, None);
+        }
+        let shift = Some(T::from_f64(self.shift(step)));
+        let factor = self.factored != shift;
+        (self.factored, self.made) = (shift, step);
+        let last = self.stages.len() - self.length;
+        let error = self.stages.get_mut(last..).unwrap_or_default();
+        fill([error, &mut self.sums, &mut self.last, &mut self.next]);
+        StiffCount {
+            jacobian,
+            factor,
+            rates: self.rows.len(),
+        }
+    }
+
     /// The rates at the start of a step, `span` after the last accepted one. Needed once, and again after anything jumped.
     pub(crate) fn begin(
         &mut self,
@@ -260,13 +448,13 @@ impl<T: Float> Rosenbrock<T> {
         span: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        (self.known, self.made) = (false, f64::NAN);
+        (self.known, self.made) = (Known::No, f64::NAN);
         system.rates(time, span, state, &mut self.first)
     }
 
     /// Takes up the rates at the start of a step from another method.
     pub(crate) fn take_over(&mut self, first: &[T]) {
-        self.known = false;
+        self.known = Known::No;
         self.first.copy_from_slice(first);
     }
 
@@ -277,13 +465,17 @@ impl<T: Float> Rosenbrock<T> {
         time: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        if self.known {
-            return Ok(());
+        let out = (&mut self.by_state[..], &mut self.by_time[..]);
+        match self.known {
+            Known::Yes => return Ok(()),
+            Known::Elsewhere => system.differentiate_again(time, state, out)?,
+            Known::No => {
+                self.factored = None;
+                system.differentiate(time, state, out.0, out.1)?;
+            }
         }
-        system.differentiate(time, state, &mut self.by_state, &mut self.by_time)?;
-        self.matrix.along_units(state, &mut self.by_state);
-        self.matrix.forget();
-        self.known = true;
+        self.take_slopes(state);
+        self.known = Known::Yes;
         Ok(())
     }
 
@@ -298,45 +490,18 @@ impl<T: Float> Rosenbrock<T> {
         system.enter();
         self.made = f64::NAN;
         self.differentiate(system, time, state)?;
-        let rate = T::from_f64(1.0 / step);
-        let shift = T::from_f64(1.0 / (self.gamma * step));
-        if self.matrix.factor(shift, &self.by_state) {
+        let shift = Some(self.factor(step, T::from_f64));
+        if self.factored != shift {
+            self.factored = shift;
             system.factored();
         }
-        for (i, ([c, d], [a, terms])) in self.rows.iter().enumerate() {
-            let (done, rest) = self.stages.split_at_mut(i * self.length);
-            let (stage, _) = rest.split_at_mut(self.length);
-            if i == 0 {
-                stage.copy_from_slice(&self.first);
-            } else {
-                self.trial.copy_from_slice(state);
-                add(a, done, &mut self.trial);
-                let span = c * step;
-                self.matrix.shorten(&mut self.trial);
-                system.rates(time + span, span, &self.trial, stage)?;
-                self.matrix.lengthen(stage);
-            }
-            let mut weights = [T::zero(); MOST_STAGES];
-            for (weight, term) in weights.iter_mut().zip(terms) {
-                *weight = *term * rate;
-            }
-            add(&weights[..i], done, stage);
-            let weight = T::from_f64(d * step);
-            for (sum, slope) in stage.iter_mut().zip(&self.by_time) {
-                *sum += weight * *slope;
-            }
-            self.matrix.solve(&self.by_state, stage);
-        }
+        self.stages(
+            [time, step],
+            T::from_f64,
+            state,
+            |[time, span], trial, stage| system.rates(time, span, trial, stage),
+        )?;
         self.made = step;
-        self.sums.fill(T::zero());
-        let sums = self.sums.chunks_exact_mut(self.length.max(1));
-        for (weights, sum) in self.inside.iter().zip(sums) {
-            add(weights, &self.stages, sum);
-        }
-        let moved = state.iter().zip(&self.sums);
-        for (next, (x, change)) in self.next.iter_mut().zip(moved) {
-            *next = *x + *change;
-        }
         system.project_end(time + step, &mut self.next)?;
         system.rates(time + step, step, &self.next, &mut self.last)
     }
@@ -362,22 +527,16 @@ impl<T: Float> Rosenbrock<T> {
         Ok(goes_so_far)
     }
 
-    /// The state at the end of the last attempt.
-    pub(crate) fn next(&self) -> &[T] {
-        &self.next
-    }
-
     /// Takes the last attempt.
     pub(crate) fn accept(&mut self, state: &mut [T]) {
         state.copy_from_slice(&self.next);
         std::mem::swap(&mut self.first, &mut self.last);
-        self.known = false;
+        self.known = Known::No;
     }
 
     /// The estimate of the error of the last attempt, and the state at its end.
     pub(crate) fn estimate(&self) -> (&[T], &[T]) {
-        let last = self.stages.len() - self.length;
-        (self.stages.get(last..).unwrap_or_default(), &self.next)
+        (self.error(), &self.next)
     }
 
     /// The state at `theta` (0 … 1) of a step of a size, with which the last attempt, which started at `state`, begins or ends, by (3).
@@ -436,27 +595,21 @@ impl<T: Float> Rosenbrock<T> {
     pub(crate) fn stage_time(&self, stage: usize) -> Option<f64> {
         self.rows.get(stage).map(|([time, _], _)| *time)
     }
-
-    /// The rates at the start of the step, to be changed.
-    pub(crate) fn first_mut(&mut self) -> &mut [T] {
-        &mut self.first
-    }
-
-    /// The rates at the start of the step.
-    pub(crate) fn first(&self) -> &[T] {
-        &self.first
-    }
 }
 
 /// out += Σ w_i U_i, stages one after the other.
-fn add<T: Float>(weights: &[T], stages: &[T], out: &mut [T]) {
-    let done = add_by::<16, T>(weights, stages, out, 0);
+fn add<T: Real>(weights: &[T], stages: &[T], out: &mut [T]) {
+    // Sixteen registers are more than there are.
+    let done = match size_of::<T>() <= size_of::<f64>() {
+        true => add_by::<16, T>(weights, stages, out, 0),
+        false => 0,
+    };
     let done = add_by::<4, T>(weights, stages, out, done);
     add_by::<1, T>(weights, stages, out, done);
 }
 
 /// The same from a number on, N numbers at a time, whose sums stay in registers; how far it came.
-fn add_by<const N: usize, T: Float>(
+fn add_by<const N: usize, T: Real>(
     weights: &[T],
     stages: &[T],
     out: &mut [T],

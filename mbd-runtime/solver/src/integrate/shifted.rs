@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use mbd_scene::Float;
+use mbd_scene::Real;
 
 use super::tiles::{Four, SIDE, Tile, Tiles, Triangles, add_tile, fours};
 
@@ -39,7 +39,7 @@ struct Eliminated<T> {
     along: Tile<T>,
 }
 
-impl<T: Float> Eliminated<T> {
+impl<T: Real> Eliminated<T> {
     fn none() -> Self {
         let none = [[T::zero(); SIDE]; SIDE];
         Eliminated {
@@ -53,7 +53,7 @@ impl<T: Float> Eliminated<T> {
         let mut eliminated = Self::none();
         let own = |row: usize, column: usize| {
             let row = line(matrix, length, one.at.start + row);
-            row.get(column).copied().unwrap_or_default()
+            row.get(column).copied().unwrap_or_else(T::zero)
         };
         let mut part = T::one() / shift;
         if one.turns() {
@@ -104,7 +104,7 @@ pub(crate) struct Shifted<T> {
     lengths: Vec<T>,
 }
 
-impl<T: Float> Shifted<T> {
+impl<T: Real> Shifted<T> {
     /// Room for matrices of a length, the last `behind` columns of which are zero.
     pub(crate) fn new(length: usize, attached: Vec<Attached>, behind: usize) -> Self {
         let first = attached.iter().map(|one| one.at.end).max().unwrap_or(0);
@@ -123,6 +123,12 @@ impl<T: Float> Shifted<T> {
             attached,
             left,
         }
+    }
+
+    /// Room for as large matrices over another scalar.
+    pub(crate) fn over<S: Real>(&self) -> Shifted<S> {
+        let behind = self.length - self.left.end;
+        Shifted::new(self.length, self.attached.clone(), behind)
     }
 
     /// The matrix is another one.
@@ -243,7 +249,7 @@ impl<T: Float> Shifted<T> {
 }
 
 /// Writes a list in fours.
-fn write<T: Float>(to: &mut [Four<T>], list: &[T]) {
+fn write<T: Real>(to: &mut [Four<T>], list: &[T]) {
     let to = to.as_flattened_mut().iter_mut();
     to.zip(list).for_each(|(to, x)| *to = *x);
 }
@@ -255,7 +261,7 @@ fn line<T>(matrix: &[T], length: usize, row: usize) -> &[T] {
 }
 
 /// Σ a b over the shorter list.
-fn dot<T: Float>(a: &[T], b: &[T]) -> T {
+fn dot<T: Real>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::zero(), |sum, (a, b)| sum + *a * *b)
 }
 

@@ -90,6 +90,19 @@ impl<T: Float> Stepper<T> {
         }
     }
 
+    /// It, where there is no other.
+    pub(crate) fn only_implicit(&self) -> Option<&Rosenbrock<T>> {
+        self.implicit().filter(|_| self.other.is_none())
+    }
+
+    /// The same to be changed.
+    pub(crate) fn only_implicit_mut(&mut self) -> Option<&mut Rosenbrock<T>> {
+        match (&mut self.method, &self.other) {
+            (Family::Implicit(method), None) => Some(method),
+            _ => None,
+        }
+    }
+
     /// ∂f/∂x · `change` at the start of the next step of a stiff method; `None` of other methods, and where there is no derivative.
     pub(crate) fn slope_along(
         &mut self,

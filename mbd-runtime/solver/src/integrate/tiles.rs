@@ -5,9 +5,10 @@
 //! x ← U⁻¹ L⁻¹ P x                                                                                                               (2)
 //! ```
 //!
-//! Rows and columns are filled up with zeros to whole tiles. Source: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 3.4, outer products.
+//! Rows and columns are filled up with zeros to whole tiles. The numbers may be those of several matrices, a lane each: every lane takes its own rows as
+//! pivots and leaves out its own zeros, so that it gets the numbers that it gets alone. Source: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 3.4, outer products.
 
-use mbd_scene::Float;
+use mbd_scene::Real;
 
 /// How many rows and columns a tile has.
 pub(crate) const SIDE: usize = 4;
@@ -17,7 +18,7 @@ pub(crate) type Four<T> = [T; SIDE];
 pub(crate) type Tile<T> = [Four<T>; SIDE];
 
 /// A vector as long as some numbers, in fours.
-pub(crate) fn fours<T: Float>(length: usize) -> Vec<Four<T>> {
+pub(crate) fn fours<T: Real>(length: usize) -> Vec<Four<T>> {
     vec![[T::zero(); SIDE]; length.div_ceil(SIDE)]
 }
 
@@ -30,7 +31,7 @@ pub(crate) struct Tiles<T> {
     tiles: Vec<Tile<T>>,
 }
 
-impl<T: Float> Tiles<T> {
+impl<T: Real> Tiles<T> {
     /// A matrix of zeros.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let across = columns.div_ceil(SIDE);
@@ -60,16 +61,19 @@ impl<T: Float> Tiles<T> {
 
     /// Adds a part of a column of another matrix with as many rows to one of this.
     pub(crate) fn add_column(&mut self, column: usize, (other, by, part): (&Self, usize, T)) {
-        if part == T::zero() {
+        let nothing = is_zero(part);
+        let holds = Holds::of::<T>(nothing);
+        if holds == Holds::Everywhere {
             return;
         }
         let rows = self.tiles.chunks_exact_mut(self.across.max(1));
         for (own, other) in rows.zip(other.tiles.chunks_exact(other.across.max(1))) {
-            add(
-                &mut own[column / SIDE][column % SIDE],
-                &other[by / SIDE][by % SIDE],
-                part,
-            );
+            let sum = &mut own[column / SIDE][column % SIDE];
+            let before = *sum;
+            add(sum, &other[by / SIDE][by % SIDE], part);
+            if holds == Holds::Somewhere {
+                keep(nothing, &before, sum);
+            }
         }
     }
 
@@ -98,7 +102,7 @@ impl<T: Float> Tiles<T> {
             {
                 let pivot = panel * SIDE + inside;
                 *exchange = self.largest_below(pivot, n);
-                self.swap(pivot, *exchange);
+                self.exchange(pivot, *exchange, n);
                 *inverse = T::one() / self.at(pivot, pivot);
                 self.eliminate(panel, inside, *inverse);
             }
@@ -115,23 +119,57 @@ impl<T: Float> Tiles<T> {
     }
 
     /// The row from the diagonal on in which a column is largest.
-    fn largest_below(&self, column: usize, n: usize) -> usize {
-        let (mut most, mut size) = (column, T::zero());
+    fn largest_below(&self, column: usize, n: usize) -> Exchange<T> {
+        let (mut most, mut size, mut last) = (number(column), T::zero(), column);
         let rows = self.tiles.chunks_exact(self.across).enumerate();
-        for (number, tiles) in rows.skip(column / SIDE) {
+        for (first, tiles) in rows.skip(column / SIDE) {
             let own = &tiles[column / SIDE][column % SIDE];
-            for (row, x) in (number * SIDE..n).zip(own) {
-                if row >= column && x.abs() > size {
-                    (most, size) = (row, x.abs());
+            for (row, x) in (first * SIDE..n).zip(own) {
+                let larger = size.lt(x.abs());
+                if row >= column && Holds::of::<T>(larger) != Holds::Nowhere {
+                    most = T::select(larger, number(row), most);
+                    size = T::select(larger, x.abs(), size);
+                    last = row;
                 }
             }
         }
-        most
+        match most == number(last) {
+            true => Exchange::One(last),
+            false => Exchange::Own(most),
+        }
     }
 
     fn at(&self, row: usize, column: usize) -> T {
         let tile = self.tiles.get(row / SIDE * self.across + column / SIDE);
         tile.map_or(T::zero(), |tile| tile[column % SIDE][row % SIDE])
+    }
+
+    /// Exchanges the row of a pivot with the one that was found for it.
+    fn exchange(&mut self, pivot: usize, with: Exchange<T>, n: usize) {
+        match with {
+            Exchange::One(row) => self.swap(pivot, row),
+            Exchange::Own(rows) => {
+                for row in pivot + 1..n {
+                    self.swap_where(is_zero(rows - number(row)), pivot, row);
+                }
+            }
+        }
+    }
+
+    /// Exchanges rows in some lanes.
+    fn swap_where(&mut self, mask: T::Mask, a: usize, b: usize) {
+        if Holds::of::<T>(mask) == Holds::Nowhere {
+            return;
+        }
+        for across in 0..self.across {
+            let [one, other] = [a, b].map(|row| row / SIDE * self.across + across);
+            for column in 0..SIDE {
+                let above = self.tiles[one][column][a % SIDE];
+                let below = self.tiles[other][column][b % SIDE];
+                self.tiles[one][column][a % SIDE] = T::select(mask, below, above);
+                self.tiles[other][column][b % SIDE] = T::select(mask, above, below);
+            }
+        }
     }
 
     fn swap(&mut self, a: usize, b: usize) {
@@ -185,12 +223,18 @@ impl<T: Float> Tiles<T> {
             let (done, rest) = row.split_at_mut(panel + 1);
             let parts = done[panel];
             // Most bodies do not see each other.
-            if parts.as_flattened().iter().all(|part| *part == T::zero()) {
+            let nothing = is_zero_tile(&parts);
+            let holds = Holds::of::<T>(nothing);
+            if holds == Holds::Everywhere {
                 continue;
             }
             let columns = rest.as_flattened_mut().iter_mut();
             for (column, own) in columns.zip(own.as_flattened()) {
+                let before = *column;
                 take_tile(column, &parts, own);
+                if holds == Holds::Somewhere {
+                    keep(nothing, &before, column);
+                }
             }
         }
     }
@@ -199,7 +243,10 @@ impl<T: Float> Tiles<T> {
     pub(crate) fn substitute(&self, factor: &Triangles<T>, x: &mut [Four<T>]) {
         let list = x.as_flattened_mut();
         for (pivot, exchange) in factor.exchanges.iter().enumerate() {
-            list.swap(pivot, *exchange);
+            match *exchange {
+                Exchange::One(row) => list.swap(pivot, row),
+                Exchange::Own(rows) => swap_each(list, pivot, rows, factor.exchanges.len()),
+            }
         }
         let rows = self.tiles.chunks_exact(self.across.max(1)).enumerate();
         for ((number, row), lower) in rows.clone().zip(&factor.lower) {
@@ -239,11 +286,20 @@ impl<T: Float> Tiles<T> {
     }
 }
 
+/// The row that is taken for a pivot.
+#[derive(Clone, Copy, Debug)]
+enum Exchange<T> {
+    /// The same in all lanes.
+    One(usize),
+    /// One a lane, by its number.
+    Own(T),
+}
+
 /// What solutions need of a factored matrix beside its tiles.
 #[derive(Clone, Debug)]
 pub(crate) struct Triangles<T> {
     /// The row that is taken for each pivot.
-    exchanges: Vec<usize>,
+    exchanges: Vec<Exchange<T>>,
     /// 1/u_pp.
     inverse: Vec<Four<T>>,
     /// L below the diagonal, and U above it with its rows over u_pp, in the tiles of the diagonal.
@@ -251,12 +307,12 @@ pub(crate) struct Triangles<T> {
     upper: Vec<Tile<T>>,
 }
 
-impl<T: Float> Triangles<T> {
+impl<T: Real> Triangles<T> {
     /// Those of n rows.
     pub(crate) fn new(n: usize) -> Self {
         let tiles = vec![[[T::zero(); SIDE]; SIDE]; n.div_ceil(SIDE)];
         Triangles {
-            exchanges: vec![0; n],
+            exchanges: vec![Exchange::One(0); n],
             inverse: fours(n),
             lower: tiles.clone(),
             upper: tiles,
@@ -265,36 +321,95 @@ impl<T: Float> Triangles<T> {
 }
 
 /// y += M x of a tile.
-pub(crate) fn add_tile<T: Float>(y: &mut Four<T>, tile: &Tile<T>, x: &Four<T>) {
+pub(crate) fn add_tile<T: Real>(y: &mut Four<T>, tile: &Tile<T>, x: &Four<T>) {
     for (column, x) in tile.iter().zip(x) {
         add(y, column, *x);
     }
 }
 
 /// y −= M x of a tile.
-fn take_tile<T: Float>(y: &mut Four<T>, tile: &Tile<T>, x: &Four<T>) {
+fn take_tile<T: Real>(y: &mut Four<T>, tile: &Tile<T>, x: &Four<T>) {
     for (column, x) in tile.iter().zip(x) {
         take(y, column, *x);
     }
 }
 
 /// y += x a.
-fn add<T: Float>(y: &mut Four<T>, x: &Four<T>, a: T) {
+fn add<T: Real>(y: &mut Four<T>, x: &Four<T>, a: T) {
     for (y, x) in y.iter_mut().zip(x) {
         *y = x.fmadd(a, *y);
     }
 }
 
 /// y −= x a.
-fn take<T: Float>(y: &mut Four<T>, x: &Four<T>, a: T) {
+fn take<T: Real>(y: &mut Four<T>, x: &Four<T>, a: T) {
     for (y, x) in y.iter_mut().zip(x) {
         *y = x.fnmadd(a, *y);
+    }
+}
+
+/// In which lanes a condition holds; a number has one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    Everywhere,
+    Somewhere,
+    Nowhere,
+}
+
+impl Holds {
+    fn of<T: Real>(mask: T::Mask) -> Self {
+        let one = T::select(mask, T::one(), T::zero());
+        if one == T::zero() {
+            Holds::Nowhere
+        } else if one == T::one() {
+            Holds::Everywhere
+        } else {
+            Holds::Somewhere
+        }
+    }
+}
+
+/// The number of a row.
+fn number<T: Real>(row: usize) -> T {
+    T::from_f64(row as f64)
+}
+
+/// Where a number is zero, of either sign.
+fn is_zero<T: Real>(x: T) -> T::Mask {
+    T::both(x.le(T::zero()), T::zero().le(x))
+}
+
+/// Where all elements of a tile are zero.
+fn is_zero_tile<T: Real>(tile: &Tile<T>) -> T::Mask {
+    let zero = is_zero(T::zero());
+    let elements = tile.as_flattened().iter();
+    elements.fold(zero, |all, x| T::both(all, is_zero(*x)))
+}
+
+/// Takes back what changed where a mask says so.
+fn keep<T: Real>(mask: T::Mask, before: &Four<T>, now: &mut Four<T>) {
+    for (now, before) in now.iter_mut().zip(before) {
+        *now = T::select(mask, *before, *now);
+    }
+}
+
+/// Exchanges a number of a list with another of the first `n`, which every lane says for itself.
+fn swap_each<T: Real>(list: &mut [T], pivot: usize, rows: T, n: usize) {
+    let Some((own, rest)) = list.get_mut(pivot..n).and_then(<[T]>::split_first_mut) else {
+        return;
+    };
+    for (row, other) in (pivot + 1..).zip(rest) {
+        let here = is_zero(rows - number(row));
+        let (above, below) = (*own, *other);
+        *own = T::select(here, below, above);
+        *other = T::select(here, above, below);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Lanes, Lanes4};
 
     /// Elements without a pattern, zero on the diagonal: pivots are found below it.
     fn element(row: usize, column: usize) -> f64 {
@@ -329,6 +444,56 @@ mod tests {
             }
             let filled = x.as_flattened().iter().skip(n);
             assert!(filled.into_iter().all(|x| *x == 0.0), "{n} rows");
+        }
+    }
+    /// The matrix of a lane: others have their pivots elsewhere, and zeros, of a number and of a whole tile.
+    fn element_of(lane: usize, row: usize, column: usize) -> f64 {
+        let (tile, other) = (row / SIDE, column / SIDE);
+        match lane {
+            1 if tile != other => 0.0,
+            2 if row == column + 1 => -0.0,
+            3 if tile > other => -0.0,
+            _ => element(row + lane * 5, column + lane * 2),
+        }
+    }
+
+    /// A factored matrix after a part of one of its columns was added to another, and a solution, number by number.
+    fn solved<T: Real>(n: usize, of: impl Fn(usize, usize) -> T, part: T) -> Vec<T> {
+        let mut matrix = Tiles::new(n, n);
+        for row in 0..n {
+            let values: Vec<T> = (0..n).map(|column| of(row, column)).collect();
+            matrix.set_row(row, &values);
+        }
+        let other = matrix.clone();
+        matrix.add_column(n - 1, (&other, 0, part));
+        let mut factor = Triangles::new(n);
+        matrix.decompose(&mut factor);
+        let mut x = fours(n);
+        for (row, x) in x.as_flattened_mut().iter_mut().enumerate().take(n) {
+            *x = of(row, n);
+        }
+        matrix.substitute(&factor, &mut x);
+        let tiles = matrix.tiles.as_flattened().as_flattened().iter();
+        tiles.chain(x.as_flattened()).copied().collect()
+    }
+
+    #[test]
+    fn a_matrix_in_a_lane_has_the_factor_and_the_solution_that_it_has_alone() {
+        let part = |lane: usize| if lane == 2 { 0.0 } else { 0.5 };
+        for n in 2..14 {
+            let beside = solved(
+                n,
+                |row, column| Lanes4::each(|lane| element_of(lane, row, column)),
+                Lanes4::each(part),
+            );
+            for lane in 0..4 {
+                let alone = solved(n, |row, column| element_of(lane, row, column), part(lane));
+                for (at, (beside, alone)) in beside.iter().zip(&alone).enumerate() {
+                    let own = beside.lane(lane);
+                    let same = own.to_bits() == alone.to_bits() || own.is_nan() && alone.is_nan();
+                    assert!(same, "{n} rows, lane {lane}, {at}: {own:e} {alone:e}");
+                }
+            }
         }
     }
 }

@@ -10,7 +10,6 @@ use super::form::{Beside, LaneParameters};
 use super::lockstep::normalise;
 use super::networks::Networks;
 use super::{Lanes, Lanes4, Lanes8};
-use crate::integrate::Explicit;
 use crate::node::Nodes;
 use crate::simulation::beside::Attempt;
 use crate::simulation::{Course, Simulation};
@@ -18,10 +17,13 @@ use crate::system::{EndLooks, LISTS};
 use crate::trajectory::Trajectory;
 
 mod lists;
+mod method;
 mod own;
 mod steps;
+mod stiff;
 
 pub(super) use lists::{faults, get, set};
+use method::LaneMethod;
 use own::{OwnStart, OwnStep};
 use steps::{MadeSteps, Upcoming};
 
@@ -79,7 +81,7 @@ pub(crate) fn together<T: Float>(
 struct LaneGroup<L> {
     form: Box<dyn LaneParameters<L>>,
     /// The method, once a run has shown it.
-    method: Option<Explicit<L>>,
+    method: Option<LaneMethod<L>>,
     /// The model of each lane, whose parameters the equations have.
     models: Vec<Option<Arc<dyn Model<f64>>>>,
     params: Vec<L>,
@@ -217,12 +219,11 @@ impl<L: Lanes> LaneGroup<L> {
 
     /// Takes the start of a step into a lane; whether its parameters are others than those that the equations have.
     fn load(&mut self, lane: usize, run: &Simulation<f64>) -> bool {
-        let Some(own) = run.method.explicit() else {
+        let Some(method) = &mut self.method else {
             return false;
         };
-        let method = self.method.get_or_insert_with(|| own.over());
         set(lane, &mut self.state, &run.state);
-        set(lane, method.first_mut(), own.first());
+        set(lane, method.first_mut(), run.method.first());
         if let Some(weights) = run.weights_of_stages() {
             set(lane, &mut self.weights, weights);
             self.watched = true;
@@ -278,6 +279,13 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
         let (Some(step), true) = (run.upcoming(course), lane < L::WIDTH) else {
             return;
         };
+        if self.method.is_none() {
+            self.method = LaneMethod::of(run);
+        }
+        let method = self.method.as_ref();
+        if !method.is_some_and(|method| method.is_that_of(run)) {
+            return;
+        }
         self.looks[lane] = run.looks_at(history);
         self.upcoming.add(lane, step, self.looks[lane]);
         if passed {
@@ -396,32 +404,47 @@ impl<L: Lanes> LaneGroup<L> {
             squares: [L::zero(); 3],
         };
         networks.begin();
-        let Ok(()) = method.stages(
-            [time, step],
-            step,
-            state,
-            |last, [time, span], trial, rates| {
-                if last {
-                    made.drift = normalise(quaternions, trial);
+        match method {
+            LaneMethod::Explicit(method) => {
+                let Ok(()) = method.stages(
+                    [time, step],
+                    step,
+                    state,
+                    |last, [time, span], trial, rates| {
+                        if last {
+                            made.drift = normalise(quaternions, trial);
+                        }
+                        if nodes.has_networks() && !nodes.are_single() {
+                            let at = (time, &*trial);
+                            made.holds *= stages.find_rates(&mut **form, nodes, at, rates);
+                        } else {
+                            let at = (time, span, &*trial);
+                            made.holds *= networks.solve(&mut **form, nodes, stages, at);
+                            form.evaluate(Quantity::Derivative, &stages.at(time, trial), rates);
+                        }
+                        made.faults += faults(rates);
+                        Ok::<(), Infallible>(())
+                    },
+                );
+                if *watched {
+                    made.squares = method.squares(weights);
                 }
-                if nodes.has_networks() && !nodes.are_single() {
-                    made.holds *= stages.find_rates(&mut **form, nodes, (time, trial), rates);
-                } else {
-                    made.holds *= networks.solve(&mut **form, nodes, stages, (time, span, trial));
-                    form.evaluate(Quantity::Derivative, &stages.at(time, trial), rates);
+                if nodes.are_single() {
+                    networks.find_stretches(nodes, stages);
                 }
-                made.faults += faults(rates);
-                Ok::<(), Infallible>(())
-            },
-        );
-        if *watched {
-            made.squares = method.squares(weights);
+            }
+            LaneMethod::Stiff(method) => {
+                let ends = stiff::make(
+                    method,
+                    (&mut **form, stages),
+                    [time, step],
+                    state,
+                    quaternions,
+                );
+                (made.drift, made.faults) = (ends.drift, ends.faults);
+            }
         }
-        if nodes.are_single() {
-            networks.find_stretches(nodes, stages);
-        }
-        let [_, next] = method.attempted();
-        let at = stages.at(time + step, next);
+        let at = stages.at(time + step, method.next());
         for ((what, list), looked_at) in LISTS.iter().zip(lists).zip(made.steps.looks.lists) {
             if looked_at {
                 form.evaluate(*what, &at, list);

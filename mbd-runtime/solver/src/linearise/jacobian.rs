@@ -56,6 +56,8 @@ pub(crate) struct Jacobian<T: Float> {
     networks: Vec<NetworkElimination<T>>,
     /// Whether the model has partial derivatives of its own.
     own: bool,
+    /// Whether ẋ is the solution of rows.
+    through_rows: bool,
     laws: Option<Box<Witness>>,
 }
 
@@ -78,7 +80,14 @@ impl<T: Float> Jacobian<T> {
             laws: (timed || works || !own || !model.layout().networks.is_empty())
                 .then(|| Box::new(Witness::new(model))),
             own,
+            through_rows: model.layout().solves(),
         }
+    }
+
+    /// Whether ∂f/∂x is the model's own partial derivative of ẋ and nothing else, and ∂f/∂t zero.
+    pub(crate) fn is_plain(&self) -> bool {
+        let alone = self.networks.is_empty() && !self.through_rows;
+        self.own && self.time.is_none() && alone && self.state.powers.values.is_empty()
     }
 
     /// Writes ∂f/∂x, row by row, and ∂f/∂t at a state whose nodes are in balance.
@@ -94,7 +103,7 @@ impl<T: Float> Jacobian<T> {
         (by_state, by_time): (&mut [T], &mut [T]),
     ) -> Result<(), LinearisationError> {
         let layout = model.layout();
-        let through_rows = layout.solves();
+        let through_rows = self.through_rows;
         if through_rows {
             let own = self.own.then_some(&mut *work);
             let mut evaluator = Evaluator::new(model, own, &mut self.laws);

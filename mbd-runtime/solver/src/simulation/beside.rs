@@ -1,6 +1,6 @@
 //! A step that is tried beside those of other runs: which one it is, and what the run takes over of it.
 //!
-//! Only the stages of a step are evaluated elsewhere, with the operations of this run in their order. Everything else is done by the run itself, as of a
+//! Only the stages of a step are evaluated elsewhere, of a step of the stiff method the derivatives and the factor that they are solved with, too, with the operations of this run in their order. Everything else is done by the run itself, as of a
 //! step that it tried alone: error, events, watch, rows, memory. Where a stage cannot be had that way nothing is taken over, and the run tries
 //! the step alone.
 //!
@@ -11,7 +11,7 @@ use mbd_scene::Float;
 use super::stability::{Meter, OFTEN};
 use super::{Course, Simulation};
 use crate::error::StepError;
-use crate::integrate::Explicit;
+use crate::integrate::{Explicit, StiffCount};
 use crate::node::{NodeMemory, Stage};
 use crate::system::EndLooks;
 use crate::trajectory::{Trajectory, resolution};
@@ -22,6 +22,8 @@ pub(crate) trait Attempt<T> {
     fn step(&self) -> [f64; 2];
     /// Writes the rates of all stages but the first, which the run has, or of the last alone; and the state at the end.
     fn stages(&self, all: bool, into: [&mut [T]; 2]);
+    /// Writes what [`Rosenbrock::attempted`](crate::integrate::Rosenbrock::attempted) is of a step of the stiff method.
+    fn solved(&self, into: [&mut [T]; 4]);
     /// Writes [`Quantity::Rates`](mbd_scene::Quantity::Rates) at the end.
     fn rates(&self, into: &mut [T]);
     /// Writes anchors and loads, nodes, effective line numbers, stretches, and how fast nodes move against their anchors at the end.
@@ -60,8 +62,9 @@ pub(crate) struct Spent {
 }
 
 impl<T: Float> Simulation<T> {
-    /// Start and size of the step that is tried next [s], where its stages may be evaluated elsewhere: an explicit step of a run without rows of joints
-    /// and functions of time and state, whose nodes, if there are any, are found along with the rates or each by a solve of its own.
+    /// Start and size of the step that is tried next [s], where its stages may be evaluated elsewhere: a step of a run without rows of joints
+    /// and functions of time and state, an explicit one whose nodes, if there are any, are found along with the rates or each by a solve of its own, or one of
+    /// the stiff method whose derivatives are a partial derivative of the model alone.
     pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
         let now = resolution(self.time);
         let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
@@ -70,7 +73,9 @@ impl<T: Float> Simulation<T> {
             return None;
         }
         let holds = self.holds_on() || {
-            let is_plain = self.method.explicit().is_some() && self.system.is_plain();
+            let (method, system) = (&self.method, &self.system);
+            let is_stiff = method.only_implicit().is_some() && system.differentiates_plainly();
+            let is_plain = (is_stiff || method.explicit().is_some()) && system.is_plain();
             is_plain && self.system.hold_plain()
         };
         let next = self.plan(course.until);
@@ -177,6 +182,9 @@ impl<T: Float> Simulation<T> {
 
     /// Takes over an attempt at the upcoming step.
     pub(crate) fn receive(&mut self, attempt: &dyn Attempt<T>, history: &Trajectory) {
+        if self.method.is_stiff() {
+            return self.receive_stiff(attempt);
+        }
         let all = self.watched || self.looks_inside(attempt.step(), history);
         let Some(method) = self.method.explicit_mut() else {
             return;
@@ -185,6 +193,21 @@ impl<T: Float> Simulation<T> {
         self.lacks_stages = !all;
         let (next, stages) = (method.next(), method.count() - 1);
         if self.system.receive(next, stages, attempt) {
+            self.received = Some(attempt.step());
+        }
+    }
+
+    /// The same of a step of the stiff method.
+    fn receive_stiff(&mut self, attempt: &dyn Attempt<T>) {
+        let [_, step] = attempt.step();
+        let Some(method) = self.method.only_implicit_mut() else {
+            return;
+        };
+        let count = method.receive(step, |into| attempt.solved(into));
+        self.lacks_stages = false;
+        // Where the run makes the step alone all the same, it does not count them again.
+        self.system.count_stiff(count);
+        if self.system.receive(method.next(), count.rates, attempt) {
             self.received = Some(attempt.step());
         }
     }
@@ -217,6 +240,14 @@ impl<T: Float> crate::system::System<T> {
     fn is_plain(&self) -> bool {
         let stays = self.following.is_none() && !self.has_functions();
         stays && !self.projection.any() && self.length() == self.nx
+    }
+
+    /// Counts derivatives and factor of a step of the stiff method that was made elsewhere.
+    fn count_stiff(&mut self, count: StiffCount) {
+        let counters = &mut self.counters;
+        let add = |counter: &mut u64, one: bool| *counter = counter.saturating_add(u64::from(one));
+        add(&mut counters.jacobians, count.jacobian);
+        add(&mut counters.factors, count.factor);
     }
 
     /// Holds elements in the modes of the memory; whether nodes, if there are any, may be found elsewhere.

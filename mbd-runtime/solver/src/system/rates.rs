@@ -74,6 +74,12 @@ impl<T: Float> System<T> {
 }
 
 impl<T: Float> System<T> {
+    /// Whether the derivatives of the rates are a partial derivative of the model and nothing else.
+    pub(crate) fn differentiates_plainly(&self) -> bool {
+        let jacobian = self.jacobian.as_ref();
+        jacobian.is_some_and(|jacobian| jacobian.is_plain())
+    }
+
     /// Puts the end of a step back on the joints, and decides how the rows of the step after it are solved.
     fn end_on_joints(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.stay(time, state)?;
@@ -275,6 +281,19 @@ impl<T: Float> Rates<T> for System<T> {
                 .unsolvable(time, state)
                 .unwrap_or_else(|| self.singular(time, state))),
         }
+    }
+
+    #[cold]
+    fn differentiate_again(
+        &mut self,
+        time: f64,
+        state: &[T],
+        (by_state, by_time): (&mut [T], &mut [T]),
+    ) -> Result<(), StepError> {
+        let counted = self.counters;
+        let found = self.differentiate(time, state, by_state, by_time);
+        self.counters = counted;
+        found
     }
 
     fn factored(&mut self) {

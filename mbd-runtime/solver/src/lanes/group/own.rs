@@ -3,6 +3,7 @@
 use super::super::Lanes;
 use super::LaneGroup;
 use super::lists::get;
+use super::method::LaneMethod;
 use super::steps::MadeSteps;
 use crate::node::NodeMemory;
 use crate::simulation::beside::{Attempt, KeptStart, Spent};
@@ -40,7 +41,7 @@ impl<L: Lanes> Attempt<f64> for OwnStep<'_, L> {
     }
 
     fn stages(&self, all: bool, [stages, end]: [&mut [f64]; 2]) {
-        let Some(method) = &self.group.method else {
+        let Some(LaneMethod::Explicit(method)) = &self.group.method else {
             return;
         };
         let [of_all, next] = method.attempted();
@@ -54,6 +55,15 @@ impl<L: Lanes> Attempt<f64> for OwnStep<'_, L> {
             get(self.lane, from, to);
         }
         get(self.lane, next, end);
+    }
+
+    fn solved(&self, into: [&mut [f64]; 4]) {
+        let Some(LaneMethod::Stiff(method)) = &self.group.method else {
+            return;
+        };
+        for (to, from) in into.into_iter().zip(method.attempted()) {
+            get(self.lane, from, to);
+        }
     }
 
     fn rates(&self, into: &mut [f64]) {
