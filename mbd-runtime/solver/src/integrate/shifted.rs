@@ -332,7 +332,7 @@ mod tests {
         let mut shifted = Shifted::new(2, Vec::new(), 0);
         let a = [1.0, 0.0, 0.0, 2.0];
         shifted.factor(1.0, &a);
-        let mut x = [1.0, 1.0];
+        let mut x: [f64; 2] = [1.0, 1.0];
         shifted.solve(&a, &mut x);
         assert!(!x[0].is_finite());
     }

@@ -7,11 +7,12 @@ use crate::integrate::{Explicit, Rosenbrock};
 use crate::simulation::Simulation;
 
 /// A method whose steps are made in lanes.
+#[allow(clippy::large_enum_variant, reason = "a group has one of them")]
 pub(super) enum LaneMethod<L> {
     /// Runge–Kutta.
     Explicit(Explicit<L>),
     /// The stiff method, of runs that have no other.
-    Stiff(Box<Rosenbrock<L>>),
+    Stiff(Rosenbrock<L>),
 }
 
 /// Calls the same of either.
@@ -33,7 +34,7 @@ impl<L: Lanes> LaneMethod<L> {
         };
         let stiff = || {
             let method = run.method.only_implicit()?;
-            Some(LaneMethod::Stiff(Box::new(method.over())))
+            Some(LaneMethod::Stiff(method.over()))
         };
         explicit().or_else(stiff)
     }
