@@ -3,13 +3,13 @@
 
 use std::borrow::Borrow;
 
-use mbd_scene::{AngularVelocity, Float, quaternion_rate};
+use mbd_scene::{AngularVelocity, Real, quaternion_rate};
 use nalgebra::Vector3;
 
 use crate::moving::Moving;
 
 /// Moves the positions of these parts of a state by `share` of δ (n_v) [m, rad]. Quaternions keep their length but for rounding.
-pub(crate) fn displace<T: Float>(
+pub(crate) fn displace<T: Real>(
     (parts, components): (impl Iterator<Item: Borrow<Moving>>, AngularVelocity),
     state: &mut [T],
     moves: &[T],
@@ -41,22 +41,18 @@ pub(crate) fn displace<T: Float>(
 }
 
 /// The sum of the squares.
-pub(crate) fn square<T: Float>(vector: &[T]) -> T {
+pub(crate) fn square<T: Real>(vector: &[T]) -> T {
     vector.iter().fold(T::zero(), |sum, x| sum + *x * *x)
 }
 
 /// Rotates a quaternion w x y z by `part` of a rotation vector, in body axes or in world axes.
-fn rotate<T: Float>(quaternion: &mut [T], turn: &[T], part: T, body_axes: bool) {
+fn rotate<T: Real>(quaternion: &mut [T], turn: &[T], part: T, body_axes: bool) {
     let (Ok(old), &[a, b, c]) = (<[T; 4]>::try_from(&*quaternion), turn) else {
         return;
     };
     let half = T::from_f64(0.5) * part * square(turn).sqrt();
     let (sine, cosine) = half.sin_cos();
-    let scale = if half > T::zero() {
-        part * sine / half
-    } else {
-        T::zero()
-    };
+    let scale = T::select(T::zero().lt(half), part * sine / half, T::zero());
     let moved = Vector3::new(a, b, c).map(|x| x * scale);
     let more = quaternion_rate(old, &moved, body_axes);
     for (to, (old, more)) in quaternion.iter_mut().zip(old.into_iter().zip(more)) {

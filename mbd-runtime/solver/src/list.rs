@@ -10,6 +10,12 @@ const WIDE: usize = 8;
 /// The largest size; infinite where a number is not finite.
 #[inline]
 pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
+    largest_size(list).to_f64()
+}
+
+/// The same in the scalar itself, which may be several numbers beside each other.
+#[inline]
+pub(crate) fn largest_size<S: Real>(list: &[S]) -> S {
     match list.len() {
         0..WIDE => largest_of_few(list),
         _ => largest_of_many(list),
@@ -18,23 +24,18 @@ pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
 
 /// The same one by one.
 #[inline]
-fn largest_of_few<T: Float>(list: &[T]) -> f64 {
-    let mut most = T::zero();
-    for x in list {
-        let size = x.abs();
-        match size <= most {
-            true => {}
-            false if size.is_finite() => most = size,
-            false => return f64::INFINITY,
-        }
-    }
-    most.to_f64()
+fn largest_of_few<S: Real>(list: &[S]) -> S {
+    let zero = S::zero();
+    // 0 x is zero for a finite number and NaN for others.
+    let (most, faults) = list.iter().fold((zero, zero), |(most, faults), x| {
+        (most.max(x.abs()), faults + zero * *x)
+    });
+    finite_or_infinite(most, faults)
 }
 
 /// The same in lanes.
-fn largest_of_many<T: Float>(list: &[T]) -> f64 {
-    let zero = T::zero();
-    // 0 x is zero for a finite number and NaN for others.
+fn largest_of_many<S: Real>(list: &[S]) -> S {
+    let zero = S::zero();
     let (mut most, mut faults) = ([zero; LANES], [zero; LANES]);
     let chunks = list.chunks_exact(LANES);
     let rest = chunks.remainder();
@@ -50,10 +51,14 @@ fn largest_of_many<T: Float>(list: &[T]) -> f64 {
     }
     let [a, b, c, d] = most;
     let [e, f, g, h] = faults;
-    match (e + f) + (g + h) == zero {
-        true => a.max(b).max(c.max(d)).to_f64(),
-        false => f64::INFINITY,
-    }
+    finite_or_infinite(a.max(b).max(c.max(d)), (e + f) + (g + h))
+}
+
+/// A size, infinite where faults are not zero.
+#[inline(always)]
+fn finite_or_infinite<S: Real>(size: S, faults: S) -> S {
+    let none = S::zero().le(faults);
+    S::select(none, size, S::from_f64(f64::INFINITY))
 }
 
 /// Whether every number is finite.

@@ -13,7 +13,6 @@ use mbd_scene::laws::{self, Numbers};
 use mbd_scene::{Arguments, At, Float, Quantity};
 
 use crate::columns::joint_name;
-use crate::displace::{displace, square};
 use crate::error::{Source, StepError};
 use crate::fallback::{Dependence, NEW, dependent};
 use crate::laws::numbers_of;
@@ -22,34 +21,17 @@ use crate::options::Stabilise;
 use crate::system::System;
 
 mod free_step;
+mod rounds;
 mod step;
 
+use rounds::{Effort, ROUNDED, START};
+pub(crate) use rounds::{
+    Measures, OnJoints, STEP, displace_shortened, project_positions, project_velocities,
+};
 pub(crate) use step::Projection;
 
-/// How hard (1) is tried.
-#[derive(Clone, Copy)]
-struct Effort {
-    /// Iterations.
-    most: u32,
-    /// Whether rows are looked at again even where theory says that nothing is left of them.
-    careful: bool,
-}
-/// In a step; one iteration or two are usual.
-const STEP: Effort = Effort {
-    most: 8,
-    careful: false,
-};
-/// At the start, where rows may contradict each other.
-const START: Effort = Effort {
-    most: 20,
-    careful: true,
-};
-/// The largest turn of one iteration [rad]: beyond it the rows are nothing like their linear part.
-const LARGEST_TURN: f64 = 0.7;
 /// Rows that a step leaves this far from zero, in scene lengths, have come apart.
 pub(crate) const APART: f64 = 1e-6;
-/// What rounding may leave of rows, in units of the scalar's last place at the largest number they are made of.
-const ROUNDED: f64 = 64.0;
 /// What a solve may leave of the rows, relative: beyond it rows that are not in the system ask for more than those that are.
 const UNSOLVED: f64 = 1e-3;
 /// How many joints an error names.
@@ -63,7 +45,7 @@ impl<T: Float> System<T> {
         }
         let state = state.get_mut(..self.nx).unwrap_or_default();
         let mut norm = self.project_positions(time, state, STEP)?;
-        let allowed = (APART * self.projection.length).max(self.rounding(state));
+        let allowed = self.measures().apart(state).to_f64();
         if norm > allowed && self.takes_more_rows() {
             norm = self.project_positions(time, state, STEP)?;
         }
@@ -139,7 +121,7 @@ impl<T: Float> System<T> {
         if self.projection.any() {
             self.supply(time, own)?;
             let norm = self.read_rows(Quantity::Constraint, time, own);
-            if norm > (APART * self.projection.length).max(self.rounding(own)) {
+            if norm > self.measures().apart(own).to_f64() {
                 return Err(StepError::JointsApart {
                     time,
                     norm,
@@ -232,56 +214,25 @@ impl<T: Float> System<T> {
         state: &mut [T],
         effort: Effort,
     ) -> Result<f64, StepError> {
-        let mut before = f64::INFINITY;
-        for _ in 0..effort.most {
-            let norm = self.read_rows(Quantity::Constraint, time, state);
-            let settled = norm <= 4.0 * T::EPSILON.to_f64() * self.size(state);
-            // At the level of rounding another move gains nothing.
-            if settled || self.holds(norm, state) && norm > 0.5 * before {
-                return Ok(norm);
-            }
-            before = norm;
-            self.correct(time, state)?;
-            self.displace(state);
-            if !effort.careful && self.leaves_nothing(norm) {
-                return Ok(norm * T::EPSILON.to_f64().sqrt());
-            }
-        }
-        Ok(self.read_rows(Quantity::Constraint, time, state))
-    }
-
-    /// Whether rows of size `norm` and the move that took them out are so small that what it leaves, its square over the length of the
-    /// scene, is lost in rounding.
-    fn leaves_nothing(&self, norm: f64) -> bool {
-        let part = self.projection.length.min(1.0) * T::EPSILON.to_f64().sqrt();
-        self.moves_all() && norm.max(largest(self.projection.moves())) <= part
-    }
-
-    /// Whether the last move was solved with all independent rows: those left out of it may ask for more.
-    fn moves_all(&self) -> bool {
-        !self.solves_chosen() && self.is_regular()
+        let mut own = AtTime { system: self, time };
+        project_positions(&mut own, state, effort, true).map(T::to_f64)
     }
 
     /// Applies (2), twice where the first leaves something.
     fn project_velocities(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
-        let nq = self.model.layout().nq;
-        for _ in 0..2 {
-            let norm = self.read_rows(Quantity::ConstraintRate, time, state);
-            let fastest = self.fastest(state);
-            if norm <= 4.0 * T::EPSILON.to_f64() * fastest {
-                break;
-            }
-            self.correct(time, state)?;
-            let speeds = state.iter_mut().skip(nq);
-            for (speed, more) in speeds.zip(self.projection.moves()) {
-                *speed += *more;
-            }
-            // (2) is linear: only what the solve itself lost is left.
-            if self.moves_all() && norm <= T::EPSILON.to_f64().sqrt() * fastest {
-                break;
-            }
+        project_velocities(&mut AtTime { system: self, time }, state, true)
+    }
+
+    /// What rows and speeds are judged by.
+    pub(crate) fn measures(&self) -> Measures<T> {
+        let layout = self.model.layout();
+        Measures {
+            epsilon: T::EPSILON.to_f64(),
+            length: T::from_f64(self.projection.length),
+            extent: T::from_f64(self.projection.extent),
+            coordinates: layout.nq,
+            speeds: layout.nv,
         }
-        Ok(())
     }
 
     /// Reads rows; their largest size, infinite where one is not finite.
@@ -343,27 +294,9 @@ impl<T: Float> System<T> {
         self.fallback.margin = self.projection.margin();
     }
 
-    /// Moves positions by δ, shortened where it turns a body too far.
-    fn displace(&self, state: &mut [T]) {
-        let components = self.model.scene().angular_velocity;
-        let (parts, shift) = (self.projection.parts.iter(), self.projection.moves());
-        let turns = parts
-            .clone()
-            .map(|part| square(shift.get(part.turns()).unwrap_or(&[])));
-        let most = turns.fold(T::zero(), |a, b| a.max(b)).sqrt();
-        let limit = T::from_f64(LARGEST_TURN);
-        let share = if most > limit { limit / most } else { T::one() };
-        displace((parts, components), state, shift, share);
-        self.normalise(state);
-    }
-
     /// The largest coordinate, or the length of the scene; that also where a coordinate is not finite.
     fn size(&self, state: &[T]) -> f64 {
-        let coordinates = state.get(..self.model.layout().nq);
-        let largest = extent(coordinates.unwrap_or_default());
-        largest
-            .max(self.projection.length)
-            .max(self.projection.extent)
+        self.measures().size(state).to_f64()
     }
 
     /// Finds how far the places of a tree are from the origin, of the params of now: its arms and what it hangs on.
@@ -381,19 +314,13 @@ impl<T: Float> System<T> {
 
     /// The largest speed; zero where one is not finite.
     fn fastest(&self, state: &[T]) -> f64 {
-        let layout = self.model.layout();
-        let speeds = state.get(layout.nq..layout.nq + layout.nv);
-        extent(speeds.unwrap_or_default())
-    }
-
-    /// What rounding may leave of Φ.
-    fn rounding(&self, state: &[T]) -> f64 {
-        ROUNDED * T::EPSILON.to_f64() * self.size(state)
+        self.measures().fastest(state).to_f64()
     }
 
     /// Whether rows of this size hold.
     fn holds(&self, norm: f64, state: &[T]) -> bool {
-        norm <= (1e-12 * self.projection.length).max(self.rounding(state))
+        let measures = self.measures();
+        norm <= measures.held(measures.size(state)).to_f64()
     }
 
     /// Takes arbitrary speeds out of the rows and looks whether those that are not in the system follow. `None` where it cannot be solved.
@@ -543,9 +470,56 @@ impl<T: Float> System<T> {
     }
 }
 
-/// The largest size; zero where a number is not finite, so that nothing is small beside it.
-fn extent<T: Float>(list: &[T]) -> f64 {
-    Some(largest(list))
-        .filter(|most| most.is_finite())
-        .unwrap_or(0.0)
+/// A run at a time [s].
+struct AtTime<'a, T: Float> {
+    system: &'a mut System<T>,
+    time: f64,
+}
+
+impl<T: Float> OnJoints<T> for AtTime<'_, T> {
+    type Error = StepError;
+
+    fn measures(&self) -> Measures<T> {
+        self.system.measures()
+    }
+
+    fn read(&mut self, what: Quantity, state: &[T]) -> T {
+        T::from_f64(self.system.read_rows(what, self.time, state))
+    }
+
+    fn solve(&mut self, state: &[T], open: bool) -> Result<bool, StepError> {
+        self.system.correct(self.time, state).map(|()| open)
+    }
+
+    fn moves(&self) -> &[T] {
+        self.system.projection.moves()
+    }
+
+    fn moves_all(&self) -> bool {
+        !self.system.solves_chosen() && self.system.is_regular()
+    }
+
+    fn displace(&mut self, state: &mut [T], _: bool) {
+        let System {
+            model, projection, ..
+        } = &*self.system;
+        let parts = (&projection.parts[..], model.scene().angular_velocity);
+        displace_shortened(parts, state, projection.moves());
+        self.system.normalise(state);
+    }
+
+    fn hasten(&mut self, state: &mut [T], _: bool) {
+        let speeds = state.iter_mut().skip(self.system.model.layout().nq);
+        for (speed, more) in speeds.zip(self.system.projection.moves()) {
+            *speed += *more;
+        }
+    }
+
+    fn is_any(mask: bool) -> bool {
+        mask
+    }
+
+    fn but(mask: bool, other: bool) -> bool {
+        mask & !other
+    }
 }

@@ -25,7 +25,7 @@ pub(crate) use self::chain::{Fallback, RowStrategy, SavedStrategy};
 use self::dense::Dense;
 pub(crate) use self::dependence::{Dependence, dependent};
 pub(crate) use self::limits::NEW;
-use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING, POWER, WIDE};
+use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, POWER, WIDE};
 use self::outdone::outdone_from;
 use crate::error::StepError;
 use crate::laws::Laws;
@@ -41,6 +41,9 @@ mod dependence;
 mod limit;
 mod limits;
 mod outdone;
+mod received;
+
+pub(crate) use received::trusted_in_passing;
 
 /// The margin below which limits are better than the emitted elimination, whatever it was trusted with before a step was rejected.
 fn wide<T: Float>() -> f64 {
@@ -55,8 +58,10 @@ impl<T: Float> System<T> {
 
     /// The margin from which on the emitted elimination is trusted, near a state that is passed or that lasts.
     fn trusted_from(&self, lasting: bool) -> f64 {
-        let cost = if lasting { LASTING } else { PASSING };
-        let trusted = MARGIN.max(T::EPSILON.to_f64() / cost);
+        let trusted = match lasting {
+            true => MARGIN.max(T::EPSILON.to_f64() / LASTING),
+            false => trusted_in_passing::<T>(),
+        };
         match self.fallback.held() {
             _ if lasting => trusted,
             held if held.outdone => trusted.max(outdone_from::<T>()),
@@ -93,6 +98,13 @@ impl<T: Float> System<T> {
 
     /// Decides how the rows of the step that starts at a projected state are solved.
     pub(crate) fn pick(&mut self, time: f64, state: &[T]) {
+        if !self.keeps_emitted(time, state) {
+            self.pick_anew(time, state);
+        }
+    }
+
+    /// The same as far as the emitted elimination is kept; whether it is.
+    fn keeps_emitted(&mut self, time: f64, state: &[T]) -> bool {
         let size = self.margin_size();
         let change = (size - self.fallback.now.size).abs();
         self.fallback.at_end = true;
@@ -111,10 +123,7 @@ impl<T: Float> System<T> {
         if self.fallback.margin >= self.trusted_from(false) {
             self.fallback.lasting = false;
         }
-        if self.is_regular() && self.fallback.base == RowStrategy::Emitted {
-            return;
-        }
-        self.pick_anew(time, state);
+        self.is_regular() && self.fallback.base == RowStrategy::Emitted
     }
 
     #[cold]

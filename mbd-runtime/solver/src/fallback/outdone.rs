@@ -105,7 +105,7 @@ impl<T: Float> System<T> {
     }
 
     /// Whether the margin is small enough to look for other rows.
-    fn is_close(&self) -> bool {
+    pub(super) fn is_close(&self) -> bool {
         // Also where there is none, at the position itself.
         let is_far = self.fallback.margin >= outdone_from::<T>();
         !is_far

@@ -4,9 +4,10 @@ use std::any::Any;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use mbd_scene::{At, Float, Layout, Model, Quantity};
+use mbd_scene::{AngularVelocity, At, Float, Layout, Model, Quantity};
 
 use super::form::{Beside, LaneParameters};
+use super::joints::Joints;
 use super::lockstep::normalise;
 use super::networks::Networks;
 use super::{Lanes, Lanes4, Lanes8};
@@ -67,10 +68,10 @@ pub(crate) fn together<T: Float>(
     width: usize,
 ) -> Option<Box<dyn Together<T>>> {
     let forms = Beside::of(model.beside()?)?;
-    let layout = model.layout();
+    let of = (model.layout(), model.scene().angular_velocity);
     let group: Box<dyn Together<f64>> = match width {
-        4 => Box::new(LaneGroup::<Lanes4>::new(layout, forms.four())),
-        8 => Box::new(LaneGroup::<Lanes8>::new(layout, forms.eight())),
+        4 => Box::new(LaneGroup::<Lanes4>::new(of, forms.four())),
+        8 => Box::new(LaneGroup::<Lanes8>::new(of, forms.eight())),
         _ => return None,
     };
     let group: Box<dyn Any> = Box::new(group);
@@ -91,6 +92,7 @@ struct LaneGroup<L> {
     watched: bool,
     stages: Stages<L>,
     networks: Networks<L>,
+    joints: Joints<L>,
     /// The steps that were taken up, and the lanes in which they go on from the ends of the last ones.
     upcoming: Upcoming,
     goes_on: [bool; MOST],
@@ -163,7 +165,10 @@ impl<L: Lanes> Stages<L> {
 }
 
 impl<L: Lanes> LaneGroup<L> {
-    fn new(layout: &Layout, form: Box<dyn LaneParameters<L>>) -> Self {
+    fn new(
+        (layout, components): (&Layout, AngularVelocity),
+        form: Box<dyn LaneParameters<L>>,
+    ) -> Self {
         let list = |length: usize| vec![L::zero(); length];
         LaneGroup {
             form,
@@ -182,6 +187,7 @@ impl<L: Lanes> LaneGroup<L> {
                 rates: list(layout.len(Quantity::Rates)),
             },
             networks: Networks::new(layout),
+            joints: Joints::new(layout, components),
             upcoming: Upcoming::NONE,
             goes_on: [false; MOST],
             changed: false,
@@ -229,6 +235,7 @@ impl<L: Lanes> LaneGroup<L> {
             self.watched = true;
         }
         self.networks.load(lane, run);
+        self.joints.load(lane, run);
         if self.has_model_of(lane, run) {
             return false;
         }
@@ -387,6 +394,7 @@ impl<L: Lanes> LaneGroup<L> {
             watched,
             stages,
             networks,
+            joints,
             sizes,
             taken,
             lists,
@@ -406,6 +414,7 @@ impl<L: Lanes> LaneGroup<L> {
         networks.begin();
         match method {
             LaneMethod::Explicit(method) => {
+                joints.begin(|lane| made.steps.has(lane));
                 let Ok(()) = method.stages(
                     [time, step],
                     step,
@@ -413,6 +422,8 @@ impl<L: Lanes> LaneGroup<L> {
                     |last, [time, span], trial, rates| {
                         if last {
                             made.drift = normalise(quaternions, trial);
+                            let by = (&mut **form, &*stages, &quaternions[..]);
+                            made.holds *= joints.put_on(by, time, trial);
                         }
                         if nodes.has_networks() && !nodes.are_single() {
                             let at = (time, &*trial);

@@ -14,6 +14,7 @@ use wide::{f64x4, f64x8};
 
 mod form;
 mod group;
+mod joints;
 mod lockstep;
 mod networks;
 

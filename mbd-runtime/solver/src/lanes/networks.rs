@@ -37,7 +37,7 @@ pub(super) struct Networks<L> {
 }
 
 /// Flags of lanes: one where something holds, else zero.
-fn flag<L: Lanes>(mask: L::Mask) -> L {
+pub(super) fn flag<L: Lanes>(mask: L::Mask) -> L {
     L::select(mask, L::one(), L::zero())
 }
 
@@ -339,7 +339,7 @@ impl<L: Lanes> Networks<L> {
 }
 
 /// Whether a flag is set in some lane.
-fn is_any<L: Lanes>(flags: L) -> bool {
+pub(super) fn is_any<L: Lanes>(flags: L) -> bool {
     flags.numbers().iter().any(|flag| *flag > 0.0)
 }
 
@@ -357,7 +357,7 @@ fn select<L: Lanes>(mask: L::Mask, list: &mut [L], at: usize, numbers: &[L]) {
 }
 
 /// Writes a number into a lane.
-fn put<L: Lanes>(lane: usize, lanes: &mut L, x: f64) {
+pub(super) fn put<L: Lanes>(lane: usize, lanes: &mut L, x: f64) {
     if let Some(number) = lanes.numbers_mut().get_mut(lane) {
         *number = x;
     }

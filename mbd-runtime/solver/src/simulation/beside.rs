@@ -40,6 +40,8 @@ pub(crate) trait Attempt<T> {
     fn squares(&self) -> [T; 3];
     /// The largest | |q| − 1 | of a quaternion at the end, before it was normalised.
     fn drift(&self) -> f64;
+    /// What the last factor of the rows of joints left to its smallest pivot.
+    fn margin(&self) -> f64;
 }
 
 /// The start of the next step of a run, which is kept elsewhere.
@@ -62,9 +64,9 @@ pub(crate) struct Spent {
 }
 
 impl<T: Float> Simulation<T> {
-    /// Start and size of the step that is tried next [s], where its stages may be evaluated elsewhere: a step of a run without rows of joints
-    /// and functions of time and state, an explicit one whose nodes, if there are any, are found along with the rates or each by a solve of its own, or one of
-    /// the stiff method whose derivatives are a partial derivative of the model alone.
+    /// Start and size of the step that is tried next [s], where its stages may be evaluated elsewhere: a step of a run without functions of time and state, an
+    /// explicit one whose rows of joints, if there are any, are solved as emitted, and whose nodes are found along with the rates or each by a solve of its own,
+    /// or one of the stiff method whose derivatives are a partial derivative of the model alone.
     pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
         let now = resolution(self.time);
         let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
@@ -74,13 +76,14 @@ impl<T: Float> Simulation<T> {
         }
         let holds = self.holds_on() || {
             let (method, system) = (&self.method, &self.system);
-            let is_stiff = method.only_implicit().is_some() && system.differentiates_plainly();
+            let of_model = system.differentiates_plainly() && !system.projection.any();
+            let is_stiff = method.only_implicit().is_some() && of_model;
             let is_plain = (is_stiff || method.explicit().is_some()) && system.is_plain();
             is_plain && self.system.hold_plain()
         };
         let next = self.plan(course.until);
         // The stages of a step that ends where something jumps see what is before it alone: its run makes it.
-        let is_offered = next.size >= now && holds && !next.on_jump;
+        let is_offered = next.size >= now && holds && self.system.solves_beside() && !next.on_jump;
         is_offered.then_some([self.time, next.size])
     }
 
@@ -147,11 +150,13 @@ impl<T: Float> Simulation<T> {
         course: &mut Course,
         history: &mut Trajectory,
     ) -> bool {
+        let [time, step] = attempt.step();
         match self.watch_received(attempt) {
-            Some(after) => (self.watch, self.balance) = after,
-            None => return false,
+            Some(after) if self.system.pass_rows(time + step, attempt.margin()) => {
+                (self.watch, self.balance) = after;
+            }
+            _ => return false,
         }
-        let [_, step] = attempt.step();
         let stages = self.method.explicit().map_or(1, Explicit::count) - 1;
         self.system.count_received(stages, attempt.spent());
         let end = self.end_of(step);
@@ -239,7 +244,7 @@ impl<T: Float> crate::system::System<T> {
     /// Whether a stage is inputs that are held, a state in the world, and nodes, and nothing else.
     fn is_plain(&self) -> bool {
         let stays = self.following.is_none() && !self.has_functions();
-        stays && !self.projection.any() && self.length() == self.nx
+        stays && self.length() == self.nx
     }
 
     /// Counts derivatives and factor of a step of the stiff method that was made elsewhere.
@@ -304,6 +309,9 @@ impl<T: Float> crate::system::System<T> {
                     return false;
                 }
             }
+        }
+        if !self.receive_rows(end, state, attempt.margin()) {
+            return false;
         }
         self.count_received(stages, attempt.spent());
         self.drift = attempt.drift();

@@ -113,4 +113,8 @@ impl<L: Lanes> Attempt<f64> for OwnStep<'_, L> {
     fn drift(&self) -> f64 {
         self.made.drift.lane(self.lane)
     }
+
+    fn margin(&self) -> f64 {
+        self.group.joints.margin().lane(self.lane)
+    }
 }
