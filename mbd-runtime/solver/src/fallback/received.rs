@@ -50,9 +50,8 @@ impl<T: Float> System<T> {
         }
         self.fallback.margin = margin;
         // Far from positions where rows lose rank nobody looks at the state.
-        let passes = !self.is_close()
-            && self.receive_rows(time, &[], margin)
-            && !self.fallback.next.near;
+        let passes =
+            !self.is_close() && self.receive_rows(time, &[], margin) && !self.fallback.next.near;
         if passes {
             self.fallback.commit();
         }

@@ -88,7 +88,11 @@ impl<L: Lanes> Joints<L> {
             return L::one();
         }
         let begun = L::zero().lt(self.usable);
-        let mut on = AtTimes { own: self, by, time };
+        let mut on = AtTimes {
+            own: self,
+            by,
+            time,
+        };
         let Ok(left) = project_positions(&mut on, state, STEP, begun);
         let together = left.le(on.own.measures.apart(state));
         on.own.usable *= flag(together);
