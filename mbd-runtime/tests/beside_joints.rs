@@ -164,6 +164,37 @@ model! {
     }
 }
 
+model! {
+    /// A winch turns at a prescribed rate and lets its load swing from an arm; the load is dropped, and then the arm is braked.
+    pub model Winch<T> {
+        units: si;
+        gravity: [0.0, 0.0, -9.81];
+        param rate = 2.0 in 0.0 ..= 10.0;
+        param mass = 1.0 in 0.1 ..= 10.0;
+        param brake = 0.0 in 0.0 ..= 10.0;
+        body arm {
+            mass: 2.0,
+            inertia: diag(0.02, 0.2, 0.2),
+            frame root at [-0.5, 0.0, 0.0],
+            frame tip at [0.5, 0.0, 0.0],
+        }
+        body load { mass: mass, inertia: diag(0.1, 0.1, 0.1), frame eye at [0.0, 0.0, 0.6] }
+        body rod {
+            mass: 0.5,
+            inertia: diag(0.02, 0.02, 0.005),
+            frame top at [0.0, 0.0, 0.3],
+            frame end at [0.0, 0.0, -0.3],
+        }
+        joint drum: hinge from world to arm.root { axis: z, motor: rate * time + 0.1 * sin(3.0 * time) }
+        joint swing: spherical from arm.tip to rod.top
+        joint hold: hinge from rod.end to load.eye { axis: x, damping: brake }
+        event out = load.position.z rises -0.9 { detach: hold }
+        event later = time rises 1.2 { set: brake = 1.0 }
+        output height = load.position.z;
+        output torque = drum.motor_torque;
+    }
+}
+
 fn chain_case(k: u32) -> Case {
     let k = f64::from(k);
     Case::new()
@@ -227,6 +258,19 @@ fn linkages_that_pass_positions_where_rows_repeat_each_other_are_what_they_are_a
     };
     let options = [Options::rk4(2e-3), Options::tsit5(1e-7)];
     assert_same_bits(&linkage, &options, 0.3, cases);
+    for options in options {
+        let finished = Batch::new(&linkage, options, 2.0)
+            .cases(cases())
+            .lanes(4)
+            .run(|_, history| history.len());
+        let chosen = finished.iter().map(|it| it.statistics.rows_strategy > 1);
+        let chosen: Vec<bool> = chosen.collect();
+        println!("{options:?}: rows chosen {chosen:?}");
+        assert!(
+            chosen.contains(&true) && chosen.contains(&false),
+            "{options:?}"
+        );
+    }
 }
 
 #[test]
@@ -246,6 +290,21 @@ fn a_hinge_beside_an_equilibrium_point_is_what_it_is_alone() {
     };
     let options = [Options::rk4(1e-3), Options::tsit5(1e-6)];
     assert_same_bits(&flap, &options, 0.2, cases);
+}
+
+#[test]
+fn motors_and_joints_that_let_go_are_what_they_are_alone() {
+    let winch = Winch::new(WinchParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..9_u32).map(|k| {
+            let k = f64::from(k);
+            Case::new().params([1.0 + 0.6 * k, 0.5 + 0.2 * k, 0.01 * k])
+        })
+    };
+    let options = [Options::rk4(4e-3), Options::tsit5(1e-6)];
+    assert_same_bits(&winch, &options, 0.7, cases);
 }
 
 #[test]

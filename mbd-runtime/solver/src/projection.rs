@@ -7,7 +7,8 @@
 //!
 //! The move is the smallest one weighted by mass. Rotations move by the exponential: q ← q ∘ exp(δ/2) in body components,
 //! exp(δ/2) ∘ q in world components; in a plane the angle moves by δ. A trial step is projected before its last stage, so that the rates at its end are those of the
-//! projected state; the error estimate is made of the stages alone and does not see the move.
+//! projected state; the error estimate is made of the stages alone and does not see the move. What is repeated, and when it ends, is the same for a
+//! run and for several in lanes (`rounds`).
 
 use mbd_scene::laws::{self, Numbers};
 use mbd_scene::{Arguments, At, Float, Quantity};

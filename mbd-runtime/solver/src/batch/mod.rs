@@ -146,9 +146,9 @@ impl<'b, T: Scalar, I> Batch<'b, T, I> {
     /// the instructions that the program is compiled for have room for: 8 with AVX-512, 4 with AVX, else 1. Results do not depend on it.
     ///
     /// In lanes are the steps of explicit methods in which nothing happens, of models that have their equations over lanes at hand
-    /// ([`InLanes`](crate::InLanes)), without rows of joints and without inputs that are functions of time and state, whose equilibrium points, if
-    /// there are any, are `rate` nodes on lines that span space; and those of the stiff method of such models of bodies and points in which nothing
-    /// reads time and no point is one of equilibrium. Every other step is made by its case alone:
+    /// ([`InLanes`](crate::InLanes)), without inputs that are functions of time and state, whose rows of joints, if there are any, are solved as the compiler
+    /// emitted them, and whose equilibrium points are `rate` nodes on lines that span space; and those of the stiff method of such models of bodies and
+    /// points without rows in which nothing reads time and no point is one of equilibrium. Every other step is made by its case alone:
     /// [`Finished::beside`] tells how many were not.
     #[must_use]
     pub fn lanes(mut self, lanes: usize) -> Self {

@@ -12,7 +12,8 @@ use crate::trajectory::resolution;
 /// Several cases of one model, a case a lane, with the same fixed step of RK4: each lane is what a run with
 /// [`Options::rk4`](crate::Options::rk4) gives, to the bit.
 ///
-/// For scenes in which nothing happens and nothing is solved: no rows of joints (open trees in relative coordinates have none), no equilibrium points,
+/// For scenes in which nothing happens and nothing is solved: no rows of joints (open trees in relative coordinates have none; a lane in which they cannot be
+/// solved as emitted has no run here that solves them otherwise), no equilibrium points,
 /// no lines and stops that may let go (springs do not), no events. A run ends a step where what acts jumps at a time known beforehand, `if(time < 3 s, …)`; steps of lanes, whose params may
 /// say other times, do not. A lane that stops being finite disturbs no other.
 ///

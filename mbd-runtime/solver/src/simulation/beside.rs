@@ -1,8 +1,8 @@
 //! A step that is tried beside those of other runs: which one it is, and what the run takes over of it.
 //!
-//! Only the stages of a step are evaluated elsewhere, of a step of the stiff method the derivatives and the factor that they are solved with, too, with the operations of this run in their order. Everything else is done by the run itself, as of a
-//! step that it tried alone: error, events, watch, rows, memory. Where a stage cannot be had that way nothing is taken over, and the run tries
-//! the step alone.
+//! Only the stages of a step are evaluated elsewhere, and its end put back on the joints; of a step of the stiff method its derivatives and their factor, too;
+//! with the operations of this run in their order. Everything else is done by the run itself, as of a step that it tried alone: error, events, watch, which
+//! rows are solved next, memory. Where a stage cannot be had that way nothing is taken over, and the run tries the step alone.
 //!
 //! A step at whose end nothing is read but metrics leaves the state elsewhere, too: the run counts it, and fetches the state when it is read again.
 

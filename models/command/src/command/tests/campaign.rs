@@ -300,18 +300,46 @@ fn a_scene_file_is_run_in_lanes_with_the_same_bytes() {
     );
 }
 
-/// Ready scenes are compiled for one case at a time, a closed loop has rows: `--lanes` says that it has no effect.
+/// A closed loop has rows, which are solved in lanes.
+#[test]
+fn a_linkage_is_run_in_lanes_with_the_same_bytes() {
+    let folder = Folder::new("loop_in_lanes");
+    let file = folder.file(
+        "dispersed.toml",
+        "seed = 3\ncases = 20\n[params]\nk = { dist = \"normal\", sigma = \"5 %\" }\n[metrics]\nlargest = { max = \"turn\" }\n[run]\nuntil = \"0.2 s\"\n",
+    );
+    let cases = |lanes: &str| {
+        let out = folder.0.join(lanes).display().to_string();
+        let asked = ["--out", &out, "--lanes", lanes, "--threads", "1"];
+        let told = run(&[&["campaign", "linkage", &file][..], &asked].concat()).unwrap();
+        let said = format!("of all steps were made in {lanes} lanes");
+        assert_eq!(told.contains(&said), lanes != "1", "{told}");
+        std::fs::read(Path::new(&out).join("cases.csv")).unwrap()
+    };
+    let alone = cases("1");
+    assert!(String::from_utf8_lossy(&alone).contains(",ok,"));
+    assert_eq!(alone, cases("4"));
+    assert_eq!(alone, cases("8"));
+}
+
+/// Ready scenes are compiled for one case at a time, and Rattle is no explicit method: `--lanes` says that it has no effect.
 #[test]
 fn lanes_that_have_no_effect_are_told_with_the_reason() {
     let folder = Folder::new("no_lanes");
-    let file = folder.file(
-        "few.toml",
-        "cases = 3\n[metrics]\ndrift = { max = \"quaternion_drift\" }\n[run]\nuntil = \"10 ms\"\n",
-    );
-    for (scene, why) in [
-        ("heavy_top", "`mbd convert` writes one"),
-        ("linkage", "none of its steps is one that is made in lanes"),
+    for (scene, method, why) in [
+        ("heavy_top", "", "`mbd convert` writes one"),
+        (
+            "linkage",
+            "method = \"rattle\"\nstep = \"1 ms\"\n",
+            "none of its steps is one that is made in lanes",
+        ),
     ] {
+        let file = folder.file(
+            "few.toml",
+            &format!(
+                "cases = 3\n[metrics]\ndrift = {{ max = \"quaternion_drift\" }}\n[run]\nuntil = \"10 ms\"\n{method}"
+            ),
+        );
         let out = folder.0.join(scene).display().to_string();
         let told = run(&["campaign", scene, &file, "--out", &out, "--lanes", "4"]).unwrap();
         assert!(
