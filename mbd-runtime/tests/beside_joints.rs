@@ -248,8 +248,13 @@ fn linkages_that_pass_positions_where_rows_repeat_each_other_are_what_they_are_a
         .in_lanes();
     let cases = || {
         (0..9_u32).map(|k| {
+            // One begins where all its bars are in one line.
+            let angle = if k == 4 {
+                0.0
+            } else {
+                -1.0 - 0.2 * f64::from(k)
+            };
             let k = f64::from(k);
-            let angle = -1.0 - 0.2 * k;
             let case = Case::new().params([0.5 + 0.1 * k]);
             let case = case.joint("a.angle", angle).joint("b.angle", angle);
             // The first swing below; the last go over the flat position again and again.

@@ -207,3 +207,145 @@ fn extent<S: Real>(list: &[S]) -> S {
     let most = largest_size(list);
     S::select(most.lt(S::from_f64(f64::INFINITY)), most, S::zero())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{Lanes, Lanes4, Lanes8};
+
+    /// Points on circles x² + y² = r² about the origin; what they are told of a point next to the origin cannot be trusted.
+    struct Circles<S> {
+        radius: S,
+        row: S,
+        /// What of the row a move takes out.
+        part: f64,
+        moves: [S; 2],
+        /// How many moves there were.
+        rounds: S,
+    }
+
+    impl<S: Real> Circles<S> {
+        fn flag(mask: S::Mask) -> S {
+            S::select(mask, S::one(), S::zero())
+        }
+    }
+
+    impl<S: Real> OnJoints<S> for Circles<S> {
+        type Error = std::convert::Infallible;
+
+        fn measures(&self) -> Measures<S> {
+            Measures {
+                epsilon: f64::EPSILON,
+                length: S::one(),
+                extent: S::zero(),
+                coordinates: 2,
+                speeds: 2,
+            }
+        }
+
+        fn read(&mut self, what: Quantity, state: &[S]) -> S {
+            let is_place = what == Quantity::Constraint;
+            self.part = if is_place { 0.5 } else { 1.0 };
+            self.row = match is_place {
+                true => state[0] * state[0] + state[1] * state[1] - self.radius * self.radius,
+                false => state[0] * state[2] + state[1] * state[3],
+            };
+            largest_size(&[self.row])
+        }
+
+        fn solve(&mut self, state: &[S], open: S::Mask) -> Result<S::Mask, Self::Error> {
+            let square = state[0] * state[0] + state[1] * state[1];
+            let share = -S::from_f64(self.part) * self.row / square;
+            self.moves = [share * state[0], share * state[1]];
+            Ok(S::both(open, S::from_f64(1e-10).le(square)))
+        }
+
+        fn moves(&self) -> &[S] {
+            &self.moves
+        }
+
+        fn moves_all(&self) -> bool {
+            true
+        }
+
+        fn displace(&mut self, state: &mut [S], open: S::Mask) {
+            self.rounds += Self::flag(open);
+            for (x, more) in state.iter_mut().zip(self.moves) {
+                *x = S::select(open, *x + more, *x);
+            }
+        }
+
+        fn hasten(&mut self, state: &mut [S], open: S::Mask) {
+            self.rounds += Self::flag(open);
+            for (x, more) in state.iter_mut().skip(2).zip(self.moves) {
+                *x = S::select(open, *x + more, *x);
+            }
+        }
+
+        fn is_any(mask: S::Mask) -> bool {
+            !S::select(mask, S::from_f64(f64::NAN), S::zero()).is_finite_all()
+        }
+
+        fn but(mask: S::Mask, other: S::Mask) -> S::Mask {
+            S::zero().lt(S::select(other, S::zero(), Self::flag(mask)))
+        }
+    }
+
+    /// State, what is left of the row, and how many moves there were.
+    fn put_on<S: Real>(radius: S, mut state: [S; 4], effort: Effort) -> [S; 6] {
+        let (zero, all) = (S::zero(), S::zero().le(S::zero()));
+        let mut circles = Circles {
+            radius,
+            row: zero,
+            part: 0.0,
+            moves: [zero; 2],
+            rounds: zero,
+        };
+        let Ok(left) = project_positions(&mut circles, &mut state, effort, all);
+        let Ok(()) = project_velocities(&mut circles, &mut state, all);
+        let [x, y, u, v] = state;
+        [x, y, u, v, left, circles.rounds]
+    }
+
+    fn every_lane_makes_the_rounds_of_one<L: Lanes>() {
+        // On its circle and at rest; next to it; far; at the origin, where nothing can be trusted; nowhere.
+        let starts = [
+            [0.6, 0.8, 0.0, 0.0],
+            [0.6 + 1e-9, 0.8, 0.8, -0.6],
+            [3.0, 0.4, 0.3, 1.0],
+            [0.0, 0.0, 1.0, 1.0],
+            [f64::NAN, 1.0, 0.0, 0.0],
+            [0.5, 0.5, 2.0, 1e-9],
+            [-40.0, 1.0, 7.0, 2.0],
+        ];
+        let radius = |number: usize| 1.0 + 0.5 * (number / 3) as f64;
+        for effort in [STEP, START] {
+            for shift in 0..starts.len() {
+                let number = |lane| (lane + shift) % starts.len();
+                let state = [0, 1, 2, 3].map(|at| L::each(|lane| starts[number(lane)][at]));
+                let all = put_on(L::each(|lane| radius(number(lane))), state, effort);
+                for lane in 0..L::WIDTH {
+                    let number = number(lane);
+                    let alone = put_on(radius(number), starts[number], effort);
+                    let beside = all.map(|x| x.lane(lane));
+                    // Which NaN an operation gives says nothing.
+                    let same = beside.iter().zip(&alone);
+                    let same =
+                        same.map(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan());
+                    assert!(same.min() == Some(true), "{number}: {beside:?} {alone:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_lane_is_put_on_its_joints_in_as_many_rounds_as_alone() {
+        every_lane_makes_the_rounds_of_one::<Lanes4>();
+        every_lane_makes_the_rounds_of_one::<Lanes8>();
+        let rounds = |state| put_on(1.0, state, STEP)[5];
+        assert_eq!(rounds([0.6, 0.8, 0.0, 0.0]), 0.0);
+        assert_eq!(rounds([0.6 + 1e-9, 0.8, 0.0, 0.0]), 1.0);
+        let far: f64 = rounds([3.0, 0.4, 0.3, 1.0]);
+        assert!(far > 4.0, "{far}");
+    }
+}
