@@ -27,7 +27,7 @@ mod step;
 
 use rounds::{Effort, ROUNDED, START};
 pub(crate) use rounds::{
-    Measures, OnJoints, STEP, displace_shortened, project_positions, project_velocities,
+    JointMeasures, OnJoints, STEP, displace_shortened, project_positions, project_velocities,
 };
 pub(crate) use step::Projection;
 
@@ -215,19 +215,19 @@ impl<T: Float> System<T> {
         state: &mut [T],
         effort: Effort,
     ) -> Result<f64, StepError> {
-        let mut own = AtTime { system: self, time };
+        let mut own = RunOnJoints { system: self, time };
         project_positions(&mut own, state, effort, true).map(T::to_f64)
     }
 
     /// Applies (2), twice where the first leaves something.
     fn project_velocities(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
-        project_velocities(&mut AtTime { system: self, time }, state, true)
+        project_velocities(&mut RunOnJoints { system: self, time }, state, true)
     }
 
     /// What rows and speeds are judged by.
-    pub(crate) fn measures(&self) -> Measures<T> {
+    pub(crate) fn measures(&self) -> JointMeasures<T> {
         let layout = self.model.layout();
-        Measures {
+        JointMeasures {
             epsilon: T::EPSILON.to_f64(),
             length: T::from_f64(self.projection.length),
             extent: T::from_f64(self.projection.extent),
@@ -472,15 +472,15 @@ impl<T: Float> System<T> {
 }
 
 /// A run at a time [s].
-struct AtTime<'a, T: Float> {
+struct RunOnJoints<'a, T: Float> {
     system: &'a mut System<T>,
     time: f64,
 }
 
-impl<T: Float> OnJoints<T> for AtTime<'_, T> {
+impl<T: Float> OnJoints<T> for RunOnJoints<'_, T> {
     type Error = StepError;
 
-    fn measures(&self) -> Measures<T> {
+    fn measures(&self) -> JointMeasures<T> {
         self.system.measures()
     }
 

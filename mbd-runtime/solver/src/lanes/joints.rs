@@ -16,13 +16,13 @@ use crate::fallback::trusted_in_passing;
 use crate::list::largest_size;
 use crate::moving::{Moving, moving};
 use crate::projection::{
-    Measures, OnJoints, STEP, displace_shortened, project_positions, project_velocities,
+    JointMeasures, OnJoints, STEP, displace_shortened, project_positions, project_velocities,
 };
 use crate::simulation::Simulation;
 
 /// What is needed to put states on joints, and room for it.
 pub(super) struct Joints<L> {
-    measures: Measures<L>,
+    measures: JointMeasures<L>,
     parts: Vec<Moving>,
     components: AngularVelocity,
     rows: Vec<L>,
@@ -47,7 +47,7 @@ impl<L: Lanes> Joints<L> {
     pub(super) fn new(layout: &Layout, components: AngularVelocity) -> Self {
         let room = |length| vec![L::zero(); if layout.nc > 0 { length } else { 0 }];
         Joints {
-            measures: Measures {
+            measures: JointMeasures {
                 epsilon: f64::EPSILON,
                 length: L::one(),
                 extent: L::zero(),
@@ -66,7 +66,7 @@ impl<L: Lanes> Joints<L> {
 
     /// Takes the sizes of a scene into a lane.
     pub(super) fn load(&mut self, lane: usize, run: &Simulation<f64>) {
-        let Measures { length, extent, .. } = run.system.measures();
+        let JointMeasures { length, extent, .. } = run.system.measures();
         put(lane, &mut self.measures.length, length);
         put(lane, &mut self.measures.extent, extent);
     }
@@ -88,7 +88,7 @@ impl<L: Lanes> Joints<L> {
             return L::one();
         }
         let begun = L::zero().lt(self.usable);
-        let mut on = AtTimes {
+        let mut on = LanesOnJoints {
             own: self,
             by,
             time,
@@ -104,13 +104,13 @@ impl<L: Lanes> Joints<L> {
 }
 
 /// The joints of all lanes, each at its time [s].
-struct AtTimes<'a, L> {
+struct LanesOnJoints<'a, L> {
     own: &'a mut Joints<L>,
     by: PutOn<'a, L>,
     time: L,
 }
 
-impl<L: Lanes> AtTimes<'_, L> {
+impl<L: Lanes> LanesOnJoints<'_, L> {
     /// Solves for the move of the rows.
     fn solve_rows(&mut self, state: &[L]) {
         let (form, stages, _) = &mut self.by;
@@ -140,10 +140,10 @@ impl<L: Lanes> AtTimes<'_, L> {
     }
 }
 
-impl<L: Lanes> OnJoints<L> for AtTimes<'_, L> {
+impl<L: Lanes> OnJoints<L> for LanesOnJoints<'_, L> {
     type Error = Infallible;
 
-    fn measures(&self) -> Measures<L> {
+    fn measures(&self) -> JointMeasures<L> {
         self.own.measures
     }
 

@@ -39,7 +39,7 @@ pub(crate) trait OnJoints<S: Real> {
     /// Why a move cannot be found.
     type Error;
     /// What rows and speeds are judged by.
-    fn measures(&self) -> Measures<S>;
+    fn measures(&self) -> JointMeasures<S>;
     /// Reads rows at a state; their largest size, infinite where one is not finite.
     fn read(&mut self, what: Quantity, state: &[S]) -> S;
     /// Solves for the move that takes the rows out that were read last; where, of a mask, it can be trusted.
@@ -63,7 +63,7 @@ pub(crate) trait OnJoints<S: Real> {
 
 /// What rows and speeds are judged by.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Measures<S> {
+pub(crate) struct JointMeasures<S> {
     /// The distance from 1 to the next larger number.
     pub epsilon: f64,
     /// Length of the scene [m], and how far from the origin places of a tree may be.
@@ -74,7 +74,7 @@ pub(crate) struct Measures<S> {
     pub speeds: usize,
 }
 
-impl<S: Real> Measures<S> {
+impl<S: Real> JointMeasures<S> {
     /// The largest coordinate, or the length of the scene; that also where a coordinate is not finite.
     pub fn size(&self, state: &[S]) -> S {
         let coordinates = state.get(..self.coordinates);
@@ -233,8 +233,8 @@ mod tests {
     impl<S: Real> OnJoints<S> for Circles<S> {
         type Error = std::convert::Infallible;
 
-        fn measures(&self) -> Measures<S> {
-            Measures {
+        fn measures(&self) -> JointMeasures<S> {
+            JointMeasures {
                 epsilon: f64::EPSILON,
                 length: S::one(),
                 extent: S::zero(),
