@@ -6,7 +6,7 @@ mod same_bits;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mbd_runtime::{Batch, Case, Content, InLanes, Model, Options, Sampling, Simulation, model};
-use same_bits::{assert_same_bits, bits};
+use same_bits::{assert_same_bits, bits, fly};
 
 model! {
     /// A stone in wind and thin air, drawn to a place; it is noticed where it passes two heights.

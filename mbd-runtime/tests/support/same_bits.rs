@@ -24,7 +24,7 @@ pub fn bits(finished: &[Finished<Vec<f64>>]) -> Vec<Bits> {
 }
 
 /// All columns, one after the other, the times of the events, and the metrics.
-fn fly(
+pub fn fly(
     model: &dyn Model<f64>,
     options: Options,
     sampling: Sampling,
