@@ -263,19 +263,27 @@ model! {
         joint capsule_free: free from world to capsule.com;
         point confluence { mass: m_point }
         line left from canopy.left to confluence {
-            free_length: 2.0 m, stiffness: stiffness, damping: damping,
+            free_length: 2.0 m,
+            stiffness: stiffness,
+            damping: damping,
         }
         line right from canopy.right to confluence {
-            free_length: 2.0 m, stiffness: stiffness, damping: damping,
+            free_length: 2.0 m,
+            stiffness: stiffness,
+            damping: damping,
         }
         line back from canopy.back to confluence {
-            free_length: 2.0 m, stiffness: stiffness, damping: damping,
+            free_length: 2.0 m,
+            stiffness: stiffness,
+            damping: damping,
         }
         line riser from confluence to capsule.top {
-            free_length: 1.0 m, stiffness: stiffness, damping: damping,
+            free_length: 1.0 m,
+            stiffness: stiffness,
+            damping: damping,
         }
-        load drag on canopy = -30 kg/m
-            * norm(canopy.velocity - [wind, 0.0, 0.0]) * (canopy.velocity - [wind, 0.0, 0.0]);
+        load drag on canopy = -30 kg/m * norm(canopy.velocity - [wind, 0.0, 0.0])
+            * (canopy.velocity - [wind, 0.0, 0.0]);
         event fast = capsule.position.z falls -6.0 m { set: stiffness = 25 kN/m }
         output pull = riser.tension;
         metric peak = max riser.tension;

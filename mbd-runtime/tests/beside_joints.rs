@@ -185,7 +185,10 @@ model! {
             frame top at [0.0, 0.0, 0.3],
             frame end at [0.0, 0.0, -0.3],
         }
-        joint drum: hinge from world to arm.root { axis: z, motor: rate * time + 0.1 * sin(3.0 * time) }
+        joint drum: hinge from world to arm.root {
+            axis: z,
+            motor: rate * time + 0.1 * sin(3.0 * time),
+        }
         joint swing: spherical from arm.tip to rod.top
         joint hold: hinge from rod.end to load.eye { axis: x, damping: brake }
         event out = load.position.z rises -0.9 { detach: hold }
