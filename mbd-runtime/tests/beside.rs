@@ -181,19 +181,21 @@ fn chains_in_relative_coordinates_are_what_they_are_alone() {
     );
 }
 
+/// Each spins faster than the one before, next to its second axis.
+fn tumblers() -> impl Iterator<Item = Case> + Send {
+    (0..10_u32).map(|k| {
+        let mut start = vec![0.0; 13];
+        (start[3], start[11], start[12]) = (1.0, 2.0 + f64::from(k), 0.01);
+        Case::new().state(0.0, start)
+    })
+}
+
 #[test]
 fn attitudes_are_what_they_are_alone() {
     let tumbler = Tumbler::new(TumblerParams::default())
         .expect("params")
         .in_lanes();
-    let cases = || {
-        (0..10_u32).map(|k| {
-            let mut start = vec![0.0; 13];
-            (start[3], start[11], start[12]) = (1.0, 2.0 + f64::from(k), 0.01);
-            Case::new().state(0.0, start)
-        })
-    };
-    assert_same_bits(&tumbler, &methods(), 0.9, cases);
+    assert_same_bits(&tumbler, &methods(), 0.9, tumblers);
 }
 
 #[test]
@@ -343,13 +345,6 @@ fn stiff_steps_that_are_rejected_pass_events_and_switches_are_what_they_are_alon
     let tumbler = Tumbler::new(TumblerParams::default())
         .expect("params")
         .in_lanes();
-    let tumblers = || {
-        (0..10_u32).map(|k| {
-            let mut start = vec![0.0; 13];
-            (start[3], start[11], start[12]) = (1.0, 2.0 + f64::from(k), 0.01);
-            Case::new().state(0.0, start)
-        })
-    };
     assert_same_bits(&tumbler, &stiff(), 0.9, tumblers);
 }
 
