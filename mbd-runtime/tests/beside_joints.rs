@@ -3,7 +3,7 @@
 #[path = "support/same_bits.rs"]
 mod same_bits;
 
-use mbd_runtime::{Batch, Case, Content, InLanes, Options, PointState, Sampling, model};
+use mbd_runtime::{Batch, Case, Content, InLanes, Model, Options, PointState, Sampling, model};
 use same_bits::{assert_same_bits, bits};
 
 model! {
@@ -198,6 +198,21 @@ model! {
     }
 }
 
+model! {
+    /// A wheel on a spiral spring, which it winds up by several turns and back.
+    pub model Wheel<T> {
+        units: si;
+        gravity: none;
+        param inertia = 0.02 in 0.01 ..= 0.1;
+        body wheel { mass: 1.0, inertia: diag(0.05, inertia, 0.05) }
+        joint axle: hinge from world to wheel { axis: y, stiffness: 0.2 }
+        output angle = axle.angle;
+        metric most = max axle.angle;
+        metric last = final axle.angle;
+        metric back = min axle.angle_rate;
+    }
+}
+
 fn chain_case(k: u32) -> Case {
     let k = f64::from(k);
     Case::new()
@@ -316,6 +331,37 @@ fn motors_and_joints_that_let_go_are_what_they_are_alone() {
     };
     let options = [Options::rk4(4e-3), Options::tsit5(1e-6)];
     assert_same_bits(&winch, &options, 0.7, cases);
+}
+
+#[test]
+fn an_angle_counts_turns_in_lanes_as_alone() {
+    let wheel = Wheel::new(WheelParams::default())
+        .expect("params")
+        .in_lanes();
+    let rate = |k: u32| 5.0 + 8.0 * f64::from(k);
+    let cases = || {
+        (0..9_u32).map(|k| {
+            let inertia = 0.02 + 0.002 * f64::from(k);
+            let case = Case::new().params([inertia]);
+            case.joint("axle.angle_rate", rate(k))
+        })
+    };
+    let options = [Options::rk4(1e-3), Options::tsit5(1e-8)];
+    // The last of nine is flown alone.
+    assert_same_bits(&wheel, &options, 0.8, cases);
+    // θ = ω₀ √(I/k) sin(t √(k/I)): the largest is of many turns.
+    let most = Batch::new(&wheel, options[1], 2.0)
+        .cases(cases())
+        .lanes(4)
+        .run(|_, history| history.metrics(wheel.scene())[0].value.clone());
+    for (k, found) in (0..9_u32).zip(&most) {
+        let inertia = 0.02 + 0.002 * f64::from(k);
+        let expected = rate(k) * (inertia / 0.2_f64).sqrt();
+        let found = found.result.as_ref().expect("a run").as_ref();
+        let off = (found.expect("a value") / expected - 1.0).abs();
+        assert!(off < 1e-6, "{k}: {found:?} and {expected}");
+    }
+    assert!(rate(8) * 0.3 > 20.0, "three turns");
 }
 
 #[test]

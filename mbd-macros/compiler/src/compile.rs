@@ -202,6 +202,7 @@ fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
                 | Quantity::Balance
                 | Quantity::Guards
                 | Quantity::Coordinates
+                | Quantity::CountedAngles
                 | Quantity::Constraint
                 | Quantity::ConstraintRate
                 | Quantity::ProjectionStep

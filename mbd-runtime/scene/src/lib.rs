@@ -41,8 +41,8 @@ mod vocabulary;
 pub use columns::each_column;
 pub use direction::turns_direction;
 pub use evaluate::{
-    Handed, Scratch, ToldMotion, commands, counted_angles, evaluate, evaluate_with_multipliers,
-    folded, handed, impulses, locked, masses, row_sizes, scalars, sensitivity,
+    Handed, Scratch, ToldMotion, commands, evaluate, evaluate_with_multipliers, folded, handed,
+    impulses, locked, masses, row_sizes, scalars, sensitivity,
 };
 pub use event::{
     Actions, Detachable, Direction, Event, MapSource, Mapped, Next, Settable, Setting,

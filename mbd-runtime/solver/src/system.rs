@@ -103,7 +103,7 @@ pub(crate) struct System<T: Float> {
     /// Whether there are joints that may fold.
     may_fold: bool,
     /// The angles whose turns are counted.
-    pub(crate) turning: Turning,
+    pub(crate) turning: Turning<T>,
     /// Room for a quantity by the laws themselves.
     wide: Vec<f64>,
     /// Room for joint coordinates.
@@ -183,7 +183,7 @@ impl<T: Float> System<T> {
             free_motion: FreeMotion::default(),
             commands: Commands::new(model.scene()),
             may_fold,
-            turning: Turning::new(),
+            turning: Turning::new(layout),
             wide: Vec::new(),
             measured: vec![T::zero(); measured],
             action_work: 0.0,

@@ -1,7 +1,7 @@
 //! Full turns of angles: what a run remembers beside the state, so that an angle goes on where attitudes begin again
 //! (equation (1) of `mbd_scene::laws::turns`).
 
-use mbd_scene::{Detachable, Float, JointStart, Layout, begin_next_to, said_coordinates};
+use mbd_scene::{Detachable, Float, JointStart, Layout, Quantity, begin_next_to, said_coordinates};
 
 use crate::laws::Laws;
 use crate::system::System;
@@ -10,26 +10,33 @@ use crate::unilateral::Mode;
 /// The most that an angle turns over an adaptive step [rad]: beyond half a turn it would not be known which turn it is.
 pub(crate) const MOST: f64 = 2.0;
 
-/// The angles whose turns are counted, each with its rate.
+/// The angles whose turns are counted, each with its rate: [`Quantity::CountedAngles`].
 #[derive(Clone, Debug)]
-pub(crate) struct Turning {
+pub(crate) struct Turning<T> {
     /// At the last accepted step, and at the step that was looked at [rad, rad/s].
-    angles: [Vec<f64>; 2],
+    angles: [Vec<T>; 2],
     /// When that is [s].
     seen: f64,
 }
 
-impl Turning {
+impl<T: Float> Turning<T> {
     /// Nothing was looked at.
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(layout: &Layout) -> Self {
+        let numbers = || vec![T::zero(); layout.len(Quantity::CountedAngles)];
         Turning {
-            angles: [Vec::new(), Vec::new()],
+            angles: [numbers(), numbers()],
             seen: f64::NAN,
         }
     }
 }
 
 impl<T: Float> System<T> {
+    /// Whether turns of any angle are counted.
+    #[inline]
+    pub(crate) fn counts_turns(&self) -> bool {
+        !self.memory.turns.is_empty()
+    }
+
     /// Counts turns from these values of the angles on [rad], in the order of [`Layout::turns`].
     pub(crate) fn count_turns_from(&mut self, angles: impl IntoIterator<Item = f64>) {
         for (last, angle) in self.memory.turns.iter_mut().zip(angles) {
@@ -73,7 +80,7 @@ impl<T: Float> System<T> {
 
     /// Counts turns from these starts of joints on, else from where motors have them, else from those that the declaration gives, else from (−π, π] on.
     fn count_turns_from_starts(&mut self, given: &[JointStart], (time, state): (f64, &[T])) {
-        if self.memory.turns.is_empty() {
+        if !self.counts_turns() {
             return;
         }
         let model = self.model.clone();
@@ -98,7 +105,7 @@ impl<T: Float> System<T> {
     /// Lets what is evaluated next see the turns that the memory has.
     pub(crate) fn take_up_turns(&mut self) {
         self.turning.seen = f64::NAN;
-        if !self.memory.turns.is_empty() {
+        if self.counts_turns() {
             self.nodes.set_turns(&self.memory.turns);
             self.probe.set_turns(&self.memory.turns);
         }
@@ -113,9 +120,9 @@ impl<T: Float> System<T> {
     /// By how much the angle that turns most turns over a step that was tried, by the rates at its ends [rad].
     #[inline]
     pub(crate) fn angle_swept(&mut self, step: f64, end: f64, state: &[T]) -> f64 {
-        match self.memory.turns.is_empty() {
-            true => 0.0,
-            false => self.find_swept(step, end, state),
+        match self.counts_turns() {
+            true => self.find_swept(step, end, state),
+            false => 0.0,
         }
     }
 
@@ -123,14 +130,14 @@ impl<T: Float> System<T> {
         self.look_at_angles(end, state);
         let [last, now] = &self.turning.angles;
         let rates = last.iter().zip(now).skip(1).step_by(2);
-        let swept = rates.map(|(a, b)| 0.5 * step * (a.abs() + b.abs()));
-        swept.fold(0.0, f64::max)
+        let sizes = rates.map(|(a, b)| a.to_f64().abs() + b.to_f64().abs());
+        0.5 * step * sizes.fold(0.0, f64::max)
     }
 
     /// Takes the angles at an accepted step, next to those of the one before.
     #[inline]
     pub(crate) fn count_turns(&mut self, time: f64, state: &[T]) {
-        if !self.memory.turns.is_empty() {
+        if self.counts_turns() {
             self.take_angles(time, state);
         }
     }
@@ -143,8 +150,8 @@ impl<T: Float> System<T> {
         self.turning.seen = f64::NAN;
         let angles = self.turning.angles[0].iter().step_by(2);
         for (last, angle) in self.memory.turns.iter_mut().zip(angles) {
-            if angle.is_finite() {
-                *last = T::from_f64(*angle);
+            if angle.to_f64().is_finite() {
+                *last = *angle;
             }
         }
         self.take_up_turns();
@@ -152,14 +159,16 @@ impl<T: Float> System<T> {
 
     /// The angles and their rates at a state.
     fn look_at_angles(&mut self, time: f64, state: &[T]) {
-        let state = state.get(..self.nx).unwrap_or_default();
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        let what = Quantity::CountedAngles;
         let [_, angles] = &mut self.turning.angles;
-        angles.clear();
-        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
-            mbd_scene::counted_angles(scene, layout, numbers, at, scratch, angles);
-        });
+        match self.known.list(what, time) {
+            Some(known) => angles.copy_from_slice(known),
+            None => {
+                let state = state.get(..self.nx).unwrap_or_default();
+                let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+                self.model.evaluate(what, &at, &mut self.work, angles);
+            }
+        }
         self.turning.seen = time;
     }
 

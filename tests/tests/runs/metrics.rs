@@ -156,6 +156,26 @@ fn what_a_stone_does_between_two_steps_does_not_depend_on_its_events() {
 }
 
 #[test]
+fn a_mean_over_a_window_as_narrow_as_rounding_is_one_of_the_values_in_it() {
+    let scene = scene(
+        "model Drift {
+            gravity: none;
+            point a { mass: 1 kg, start at [1, 0, 0] m velocity [1, 0, 0] m/s }
+            metric mean = mean a.position.x { from: 1.999999999999 s, to: 2 s }
+            metric rms = rms a.position.x { from: 1.999999999999 s, to: 2 s }
+            metric inside = mean a.position.x { from: 1.23456789 s, to: 1.234567890001 s }
+        }",
+    );
+    for options in [Options::tsit5(1e-8), Options::rk4(0.3)] {
+        let (history, _) = recorded(&scene, options, (2.0, Sampling::Steps));
+        let exact = [3.0, 3.0, 2.234_567_89];
+        for ((name, found), exact) in told(&history, &scene).iter().zip(exact) {
+            assert!((found - exact).abs() < 1e-10, "{name}: {found}");
+        }
+    }
+}
+
+#[test]
 fn the_last_instant_is_a_row_and_counts_though_the_grid_has_none_there() {
     let scene = scene(
         "model Fall {

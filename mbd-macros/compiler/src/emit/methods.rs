@@ -63,6 +63,7 @@ fn serves_runtime(what: Quantity) -> bool {
             | Quantity::Rates
             | Quantity::Balance
             | Quantity::Guards
+            | Quantity::CountedAngles
             | Quantity::ProjectionStep
     )
 }

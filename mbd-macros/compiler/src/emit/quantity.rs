@@ -43,6 +43,7 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::Guards => "guards",
         Quantity::Outputs => "outputs",
         Quantity::Coordinates => "coordinates",
+        Quantity::CountedAngles => "counted_angles",
         Quantity::Energy => "energy",
         Quantity::Momentum => "momentum",
         Quantity::Bodies => "bodies",
@@ -168,6 +169,10 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         Quantity::Coordinates => (
             "The joint coordinates and their rates, as joints measure them.",
             format!("{n} [m, m/s or rad, rad/s].",),
+        ),
+        Quantity::CountedAngles => (
+            "The angles whose turns a run counts, next to their last values, and their rates.",
+            format!("{n} [rad, rad/s]."),
         ),
         Quantity::Energy => (
             "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.",

@@ -235,6 +235,7 @@ pub fn evaluate<S: Real>(
         Quantity::Guards => measured::guards(&evaluation, out),
         Quantity::Outputs => measured::outputs(&evaluation, out),
         Quantity::Coordinates => measured::coordinates(&evaluation, out),
+        Quantity::CountedAngles => measured::counted_angles(&evaluation, out),
         Quantity::Energy => {
             let mut drives = forces::drive_power(&evaluation);
             if layout.joints.iter().any(|joint| joint.driven) {
@@ -375,25 +376,6 @@ pub(crate) fn driven_coordinates(
         }
     });
     driven.collect()
-}
-
-/// Appends the angles of [`Layout::turns`] [rad], each with its rate [rad/s].
-pub fn counted_angles(
-    scene: &Scene,
-    layout: &Layout,
-    numbers: &Numbers<f64>,
-    at: &At<'_, f64>,
-    scratch: &mut Scratch<f64>,
-    out: &mut Vec<f64>,
-) {
-    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    let angles = layout.turns.iter().flat_map(|&(joint, number)| {
-        [
-            formula::Context::coordinate(&evaluation, joint, number),
-            formula::Context::coordinate_rate(&evaluation, joint, number),
-        ]
-    });
-    out.extend(angles.map(|number| number.unwrap_or(f64::NAN)));
 }
 
 /// Appends the coordinate that every lock holds, or would hold [m or rad], in the order of [`JointSlots::held`](crate::JointSlots::held).

@@ -77,6 +77,15 @@ pub fn coordinates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     });
 }
 
+/// Every angle whose turns are counted, and its rate.
+pub fn counted_angles<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    for (slot, &(joint, index)) in out.chunks_exact_mut(2).zip(&evaluation.layout.turns) {
+        let angle = evaluation.coordinate(joint, index);
+        let rate = evaluation.coordinate_rate(joint, index);
+        slot.copy_from_slice(&[angle, rate].map(|x| x.unwrap_or_else(|| S::from_f64(f64::NAN))));
+    }
+}
+
 /// Value, rate and acceleration of every joint coordinate, the latter for the accelerations of the evaluation, or for none where there are none.
 pub fn joint_coordinates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     each_coordinate(evaluation.scene, out, |joint, index| {

@@ -38,6 +38,9 @@ pub enum Quantity {
     /// Every measurable joint coordinate and its rate, in pairs: joint by joint, in the order of
     /// [`Scene::joint_coordinates`](crate::Scene::joint_coordinates) [m, m/s or rad, rad/s].
     Coordinates,
+    /// The angles whose turns are counted, [`Layout::turns`](crate::Layout::turns), next to their last values in [`At::hold`], each with its rate
+    /// [rad, rad/s].
+    CountedAngles,
     /// Kinetic, gravitational and elastic energy [J], power of the loads and power of dampers and friction on the bodies and points
     /// [W] (≤ 0 for a damper), power that prescribed motions put in [W].
     Energy,
@@ -174,6 +177,7 @@ impl fmt::Display for Quantity {
             Quantity::Guards => "guards of the events",
             Quantity::Outputs => "outputs",
             Quantity::Coordinates => "joint coordinates",
+            Quantity::CountedAngles => "angles whose turns are counted",
             Quantity::Energy => "energy",
             Quantity::Momentum => "momentum",
             Quantity::Bodies => "bodies as absolute coordinates have them",

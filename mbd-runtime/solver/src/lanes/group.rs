@@ -181,7 +181,7 @@ impl<L: Lanes> LaneGroup<L> {
             stages: Stages {
                 nodes: list(3 * layout.nodes.len()),
                 effective: list(layout.effective_numbers),
-                hold: list(layout.holds()),
+                hold: list(layout.origin_at()),
                 ends: list(layout.len(Quantity::AnchorStates)),
                 inputs: list(layout.ni),
                 rates: list(layout.len(Quantity::Rates)),

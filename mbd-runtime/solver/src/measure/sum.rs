@@ -217,7 +217,8 @@ impl Sum {
         let [least, most] = values;
         let part = [place(low), place(high)];
         self.last = polynomial.at(part[1]);
-        self.span += high - low;
+        // As the integral counts it: a mean lies between the values it is of, however narrow the window.
+        self.span += 0.5 * width * (part[1] - part[0]);
         let level = of.level.unwrap_or(f64::NAN);
         // What rests at the level, as a contact that is open, is not above it where a step ends a rounding behind its event, or the polynomial swings.
         let reaches = || {

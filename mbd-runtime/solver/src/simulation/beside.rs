@@ -89,7 +89,7 @@ impl<T: Float> Simulation<T> {
 
     /// Whether inputs and the modes of elements are those of the last step, which was received.
     pub(crate) fn holds_on(&self) -> bool {
-        self.stays && self.system.memory.turns.is_empty()
+        self.stays && !self.system.counts_turns()
     }
 
     /// Whether somebody looks between the ends of the step from here on: at every step, or because a row is due.
@@ -104,7 +104,12 @@ impl<T: Float> Simulation<T> {
         let measured = history.looks_at();
         EndLooks {
             energy: self.balance.is_some() && matches!(self.meter, Meter::Model { .. }),
-            lists: [!self.margins.is_empty(), measured.outputs, measured.lines],
+            lists: [
+                !self.margins.is_empty(),
+                measured.outputs,
+                measured.lines,
+                self.system.counts_turns(),
+            ],
         }
     }
 
@@ -125,7 +130,7 @@ impl<T: Float> Simulation<T> {
         let is_this = !next.lands && !next.on_jump && [self.time, next.size] == [time, step];
         let inside = self.looks_inside([time, step], history);
         let system = &self.system;
-        let held = system.memory.turns.is_empty() && system.needs_no_ends();
+        let held = !system.counts_turns() && system.needs_no_ends();
         let nodes = !system.nodes.has_networks() || system.nodes.are_single();
         let anew = history.measures_steps() && self.jumped;
         let recorded = history.reads_end_of([time, step]) || anew;

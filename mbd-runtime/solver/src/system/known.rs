@@ -2,8 +2,13 @@
 
 use mbd_scene::{Float, Layout, Quantity};
 
-/// The lists of numbers that can be known: guards, declared outputs, tension and stretch of the lines.
-pub(crate) const LISTS: [Quantity; 3] = [Quantity::Guards, Quantity::Outputs, Quantity::Lines];
+/// The lists of numbers that can be known: guards, declared outputs, tension and stretch of the lines, angles whose turns are counted.
+pub(crate) const LISTS: [Quantity; 4] = [
+    Quantity::Guards,
+    Quantity::Outputs,
+    Quantity::Lines,
+    Quantity::CountedAngles,
+];
 
 /// Where outputs and lines are among them.
 pub(crate) const OUTPUTS: usize = 1;

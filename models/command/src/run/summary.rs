@@ -5,7 +5,7 @@ use std::io;
 
 use mbd_campaign::run::RunPlan;
 use mbd_report::{Cell, ReportTable, significant};
-use mbd_runtime::scene::{Scene, plain};
+use mbd_runtime::scene::{Plane, Scene, plain};
 use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
 
@@ -18,6 +18,8 @@ use super::start::{moved, moved_text};
 #[derive(Debug, Serialize)]
 struct RunNumbers<'a> {
     scene: &'a str,
+    coordinates: &'static str,
+    planar: Option<&'static str>,
     status: &'a str,
     message: Option<String>,
     method: &'static str,
@@ -150,6 +152,8 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
     });
     let summary = RunNumbers {
         scene: &scene.name,
+        coordinates: scene.coordinates.word(),
+        planar: scene.planar.map(Plane::word),
         status: outcome
             .error
             .as_ref()
@@ -270,6 +274,9 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
     ];
     if let Some(event) = &outcome.ended_by {
         rows.insert(4, ("ended by the event", event.as_str().into()));
+    }
+    if scene.planar.is_some() || !scene.joints.is_empty() {
+        rows.insert(0, ("coordinates", coordinates(scene).into()));
     }
     if statistics.factors > 0 {
         rows.push(("Jacobians", Cell::Count(statistics.jacobians)));
@@ -407,6 +414,15 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         table.push([what.into(), value]);
     }
     table
+}
+
+/// The family of coordinates and the plane that a scene was compiled for, whether it was declared or found.
+fn coordinates(scene: &Scene) -> String {
+    let family = scene.coordinates.word();
+    match scene.planar {
+        Some(plane) => format!("{family}, in the plane {}", plane.word()),
+        None => family.to_owned(),
+    }
 }
 
 /// Why a run has no balance of momentum; `None` where it has.
