@@ -40,18 +40,18 @@ fn a_planar_scene_is_checked_expanded_converted_and_run_and_its_drawing_looks_al
 #[test]
 fn a_run_tells_the_coordinates_and_the_plane_that_were_found() {
     let folder = Folder::new("found");
-    let text = PLANAR.replace("planar: xz;", "planar: auto; coordinates: auto;");
+    let text = PLANAR.replace("planar: xz;", "planar: auto;");
     let file = folder.file("linkage.mbd", &text);
     let out = folder.0.join("out").display().to_string();
     let told = run(&["run", &file, "--out", &out, "--until", "0.1 s"]).unwrap();
-    assert!(told.contains("relative, in the plane xz"), "{told}");
+    assert!(told.contains("absolute, in the plane xz"), "{told}");
     for page in ["report.html", "summary.json"] {
         let page = std::fs::read_to_string(folder.0.join("out").join(page)).unwrap();
-        assert!(page.contains("relative") && page.contains("xz"));
+        assert!(page.contains("absolute") && page.contains("xz"));
     }
     let numbers = std::fs::read_to_string(folder.0.join("out/summary.json")).unwrap();
     let numbers: serde_json::Value = serde_json::from_str(&numbers).unwrap();
-    assert_eq!(numbers["coordinates"], "relative");
+    assert_eq!(numbers["coordinates"], "absolute");
     assert_eq!(numbers["planar"], "xz");
 }
 
