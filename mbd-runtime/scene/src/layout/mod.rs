@@ -250,7 +250,8 @@ impl Layout {
         self.lines.len() + self.stops.len()
     }
 
-    /// Length of [`At::hold`](crate::At::hold): laws that act one way, joints that may be detached, what locks hold their coordinates at.
+    /// How many numbers [`At::hold`](crate::At::hold) begins with and always has: laws that act one way, joints that may be detached, what locks hold their
+    /// coordinates at. Behind them are the angles of [`Layout::turns`], up to [`Layout::origin_at`].
     #[must_use]
     pub fn holds(&self) -> usize {
         self.one_way() + self.detachable_joints.len() + self.locks

@@ -181,6 +181,7 @@ impl<L: Lanes> LaneGroup<L> {
             stages: Stages {
                 nodes: list(3 * layout.nodes.len()),
                 effective: list(layout.effective_numbers),
+                // With the angles whose turns are counted; an origin that follows something is not flown in lanes.
                 hold: list(layout.origin_at()),
                 ends: list(layout.len(Quantity::AnchorStates)),
                 inputs: list(layout.ni),

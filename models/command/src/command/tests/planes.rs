@@ -38,24 +38,6 @@ fn a_planar_scene_is_checked_expanded_converted_and_run_and_its_drawing_looks_al
 }
 
 #[test]
-fn a_run_tells_the_coordinates_and_the_plane_that_were_found() {
-    let folder = Folder::new("found");
-    let text = PLANAR.replace("planar: xz;", "planar: auto;");
-    let file = folder.file("linkage.mbd", &text);
-    let out = folder.0.join("out").display().to_string();
-    let told = run(&["run", &file, "--out", &out, "--until", "0.1 s"]).unwrap();
-    assert!(told.contains("absolute, in the plane xz"), "{told}");
-    for page in ["report.html", "summary.json"] {
-        let page = std::fs::read_to_string(folder.0.join("out").join(page)).unwrap();
-        assert!(page.contains("absolute") && page.contains("xz"));
-    }
-    let numbers = std::fs::read_to_string(folder.0.join("out/summary.json")).unwrap();
-    let numbers: serde_json::Value = serde_json::from_str(&numbers).unwrap();
-    assert_eq!(numbers["coordinates"], "absolute");
-    assert_eq!(numbers["planar"], "xz");
-}
-
-#[test]
 fn settings_that_no_run_can_hold_are_refused_before_it() {
     let folder = Folder::new("settings");
     for (setting, what) in [
@@ -118,6 +100,13 @@ fn a_plane_that_is_found_is_told_and_run_in_and_none_is_told_with_what_leaves_it
         "{told}"
     );
     assert_eq!(given, found);
+    let left = |file: &str| std::fs::read_to_string(folder.0.join("out").join(file)).unwrap();
+    assert!(left("report.html").contains("absolute, in the plane xz"));
+    let numbers: serde_json::Value = serde_json::from_str(&left("summary.json")).unwrap();
+    assert_eq!(
+        [&numbers["coordinates"], &numbers["planar"]],
+        ["absolute", "xz"]
+    );
     let across = "load side on weight = [0 N, 1 N, 0 N]; planar: auto;";
     // Starts in a plane are no starts in space.
     let (declaration, _) = PLANAR.split_once("[run]").unwrap();
