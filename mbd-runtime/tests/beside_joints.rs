@@ -353,7 +353,7 @@ fn an_angle_counts_turns_in_lanes_as_alone() {
     let most = Batch::new(&wheel, options[1], 2.0)
         .cases(cases())
         .lanes(4)
-        .run(|_, history| history.metrics(wheel.scene())[0].value.clone());
+        .run(|_, history| history.metrics(wheel.scene())[0].value);
     for (k, found) in (0..9_u32).zip(&most) {
         let inertia = 0.02 + 0.002 * f64::from(k);
         let expected = rate(k) * (inertia / 0.2_f64).sqrt();
