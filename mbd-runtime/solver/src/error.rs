@@ -27,10 +27,19 @@ macro_rules! step_errors {
         $status:literal, $sentence:expr, $advice:expr;
     )*) => {
         /// What went wrong in a step.
-        #[derive(Clone, Debug, PartialEq)]
+        #[derive(Clone, PartialEq)]
         #[non_exhaustive]
         pub enum StepError {
             $($(#[$doc])* $name $({ $($(#[$field_doc])* $field: $type,)* })?,)*
+        }
+
+        /// What `derive(Debug)` writes. That is compiled again in every crate that asks for it, as one with `?` in its `main` does.
+        impl fmt::Debug for StepError {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(StepError::$name $({ $($field),* })? => f.debug_struct(stringify!($name))$($(.field(stringify!($field), $field))*)?.finish(),)*
+                }
+            }
         }
 
         #[allow(unused_variables, reason = "not every sentence names every number")]

@@ -21,6 +21,7 @@ mod compiled;
 mod content;
 mod dip;
 mod displace;
+mod dropped_here;
 mod error;
 mod event;
 mod fallback;

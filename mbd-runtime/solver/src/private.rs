@@ -10,17 +10,17 @@ use num_traits::Zero;
 
 use crate::{CoordInfo, Lanes, Lanes4, LineState, Reaction};
 
+pub use crate::dropped_here::DroppedHere;
 pub use crate::integrate::{inner_rates, inner_stages};
 pub use crate::parts::{member, read, write};
 pub use crate::verify::verify;
 
 /// What every model of one declaration shares: unpacked once in a program.
-#[derive(Debug)]
 pub struct Declared {
     /// The declaration.
-    pub scene: Scene,
+    pub scene: DroppedHere<Scene>,
     /// Where everything lives.
-    pub layout: Layout,
+    pub layout: DroppedHere<Layout>,
 }
 
 impl Declared {
@@ -30,15 +30,15 @@ impl Declared {
         let scene = Scene::unpacked(scene).unwrap_or_default();
         let plan = Plan::unpacked(plan).unwrap_or_default();
         Declared {
-            layout: Layout::planned(&scene, plan),
-            scene,
+            layout: DroppedHere::new(Layout::planned(&scene, plan)),
+            scene: DroppedHere::new(scene),
         }
     }
 
     /// The declaration for who keeps it: copied here, and not by code that every crate with a model would compile again.
     #[must_use]
     pub fn copy(&self) -> Scene {
-        self.scene.clone()
+        Scene::clone(&self.scene)
     }
 }
 

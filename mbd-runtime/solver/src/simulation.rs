@@ -11,6 +11,7 @@ use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber
 
 use crate::balance::EnergyBalance;
 use crate::chatter::Chatter;
+use crate::dropped_here::DroppedHere;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Stepper, StiffnessTest};
@@ -142,8 +143,8 @@ enum Pace {
 /// # }
 /// ```
 pub struct Simulation<T: Float> {
-    pub(crate) system: System<T>,
-    pub(crate) method: Stepper<T>,
+    pub(crate) system: DroppedHere<System<T>>,
+    pub(crate) method: DroppedHere<Stepper<T>>,
     pub(crate) state: Vec<T>,
     /// What the outside has been shown of them, where that is something else.
     shown: WorldState<T>,

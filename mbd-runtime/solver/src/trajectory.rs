@@ -8,6 +8,7 @@ use mbd_scene::{Float, FromSolution, Layout, Model, Scene, plain};
 
 use crate::columns::Name;
 use crate::content::Content;
+use crate::dropped_here::DroppedHere;
 use crate::error::{Statistics, StepError};
 use crate::identity;
 use crate::measure::{MeasuredRun, MeasuredStep, Measures};
@@ -102,7 +103,7 @@ pub struct Trajectory {
     /// The columns that are made of what joints carry.
     efforts: Vec<usize>,
     columns: Vec<Vec<f64>>,
-    maker: RowMaker,
+    maker: DroppedHere<RowMaker>,
     sampling: Sampling,
     first: f64,
     /// Rows written, and the index of the next grid time.
@@ -113,12 +114,12 @@ pub struct Trajectory {
     end: f64,
     /// The metrics that the scene declares, by name, and how each is read.
     pub(crate) declared: Vec<(String, Result<MetricReader, MissingMetric>)>,
-    measures: Measures,
+    measures: DroppedHere<Measures>,
     /// What was measured in the parts of a [joined](Joined::join) history; of another one nothing.
     parts: Vec<MeasuredRun>,
     /// Rows of what is measured at instants, and over steps.
-    measured: RowMaker,
-    inside: RowMaker,
+    measured: DroppedHere<RowMaker>,
+    inside: DroppedHere<RowMaker>,
     /// Rows at which some reactions or efforts of motors have no value, because rows of joints lose rank, and not in passing: they are not
     /// numbers there, and their cells in CSV are empty. In passing they have the value they tend to.
     pub undetermined: u64,
@@ -185,7 +186,7 @@ impl Trajectory {
         let mut history = Trajectory {
             model: identity::of_columns(scene, layout),
             columns: vec![Vec::new(); names.len()],
-            maker: RowMaker::new(content, names.len()),
+            maker: DroppedHere::new(RowMaker::new(content, names.len())),
             names,
             outputs,
             efforts,
@@ -195,10 +196,10 @@ impl Trajectory {
             beside: false,
             end: f64::NAN,
             declared: Vec::new(),
-            measures: Measures::default(),
+            measures: DroppedHere::new(Measures::default()),
             parts: Vec::new(),
-            measured: RowMaker::new(Content::TIME, 0),
-            inside: RowMaker::new(Content::TIME, 0),
+            measured: DroppedHere::new(RowMaker::new(Content::TIME, 0)),
+            inside: DroppedHere::new(RowMaker::new(Content::TIME, 0)),
             undetermined: 0,
             locates: true,
             events: Vec::new(),
@@ -236,13 +237,13 @@ impl Trajectory {
         columns.sort_unstable();
         columns.dedup();
         let over_time = those(&MetricReader::is_over_time);
-        self.measured = self.rows_with(scene, &columns, &columns);
-        self.inside = self.rows_with(scene, &over_time, &columns);
+        *self.measured = self.rows_with(scene, &columns, &columns);
+        *self.inside = self.rows_with(scene, &over_time, &columns);
         let readers = readers.into_iter().map(|reader| {
             let column = columns.binary_search(&reader.column).unwrap_or(0);
             (reader, column)
         });
-        self.measures = Measures::new(readers.collect(), columns.len());
+        *self.measures = Measures::new(readers.collect(), columns.len());
     }
 
     /// Makes rows of those groups of columns that one of `needed` is in; picks `columns` of them, of those that are in none nothing.

@@ -95,12 +95,22 @@ pub struct Progress {
 }
 
 /// A run that stopped: the cause, and where.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct RunError {
     /// What went wrong.
     pub cause: StepError,
     /// Where the run stands: at its last accepted step.
     pub progress: Box<Progress>,
+}
+
+/// What `derive(Debug)` writes, compiled here alone.
+impl fmt::Debug for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RunError")
+            .field("cause", &self.cause)
+            .field("progress", &self.progress)
+            .finish()
+    }
 }
 
 impl fmt::Display for RunError {

@@ -314,9 +314,9 @@ impl<T: Float> Simulation<T> {
         self.begin_watch()?;
         let ahead = self.behind_jump();
         self.method
-            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
+            .begin(&mut *self.system, self.time + ahead, 0.0, &self.state)?;
         self.method
-            .prepare(&mut self.system, self.time, &self.state)?;
+            .prepare(&mut *self.system, self.time, &self.state)?;
         self.limit_pace();
         self.system.count_turns(self.time, &self.state);
         self.system

@@ -37,7 +37,7 @@ impl<T: Float> Simulation<T> {
     fn begin_at_look(&mut self, ahead: f64) -> Result<(), StepError> {
         let ahead = ahead.max(self.behind_jump());
         let (from, inside) = (self.time + ahead, &self.inside);
-        self.method.begin(&mut self.system, from, ahead, inside)
+        self.method.begin(&mut *self.system, from, ahead, inside)
     }
 
     /// Energy and power here; where the first stage was evaluated behind an event ([`Simulation::begin_behind`]) those behind it, too: a power that jumps there

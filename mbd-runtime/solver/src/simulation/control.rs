@@ -74,7 +74,10 @@ impl<T: Float> Simulation<T> {
         self.system.unsupplied = false;
         self.stale = true;
         match every {
-            None => self.system.controls.push(&*self.system.model, law),
+            None => {
+                let system = &mut *self.system;
+                system.controls.push(&*system.model, law);
+            }
             Some(period) => {
                 self.samplers.push(Sampler {
                     period,
@@ -194,7 +197,7 @@ impl<T: Float> Simulation<T> {
         self.inside.copy_from_slice(self.method.first());
         let ahead = self.behind_jump();
         self.method
-            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
+            .begin(&mut *self.system, self.time + ahead, 0.0, &self.state)?;
         self.limit_pace();
         self.rebase();
         self.begin_noting()?;
@@ -236,7 +239,7 @@ impl<T: Float> Simulation<T> {
             *jump = *now - *jump;
         }
         let at = (self.time, self.state.as_slice());
-        let slope = self.method.slope_along(&mut self.system, at, &self.inside);
+        let slope = self.method.slope_along(&mut *self.system, at, &self.inside);
         let Some(slope) = slope else {
             return;
         };

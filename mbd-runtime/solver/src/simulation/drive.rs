@@ -349,7 +349,7 @@ impl<T: Float> Simulation<T> {
         }
         let projected = self.system.project(&mut self.state);
         let begun = match projected {
-            true => self.method.begin(&mut self.system, end, step, &self.state),
+            true => self.method.begin(&mut *self.system, end, step, &self.state),
             false => Ok(()),
         };
         self.system.commit(step);
@@ -363,7 +363,8 @@ impl<T: Float> Simulation<T> {
         let length = self.sizes.length();
         if self.system.keep_up(end, length, &mut self.state) {
             self.stays = false;
-            self.method.begin(&mut self.system, end, 0.0, &self.state)?;
+            self.method
+                .begin(&mut *self.system, end, 0.0, &self.state)?;
         }
         // Lines that span space are far from straight.
         match self.system.nodes.has_networks() && !self.system.nodes.spanned {

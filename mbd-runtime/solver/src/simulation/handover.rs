@@ -413,7 +413,8 @@ impl<T: Float> Simulation<T> {
 
     /// Holds the inputs that the last run held under the same names, but for those that this run holds at its own numbers.
     fn hold_the_same(&mut self, last: &Self, own: &[String]) {
-        let (from, to) = (&last.system.model, &self.system.model);
+        let system = &mut *self.system;
+        let (from, to) = (&last.system.model, &system.model);
         let name = |model: &dyn Model<T>, source: InputSource| match source {
             InputSource::Input(index) => model
                 .scene()
@@ -429,7 +430,7 @@ impl<T: Float> Simulation<T> {
                 wanted.is_some() && old.len == slots.len && name(&**from, old.source) == wanted
             });
             let held = old.and_then(|old| last.system.held.get(old.at..old.at + old.len));
-            for list in [&mut self.system.held, &mut self.system.inputs] {
+            for list in [&mut system.held, &mut system.inputs] {
                 let own = list.get_mut(slots.at..slots.at + slots.len);
                 if let (Some(own), Some(held)) = (own, held) {
                     own.copy_from_slice(held);

@@ -134,7 +134,7 @@ impl<T: Float> Simulation<T> {
                 self.make_stages(step)?;
             }
             let (time, state) = (self.time, &self.state);
-            self.method.complete(&mut self.system, time, step, state)?;
+            self.method.complete(&mut *self.system, time, step, state)?;
             self.method
                 .interpolate(theta, step, state, &mut self.inside);
             self.system.normalise(&mut self.inside);

@@ -375,7 +375,7 @@ impl<T: Float> Simulation<T> {
         let ahead = self.behind_jump();
         let begun = self
             .method
-            .begin(&mut self.system, self.time + ahead, 0.0, &self.state);
+            .begin(&mut *self.system, self.time + ahead, 0.0, &self.state);
         self.system.fallback.commit();
         self.resume_watch(snapshot);
         self.system.count_turns(self.time, &self.state);

@@ -17,6 +17,7 @@ use super::sizes::RunSizes;
 use super::stability::Meter;
 use super::{Pace, Simulation, WorldState};
 use crate::chatter::Chatter;
+use crate::dropped_here::DroppedHere;
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
@@ -128,8 +129,8 @@ impl<T: Float> Simulation<T> {
             handed: None,
         };
         Ok(Simulation {
-            system,
-            method,
+            system: DroppedHere::new(system),
+            method: DroppedHere::new(method),
             state,
             shown: WorldState::new(),
             time: 0.0,
@@ -328,9 +329,9 @@ impl<T: Float> Simulation<T> {
         self.find_passed_stops()?;
         self.begin_watch()?;
         self.method
-            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+            .begin(&mut *self.system, self.time, 0.0, &self.state)?;
         self.method
-            .prepare(&mut self.system, self.time, &self.state)?;
+            .prepare(&mut *self.system, self.time, &self.state)?;
         self.system
             .check_conditioning(self.time, &self.state, self.method.first_mut())?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {

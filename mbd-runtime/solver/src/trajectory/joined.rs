@@ -2,6 +2,7 @@
 
 use super::{Content, Sampling, Trajectory};
 use crate::columns::Name;
+use crate::dropped_here::DroppedHere;
 use crate::error::Statistics;
 use crate::measure::Measures;
 use crate::metric::MetricReader;
@@ -131,14 +132,14 @@ impl Joined {
         let mut joined = Trajectory {
             // No model has all of them.
             model: 0,
-            maker: RowMaker::new(content, self.names.len()),
+            maker: DroppedHere::new(RowMaker::new(content, self.names.len())),
             beside: false,
             end: parts.last().map_or(f64::NAN, |(_, part)| part.end),
             declared: Vec::new(),
-            measures: Measures::default(),
+            measures: DroppedHere::new(Measures::default()),
             parts: Vec::with_capacity(parts.len()),
-            measured: RowMaker::new(content, 0),
-            inside: RowMaker::new(content, 0),
+            measured: DroppedHere::new(RowMaker::new(content, 0)),
+            inside: DroppedHere::new(RowMaker::new(content, 0)),
             sampling: Sampling::Steps,
             first: f64::NAN,
             next: 0,
