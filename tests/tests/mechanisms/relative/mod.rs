@@ -1,5 +1,6 @@
 //! Relative coordinates: the same mechanics as absolute ones, and the numbers of independent tools.
 
+mod alike;
 mod counts;
 mod dependent;
 mod digits;
