@@ -122,6 +122,17 @@ pub fn no_numbers(
     )
 }
 
+/// An angle of `rpy` that would be more than two turns [rad].
+pub fn in_degrees(at: LexemeIndex, angle: f64) -> LexemeMessage {
+    let meant = angle.to_radians();
+    told(
+        at,
+        format!(
+            "`rpy` of `<origin>` is in radians, and {angle} of them are more than two turns: {angle} degrees are {meant}"
+        ),
+    )
+}
+
 pub fn twice(at: LexemeIndex, kind: &str, name: &str, first: LexemeIndex) -> LexemeMessage {
     told(at, format!("two {kind}s are called \"{}\"", cut(name)))
         .also(first.into(), "the first one is here")

@@ -157,5 +157,18 @@ fn notes(robot: &Robot, names: &RobotNames, free: bool) -> Vec<String> {
                 .to_owned(),
         );
     }
+    let joints = robot.joints.iter();
+    let empty: Vec<String> = joints
+        .filter_map(|joint| {
+            let [low, high] = joint.limit.range.filter(|_| !joint.is_limited())?;
+            Some(format!("\"{}\" ({low} to {high})", joint.name))
+        })
+        .collect();
+    if !empty.is_empty() {
+        notes.push(format!(
+            "limits that leave no range are left out, and never stops: joint {}",
+            empty.join(", ")
+        ));
+    }
     notes
 }

@@ -296,8 +296,19 @@ impl UrdfReader<'_, '_> {
         self.attributes(node, &["xyz", "rpy"]);
         UrdfOrigin {
             xyz: self.triple(node, "xyz").unwrap_or_default(),
-            rpy: self.triple(node, "rpy").unwrap_or_default(),
+            rpy: self.attitude(node).unwrap_or_default(),
         }
+    }
+
+    /// Roll, pitch and yaw [rad]; what turns further than any file of radians does was meant in degrees.
+    fn attitude(&mut self, origin: Node<'_, '_>) -> Option<[f64; 3]> {
+        let attribute = origin.attribute_node("rpy")?;
+        let angles = self.numbers(origin, &attribute)?;
+        let Some(turned) = in_degrees(&angles) else {
+            return Some(angles);
+        };
+        self.wrong_at(attribute.range().start, |at| say::in_degrees(at, turned));
+        None
     }
 
     fn link(&mut self, draft: &UrdfDraft<'_, '_>) -> UrdfLink {
@@ -553,11 +564,21 @@ fn geometry(node: Node<'_, '_>) -> Option<UrdfGeometry> {
         xyz: place("xyz")?,
         rpy: place("rpy")?,
     };
+    let fits = fits && in_degrees(&origin.rpy).is_none();
     fits.then_some(UrdfGeometry {
         solid,
         sizes,
         origin,
     })
+}
+
+/// The most that an angle of a file turns [rad]: two turns.
+const MOST_TURNED: f64 = 4.0 * std::f64::consts::PI;
+
+/// The first of these angles that no file of radians has.
+fn in_degrees(angles: &[f64]) -> Option<f64> {
+    let mut angles = angles.iter().copied();
+    angles.find(|angle| angle.abs() > MOST_TURNED)
 }
 
 /// Finite numbers of an attribute.

@@ -292,7 +292,7 @@ fn place(placed: PlacedFrame) -> String {
         PlacedFrame::Given(origin) if origin.rpy == [0.0; 3] => String::new(),
         PlacedFrame::Given(origin) => {
             let [roll, pitch, yaw] = origin.rpy;
-            format!(" rotated rpy({roll:?}, {pitch:?}, {yaw:?})")
+            format!(" rotated rpy({roll:?} rad, {pitch:?} rad, {yaw:?} rad)")
         }
         PlacedFrame::Composed { rotation, .. } if rotation == Matrix3::identity() => String::new(),
         PlacedFrame::Composed { rotation, .. } => {

@@ -279,6 +279,44 @@ fn simple_solids_are_shapes_and_meshes_are_left_out() {
 }
 
 #[test]
+fn limits_that_leave_no_range_are_told() {
+    let turned = ARM.replacen(
+        "lower=\"-2.8\" upper=\"2.8\"",
+        "lower=\"2.8\" upper=\"-2.8\"",
+        1,
+    );
+    assert_ne!(turned, ARM);
+    let reading = read_urdf(&turned);
+    let told = "limits that leave no range are left out, and never stops: joint \"shoulder\" (2.8 to -2.8)";
+    assert!(
+        reading.notes.iter().any(|note| note == told),
+        "{:?}",
+        reading.notes
+    );
+    assert!(
+        !read_urdf(ARM)
+            .notes
+            .iter()
+            .any(|note| note.contains("no range"))
+    );
+}
+
+#[test]
+fn an_angle_of_a_little_more_than_a_turn_is_what_the_file_says() {
+    let attitude = |yaw: f64| {
+        let rpy = format!("rpy=\"0 0 {yaw:?}\"");
+        let turned = scene(read_urdf(&ARM.replace("rpy=\"0 0 0.4\"", &rpy)));
+        turned
+            .world_frames
+            .iter()
+            .map(|frame| frame.rotation.clone())
+            .collect::<Vec<_>>()
+    };
+    assert_ne!(attitude(6.6832), attitude(0.4));
+    assert_eq!(attitude(6.6832).len(), attitude(0.4).len());
+}
+
+#[test]
 fn names_that_the_language_does_not_take_are_changed_and_told() {
     let text = ARM
         .replace("\"elbow\"", "\"at\"")

@@ -104,6 +104,11 @@ fn mistakes() -> Vec<(&'static str, String)> {
             "misspelt attribute",
             with("rpy=\"0 0 0.4\"", "rpz=\"0 0 0.4\""),
         ),
+        ("degrees", with("rpy=\"0 0 0.4\"", "rpy=\"0 0 90\"")),
+        (
+            "degrees of an inertia",
+            with("rpy=\"0.1 0.2 0.3\"", "rpy=\"0.1 -45 0.3\""),
+        ),
         (
             "quaternion",
             with("rpy=\"0 0 0.4\"", "quat_xyzw=\"0 0 0 1\""),
