@@ -287,6 +287,45 @@ fn a_list_of_quantities_limits_what_is_emitted() {
 }
 
 #[test]
+fn two_functions_of_an_arm_that_are_asked_for_are_all_that_is_emitted_beside_what_moves_it() {
+    let arm = |emit: &str| {
+        let text = format!(
+            "model Arm {{
+                coordinates: relative;
+                gravity: [0, 0, -9.81] m/s^2;
+                {emit}
+                body upper {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }}
+                body lower {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }}
+                joint shoulder: hinge from world to upper.top {{ axis: y }}
+                joint elbow: hinge from upper.end to lower.top {{ axis: x }}
+                output reach = lower.position;
+            }}"
+        );
+        let text = formatted(compile(text.parse().expect("tokens")));
+        let functions = text
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("fn "));
+        let names = functions.filter_map(|rest| rest.split(['(', '<']).next());
+        let names: std::collections::BTreeSet<String> = names.map(str::to_owned).collect();
+        names
+    };
+    let [plain, asked] = ["emit: [];", "emit: [mass_matrix, inverse_dynamics];"].map(arm);
+    let more: Vec<&String> = asked.difference(&plain).collect();
+    assert_eq!(more, ["inverse_dynamics", "mass_matrix"]);
+    for other in [
+        "outputs",
+        "energy",
+        "momentum",
+        "bias_force",
+        "reactions",
+        "bodies",
+    ] {
+        assert!(!asked.contains(other) && arm("").contains(other), "{other}");
+    }
+    assert!(asked.contains("derivative"));
+}
+
+#[test]
 fn a_scene_that_cannot_move_is_told_so() {
     let weld = |joints: &str| {
         let text = format!(

@@ -2,7 +2,7 @@
 
 use mbd_compiler::{Interpreted, read_toml, write_toml};
 use mbd_runtime::{Generic, Options, Simulation, StartNumber, StepError, model};
-use mbd_scene::{Layout, Quantity, Scene, StartFrom, declared_parts, place_declared};
+use mbd_scene::{Coordinates, Layout, Quantity, Scene, StartFrom, declared_parts, place_declared};
 use tests::assert_close;
 use tests::declared::read;
 
@@ -280,10 +280,15 @@ fn a_four_bar_starts_from_the_angle_of_its_crank_and_the_loop_is_closed() {
 #[test]
 fn a_four_bar_starts_on_either_branch_from_the_angle_of_its_rocker() {
     let reach = (4.0f64 - 1.25).sqrt() / 5f64.sqrt();
-    for side in [1.0, -1.0] {
+    let families = [Coordinates::Absolute, Coordinates::Relative];
+    for (side, family) in [1.0, -1.0]
+        .into_iter()
+        .flat_map(|side| families.map(|own| (side, own)))
+    {
         let tip = [1.0 + side * reach, 0.5 + 2.0 * side * reach];
         let rocker = (tip[1]).atan2(tip[0] - 2.0);
         let scene = four_bar("force: 0 N*m", &format!(", start: {rocker:?} rad"));
+        let scene = scene.in_coordinates(family);
         let model = Generic::<f64>::new(scene, &[]).expect("a scene");
         let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
         // Both angles, as far as they fit each other: the loop closes.

@@ -134,6 +134,7 @@ fn accelerates_as_stored((name, robot): (&str, &str), file: &str, [fields, setti
 fn an_arm_with_its_base_at_rest_or_flying_accelerates_as_in_joint_coordinates() {
     accelerates_as_pinocchio_says("robot", &plain(), "angular_velocity: body;");
     accelerates_as_pinocchio_says("robot", &plain(), "angular_velocity: world;");
+    accelerates_as_pinocchio_says("robot", &plain(), "coordinates: relative;");
 }
 
 #[test]
@@ -203,7 +204,10 @@ fn the_order_of_links_and_joints_in_a_file_changes_nothing() {
         robot.find("finger_right") < robot.find("base_link"),
         "{robot}"
     );
-    accelerates_as_pinocchio_says("reversed", &robot, "");
+    for family in ["absolute", "relative"] {
+        let settings = format!("coordinates: {family};");
+        accelerates_as_pinocchio_says("reversed", &robot, &settings);
+    }
 }
 
 #[test]

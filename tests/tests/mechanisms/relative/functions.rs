@@ -1,8 +1,9 @@
 //! Functions that are generated when asked for: inverse dynamics, gravity force, centre of mass, Jacobians; in both families of coordinates.
 
+use mbd_compiler::{Interpreted, SceneEquations};
 use mbd_runtime::{At, BodyState, Generic, model};
 use mbd_scene::laws::Numbers;
-use mbd_scene::{AngularVelocity, Dual, Model, Quantity, Scene};
+use mbd_scene::{AngularVelocity, Differentiated, Dual, Model, Quantity, Scene, Variable};
 use nalgebra::{DMatrix, DVector, Quaternion, UnitQuaternion, Vector3};
 use tests::assert_close;
 use tests::looped::mechanism;
@@ -204,6 +205,17 @@ fn torques_of_robots_and_their_slopes_are_those_of_pinocchio() {
             let (tau, rates) = (field(moment, "tau"), field(moment, "vdot"));
             let got = both.get(Quantity::InverseDynamics, &[], &rates);
             assert_close(&got, &tau, 1e-11, 1e-11, &format!("{robot} torques"));
+            // By the equations that `emit: [partial]` emits.
+            let equations = SceneEquations::trace_with_derivatives(&both.relative);
+            let model = Interpreted::from_equations(equations, &[]).expect("no params");
+            let slopes = Quantity::Partial(Differentiated::Residual, Variable::State);
+            let at = At {
+                rows: &rates,
+                ..At::of_state(0.0, &both.state, &[])
+            };
+            let (nx, mut by_state) = (nq + nv, vec![0.0; model.layout().len(slopes)]);
+            model.evaluate(slopes, &at, &mut model.work(), &mut by_state);
+            let by_state = DMatrix::from_row_slice(by_state.len() / nx, nx, &by_state);
             let constants: Vec<Rate> = rates.iter().map(|&x| Dual::constant(x)).collect();
             for (name, first) in [("dtau_dq", 0), ("dtau_dv", nq)] {
                 let want = list(&moment[name]);
@@ -220,6 +232,14 @@ fn torques_of_robots_and_their_slopes_are_those_of_pinocchio() {
                     );
                     let got: Vec<f64> = slopes.iter().map(|x| x.slopes[0]).collect();
                     let column: Vec<f64> = want.iter().map(|row| numbers(row)[direction]).collect();
+                    let emitted = by_state.column(first + direction);
+                    assert_close(
+                        emitted.rows(nq, nv).into_owned().as_slice(),
+                        &column,
+                        1e-11,
+                        1e-11,
+                        &format!("{robot} {name} {direction}, emitted"),
+                    );
                     assert_close(
                         &got,
                         &column,

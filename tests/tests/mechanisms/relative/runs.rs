@@ -159,7 +159,7 @@ fn turns_are_counted_and_starts_are_taken_in_joint_coordinates() {
 }
 
 #[test]
-fn the_tree_takes_the_joints_of_least_freedom_and_leaves_marked_loops() {
+fn the_tree_takes_the_joints_of_least_freedom() {
     let scene = read(
         "model Bars {
             coordinates: relative;
@@ -180,6 +180,33 @@ fn the_tree_takes_the_joints_of_least_freedom_and_leaves_marked_loops() {
     assert_eq!((layout.nv, layout.nc), (2, 3));
     let pin = layout.carried(1).expect("a link");
     assert!(pin.reversed && pin.body == 0, "{pin:?}");
+}
+
+#[test]
+fn a_loop_is_cut_at_the_last_of_equal_joints_unless_a_joint_is_marked() {
+    let carried = |marked: usize| {
+        let [one, two, three] = [0, 1, 2].map(|joint| if joint == marked { "loop " } else { "" });
+        let scene = read(&format!(
+            "model Bars {{
+                coordinates: relative;
+                gravity: none;
+                world {{ frame right at [1, 0, 0] m }}
+                body a {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame l at [-0.5, 0, 0] m, frame r at [0.5, 0, 0] m }}
+                body b {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame l at [-0.5, 0, 0] m, frame r at [0.5, 0, 0] m }}
+                {one}joint first: hinge from world to a.l {{ axis: y }}
+                {two}joint second: hinge from a.r to b.l {{ axis: y }}
+                {three}joint third: hinge from b.r to world.right {{ axis: y }}
+            }}"
+        ));
+        let layout = Layout::new(&scene);
+        // Five rows close what two hinges leave.
+        assert_eq!((layout.nv, layout.nc), (2, 5));
+        [0, 1, 2].map(|joint| layout.carried(joint).is_some())
+    };
+    assert_eq!(carried(3), [true, true, false]);
+    assert_eq!(carried(2), [true, true, false]);
+    assert_eq!(carried(1), [true, false, true]);
+    assert_eq!(carried(0), [false, true, true]);
 }
 
 #[test]
