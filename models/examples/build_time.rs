@@ -31,12 +31,17 @@ fn hinge(family: &str) -> String {
     .replace("FAMILY", family)
 }
 
-/// A robot with every function.
-fn robot(file: &str, family: &str) -> Outcome<String> {
+/// A robot with every function, and with what a run needs alone.
+fn robot(file: &str, family: &str) -> Outcome<[(String, String); 2]> {
     let path = Path::new(file).canonicalize()?;
-    Ok(format!(
-        "pub model Chain {{ coordinates: {family}; urdf: {path:?} {{ inertias: unchecked }} }}"
-    ))
+    let asks = [("", ""), (", `emit: [derivative]`", "emit: [derivative];")];
+    Ok(asks.map(|(told, emit)| {
+        let robot = format!("urdf: {path:?} {{ inertias: unchecked }}");
+        (
+            format!("{file}{told}"),
+            format!("pub model Chain {{ coordinates: {family}; {emit} {robot} }}"),
+        )
+    }))
 }
 
 /// The parachute, the four-bar in space and chains of hinges in both families of coordinates, each with what a run needs alone, and with the derivatives of its equations.
@@ -169,6 +174,8 @@ impl Crate {
             .args(["--offline", "--quiet"])
             .current_dir(&self.folder)
             .env("CARGO_TARGET_DIR", &self.target)
+            // The whole crate each time, whatever of it changed.
+            .env("CARGO_INCREMENTAL", "0")
             .status()?;
         let spent = start.elapsed().as_secs_f64();
         if status.success() {
@@ -176,6 +183,18 @@ impl Crate {
         } else {
             Err(format!("cargo {arguments:?} failed").into())
         }
+    }
+
+    /// The least wall time of a few builds with this source, or of one that takes long [s]: other programs only add to it.
+    fn least(&self, source: &str, arguments: &[&str]) -> Outcome<f64> {
+        let mut least = f64::INFINITY;
+        for again in 0..5 {
+            least = least.min(self.build(&format!("{source}// {again}\n"), arguments)?);
+            if least > 5.0 {
+                break;
+            }
+        }
+        Ok(least)
     }
 }
 
@@ -195,7 +214,7 @@ impl Table {
         let mut floor = [0.0; 2];
         for (floor, arguments) in floor.iter_mut().zip(Self::BUILDS) {
             place.build(empty, arguments)?;
-            *floor = place.build(&format!("{empty}// Again.\n"), arguments)?;
+            *floor = place.least(empty, arguments)?;
         }
         let [check, release] = floor;
         println!("empty crate: check {check:.2} s, release {release:.2} s");
@@ -212,7 +231,7 @@ impl Table {
         let source = running(text, models);
         let mut beyond = [0.0; 2];
         for (k, arguments) in Self::BUILDS.into_iter().enumerate() {
-            beyond[k] = self.place.build(&source, arguments)? - self.floor[k];
+            beyond[k] = self.place.least(&source, arguments)? - self.floor[k];
         }
         let [checked, released] = beyond;
         println!("| {name} | {time:.3} s | {tokens} | {checked:.2} s | {released:.2} s |");
@@ -237,14 +256,17 @@ fn families(workspace: &Path, most: usize, family: &str, robots: &[String]) -> O
         table.line(&name, &spherical(n, family), 1)?;
     }
     for file in robots {
-        table.line(file, &robot(file, family)?, 1)?;
+        for (name, text) in robot(file, family)? {
+            table.line(&name, &text, 1)?;
+        }
     }
-    let of = |length: usize| lines.iter().find(|(n, _)| *n == length);
-    if let (Some((_, eight)), Some((_, sixty_four))) = (of(8), of(64)) {
+    let eight = lines.iter().find(|(n, _)| *n == 8);
+    if let (Some((_, eight)), Some((most @ 16.., longest))) = (eight, lines.last()) {
+        let powers = (*most as f64 / 8.0).ln();
         let [expansion, tokens, check, release] =
-            [0, 1, 2, 3].map(|column| (sixty_four[column] / eight[column]).ln() / 8f64.ln());
+            [0, 1, 2, 3].map(|column| (longest[column] / eight[column]).ln() / powers);
         println!(
-            "\nexponents in n, hinges 8 to 64: expansion {expansion:.2}, tokens {tokens:.2}, check {check:.2}, release {release:.2}"
+            "\nexponents in n, hinges 8 to {most}: expansion {expansion:.2}, tokens {tokens:.2}, check {check:.2}, release {release:.2}"
         );
     }
     Ok(())
