@@ -3,8 +3,9 @@
 use mbd_scene::Scratch;
 use mbd_scene::laws::Numbers;
 use mbd_scene::laws::origin::NUMBERS;
-use mbd_scene::{Differentiated, Layout, Model, PointSlots, Quantity, Scene, Variable};
+use mbd_scene::{Differentiated, Model, PointSlots, Quantity, Scene, Variable};
 
+use crate::mechanism::layout;
 use crate::oracle::Oracle;
 use crate::random::Random;
 
@@ -14,7 +15,7 @@ pub use mbd_scene::Arguments as Instant;
 /// A random instant: positions within ±3 m, unit quaternions or any angle, speeds within ±2, lines slack and taut, every mode of hold, what may be detached so or not.
 #[must_use]
 pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
-    let layout = Layout::new(scene);
+    let layout = layout(scene);
     let mut state: Vec<f64> = (0..layout.nx())
         .map(|_| random.uniform(-2.0, 2.0))
         .collect();
@@ -88,11 +89,13 @@ pub fn partial_by_oracle(
     by: Variable,
     instant: &Instant<f64>,
 ) -> Vec<f64> {
-    let layout = Layout::new(scene);
+    let layout = layout(scene);
     let (rows, columns) = (layout.len(of.quantity()), layout.variables(by));
     let mut jacobian = vec![0.0; rows * columns];
+    let mut params: Vec<Oracle> = params.iter().copied().map(Oracle::constant).collect();
+    let mut numbers = Numbers::new(scene, &params);
+    let mut scratch = Scratch::new(&layout);
     for column in 0..columns {
-        let mut params: Vec<Oracle> = params.iter().copied().map(Oracle::constant).collect();
         let mut instant = instant.map(Oracle::constant);
         let slot = match by {
             Variable::State => &mut instant.state[column],
@@ -100,8 +103,12 @@ pub fn partial_by_oracle(
             Variable::Parameter => &mut params[column],
             Variable::Input => &mut instant.inputs[column],
         };
-        *slot = Oracle::variable(slot.0.re);
-        let numbers = Numbers::new(scene, &params);
+        let value = slot.0.re;
+        *slot = Oracle::variable(value);
+        if by == Variable::Parameter {
+            numbers = Numbers::new(scene, &params);
+            params[column] = Oracle::constant(value);
+        }
         let mut out = vec![Oracle::constant(0.0); rows];
         mbd_scene::evaluate(
             of.quantity(),
@@ -109,7 +116,7 @@ pub fn partial_by_oracle(
             &layout,
             &numbers,
             &instant.at(),
-            &mut Scratch::new(&layout),
+            &mut scratch,
             &mut out,
         );
         for (row, number) in out.iter().enumerate() {

@@ -9,6 +9,7 @@ use mbd_scene::{
 };
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
+use std::any::Any;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -217,23 +218,45 @@ pub fn inertia(random: &mut Random) -> Matrix3<f64> {
 /// Scenes that are remembered.
 const REMEMBERED: usize = 4;
 
+/// A scene with its layout and, for every scalar that it was evaluated on, its numbers and its room.
+struct Remembered {
+    scene: Scene,
+    layout: Rc<Layout>,
+    rooms: Vec<Box<dyn Any>>,
+}
+
+/// The numbers of a scene at the defaults of its parameters, and room for its evaluations.
+struct Room<S: Real> {
+    numbers: Numbers<S>,
+    scratch: Scratch<S>,
+}
+
 thread_local! {
-    /// The scenes that were laid out last: finding repeated rows takes longer than an evaluation.
-    static LAST: RefCell<VecDeque<(Scene, Rc<Layout>)>> = const { RefCell::new(VecDeque::new()) };
+    /// The scenes that were laid out last: finding repeated rows takes longer than an evaluation, and so does making numbers and room.
+    static LAST: RefCell<VecDeque<Remembered>> = const { RefCell::new(VecDeque::new()) };
+}
+
+/// Uses what is remembered of a scene.
+fn remembered<T>(scene: &Scene, what: impl FnOnce(&mut Remembered) -> T) -> T {
+    LAST.with_borrow_mut(|last| {
+        let at = last.iter().position(|known| known.scene == *scene);
+        let at = at.unwrap_or_else(|| {
+            last.push_front(Remembered {
+                scene: scene.clone(),
+                layout: Rc::new(Layout::new(scene)),
+                rooms: Vec::new(),
+            });
+            last.truncate(REMEMBERED);
+            0
+        });
+        what(&mut last[at])
+    })
 }
 
 /// The layout of a scene.
 #[must_use]
 pub fn layout(scene: &Scene) -> Rc<Layout> {
-    LAST.with_borrow_mut(|last| {
-        if let Some((_, layout)) = last.iter().find(|(known, _)| known == scene) {
-            return layout.clone();
-        }
-        let layout = Rc::new(Layout::new(scene));
-        last.push_front((scene.clone(), layout.clone()));
-        last.truncate(REMEMBERED);
-        layout
-    })
+    remembered(scene, |known| known.layout.clone())
 }
 
 /// The state [q | v] of bodies (points: positions and velocities alone).
@@ -379,30 +402,31 @@ pub fn evaluate_in_time<S: Real>(scene: &Scene, what: Quantity, time: S, state: 
 /// A quantity by the laws, at anything; parameters at their defaults, inputs zero if none are given.
 #[must_use]
 pub fn evaluate_at<S: Real>(scene: &Scene, what: Quantity, at: &At<'_, S>) -> Vec<S> {
-    let layout = layout(scene);
-    let params: Vec<S> = scene
-        .params
-        .iter()
-        .map(|p| S::from_f64(p.default))
-        .collect();
-    let numbers = Numbers::new(scene, &params);
-    let none = vec![S::zero(); layout.ni];
-    let inputs = if at.inputs.is_empty() {
-        &none[..]
-    } else {
-        at.inputs
-    };
-    let mut out = vec![S::zero(); layout.len(what)];
-    mbd_scene::evaluate(
-        what,
-        scene,
-        &layout,
-        &numbers,
-        &At { inputs, ..*at },
-        &mut Scratch::new(&layout),
-        &mut out,
-    );
-    out
+    remembered(scene, |known| {
+        let layout = &known.layout;
+        let is_of_scalar = |room: &Box<dyn Any>| room.is::<Room<S>>();
+        let index = known.rooms.iter().position(is_of_scalar);
+        let index = index.unwrap_or_else(|| {
+            let params = scene.params.iter().map(|p| S::from_f64(p.default));
+            known.rooms.push(Box::new(Room {
+                numbers: Numbers::new(scene, &params.collect::<Vec<S>>()),
+                scratch: Scratch::<S>::new(layout),
+            }));
+            known.rooms.len() - 1
+        });
+        let room = known.rooms[index].downcast_mut::<Room<S>>();
+        let Room { numbers, scratch } = room.expect("of this scalar");
+        let none = vec![S::zero(); layout.ni];
+        let inputs = if at.inputs.is_empty() {
+            &none[..]
+        } else {
+            at.inputs
+        };
+        let mut out = vec![S::zero(); layout.len(what)];
+        let at = At { inputs, ..*at };
+        mbd_scene::evaluate(what, scene, layout, numbers, &at, scratch, &mut out);
+        out
+    })
 }
 
 /// Joint coordinates, speeds and their rates.
