@@ -40,6 +40,35 @@ pub struct Web<T> {
     pub lines: Vec<WebLine<T>>,
 }
 
+/// A scalar on which webs are solved: for each the solver is compiled here, once and optimised, and not again in every test that asks for it.
+pub trait Solvable: Float {
+    /// [`Web::solve`] on this scalar.
+    ///
+    /// # Errors
+    /// As there.
+    fn solve(
+        web: &Web<Self>,
+        start: &[[Self; 3]],
+        tolerance: Tolerance<Self>,
+    ) -> Result<Equilibrium<Self>, NodeError>;
+}
+
+macro_rules! solvable {
+    ($($scalar:ty)*) => {$(
+        impl Solvable for $scalar {
+            fn solve(
+                web: &Web<Self>,
+                start: &[[Self; 3]],
+                tolerance: Tolerance<Self>,
+            ) -> Result<Equilibrium<Self>, NodeError> {
+                web.solve_here(start, tolerance)
+            }
+        }
+    )*};
+}
+
+solvable!(f64 f32);
+
 /// One node held by lines: the equilibrium point of a parachute's confluence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Confluence<T> {
@@ -64,7 +93,7 @@ pub struct Equilibrium<T> {
     pub tensions: Vec<T>,
 }
 
-impl<T: Float> Confluence<T> {
+impl<T: Solvable> Confluence<T> {
     /// The same problem as a web of one node.
     ///
     /// # Errors
@@ -96,7 +125,7 @@ impl<T: Float> Confluence<T> {
     }
 }
 
-impl<T: Float> Web<T> {
+impl<T: Solvable> Web<T> {
     /// Refuses what is no problem: K ≤ 0, L < 0, anything that is not finite, ends that do not exist or coincide.
     ///
     /// # Errors
@@ -141,6 +170,14 @@ impl<T: Float> Web<T> {
     /// # Errors
     /// [`NodeError`] for inputs that are no problem, or if no balance was found.
     pub fn solve(
+        &self,
+        start: &[[T; 3]],
+        tolerance: Tolerance<T>,
+    ) -> Result<Equilibrium<T>, NodeError> {
+        T::solve(self, start, tolerance)
+    }
+
+    fn solve_here(
         &self,
         start: &[[T; 3]],
         tolerance: Tolerance<T>,
@@ -196,7 +233,7 @@ pub struct WebBalance<T> {
     lines: Vec<[Place<T>; 2]>,
 }
 
-impl<T: Float> WebBalance<T> {
+impl<T: Solvable> WebBalance<T> {
     /// Of a web.
     #[must_use]
     pub fn new(web: &Web<T>) -> Self {
@@ -220,7 +257,7 @@ impl<T: Float> WebBalance<T> {
     }
 }
 
-impl<T: Float> Balance<T> for WebBalance<T> {
+impl<T: Solvable> Balance<T> for WebBalance<T> {
     fn nodes(&self) -> usize {
         self.tied().nodes()
     }
