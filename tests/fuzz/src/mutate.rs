@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use mbd_compiler::{read_text, write_toml};
 
@@ -36,7 +35,7 @@ pub struct Input {
 pub struct Corpus {
     sources: Vec<(Form, String)>,
     /// Words, numbers, signs and spaces of each.
-    pieces: Vec<Vec<Arc<str>>>,
+    pieces: Vec<Pieces>,
 }
 
 /// What nobody expects in the middle of a declaration.
@@ -148,23 +147,45 @@ pub(super) fn robot(links: usize) -> String {
 }
 
 /// Words, numbers, signs and spaces of a text: put together they are the text again, but for the lines of its comments.
-fn pieces(text: &str) -> Vec<Arc<str>> {
-    let mut pieces: Vec<Arc<str>> = Vec::new();
-    let mut word = String::new();
-    let lines = text.lines().filter(|line| !line.trim().starts_with("//"));
-    for c in lines.flat_map(|line| line.chars().chain(['\n'])) {
-        if c.is_alphanumeric() || c == '_' || c == '.' {
-            word.push(c);
-            continue;
-        }
-        pieces.extend((!word.is_empty()).then(|| std::mem::take(&mut word).into()));
-        pieces.push(c.encode_utf8(&mut [0; 4]).into());
-    }
-    pieces
+#[derive(Clone, Debug)]
+struct Pieces {
+    text: String,
+    /// Where each ends and the next one begins.
+    ends: Vec<usize>,
 }
 
-fn joined(words: &[Arc<str>]) -> String {
-    words.iter().map(AsRef::as_ref).collect()
+impl Pieces {
+    fn of(text: &str) -> Self {
+        let mut pieces = Pieces {
+            text: String::with_capacity(text.len() + 1),
+            ends: Vec::new(),
+        };
+        for line in text.lines().filter(|line| !line.trim().starts_with("//")) {
+            pieces.text.push_str(line);
+            pieces.text.push('\n');
+        }
+        let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
+        let mut in_word = false;
+        for (at, c) in pieces.text.char_indices() {
+            if in_word && !is_part(c) {
+                pieces.ends.push(at);
+            }
+            in_word = is_part(c);
+            if !in_word {
+                pieces.ends.push(at + c.len_utf8());
+            }
+        }
+        pieces
+    }
+
+    fn get(&self, index: usize) -> &str {
+        let from = index.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.text[from..self.ends[index]]
+    }
+
+    fn all(&self) -> Vec<&str> {
+        (0..self.ends.len()).map(|index| self.get(index)).collect()
+    }
 }
 
 impl Corpus {
@@ -193,7 +214,7 @@ impl Corpus {
         sources.push((Form::Urdf, arm));
         sources.push((Form::Urdf, robot(6)));
         Corpus {
-            pieces: sources.iter().map(|(_, text)| pieces(text)).collect(),
+            pieces: sources.iter().map(|(_, text)| Pieces::of(text)).collect(),
             sources,
         }
     }
@@ -213,7 +234,8 @@ impl Corpus {
     pub fn declaration(&self, number: u64) -> Input {
         let mut random = Random::new(number);
         let seed = random.bits() % 1_000_000;
-        let (form, mut words) = match number % 4 {
+        let own;
+        let (form, pieces) = match number % 4 {
             0 => {
                 return Input {
                     form: Form::Text,
@@ -221,18 +243,18 @@ impl Corpus {
                     meant: true,
                 };
             }
-            1 => (Form::Text, pieces(&random_scene(seed))),
+            1 => {
+                own = Pieces::of(&random_scene(seed));
+                (Form::Text, &own)
+            }
             _ => {
                 let at = self.of(&[Form::Text, Form::Toml], &mut random);
-                (self.sources[at].0, self.pieces[at].clone())
+                (self.sources[at].0, &self.pieces[at])
             }
         };
-        for _ in 0..=random.below(4) {
-            self.mutate_words(&mut words, &mut random);
-        }
         Input {
             form,
-            text: joined(&words),
+            text: self.mutated(pieces, &mut random),
             meant: false,
         }
     }
@@ -242,11 +264,16 @@ impl Corpus {
     pub fn text(&self, number: u64) -> String {
         let mut random = Random::new(number);
         let at = self.of(&[Form::Text], &mut random);
-        let mut words = self.pieces[at].clone();
+        self.mutated(&self.pieces[at], &mut random)
+    }
+
+    /// A text with one to four mutations of its words.
+    fn mutated(&self, pieces: &Pieces, random: &mut Random) -> String {
+        let mut words = pieces.all();
         for _ in 0..=random.below(4) {
-            self.mutate_words(&mut words, &mut random);
+            self.mutate_words(&mut words, random);
         }
-        joined(&words)
+        words.concat()
     }
 
     /// A file of any form, mutated by bytes.
@@ -266,7 +293,7 @@ impl Corpus {
         }
     }
 
-    fn mutate_words(&self, words: &mut Vec<Arc<str>>, random: &mut Random) {
+    fn mutate_words<'a>(&'a self, words: &mut Vec<&'a str>, random: &mut Random) {
         if words.is_empty() {
             return;
         }
@@ -276,20 +303,20 @@ impl Corpus {
                 words.remove(at);
             }
             1 => {
-                words.insert(at, words[at].clone());
+                words.insert(at, words[at]);
             }
             2 => {
                 let other = random.below(words.len());
                 words.swap(at, other);
             }
-            3 => words[at] = STRANGE[random.below(STRANGE.len())].into(),
+            3 => words[at] = STRANGE[random.below(STRANGE.len())],
             4 => {
                 let source = &self.pieces[random.below(self.pieces.len())];
-                words[at].clone_from(&source[random.below(source.len())]);
+                words[at] = source.get(random.below(source.ends.len()));
             }
             _ => {
                 let end = (at + random.below(24)).min(words.len());
-                let part: Vec<Arc<str>> = words[at..end].to_vec();
+                let part = words[at..end].to_vec();
                 let place = random.below(words.len());
                 words.splice(place..place, part);
             }
