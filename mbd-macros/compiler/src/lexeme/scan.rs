@@ -32,6 +32,10 @@ pub fn scan(text: &str) -> Option<(Scanned, usize)> {
     let next = text.chars().next()?;
     Some(if next.is_whitespace() {
         (Scanned::Blank, next.len_utf8())
+    } else if next.is_alphabetic() || next == '_' {
+        (Scanned::Word, word_end(text))
+    } else if next.is_ascii_digit() {
+        (Scanned::Number, number_end(text))
     } else if text.starts_with("//") {
         let doc = text.starts_with("///") && !text.starts_with("////");
         let line = text.split('\n').next().unwrap_or(text);
@@ -44,11 +48,6 @@ pub fn scan(text: &str) -> Option<(Scanned, usize)> {
             Some(end) => (Scanned::Comment, end),
             None => (Scanned::OpenComment, text.len()),
         }
-    } else if next.is_alphabetic() || next == '_' {
-        let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_') || is_superscript(c));
-        (Scanned::Word, end.unwrap_or(text.len()))
-    } else if next.is_ascii_digit() {
-        (Scanned::Number, number_end(text))
     } else if next == '"' {
         let end = text[1..].find('"').map_or(text.len(), |end| end + 2);
         (Scanned::Text, end)
@@ -81,6 +80,21 @@ fn comment_end(text: &str) -> Option<usize> {
         }
     }
     None
+}
+
+/// Where the word at the start of `text` ends.
+fn word_end(text: &str) -> usize {
+    let is_plain = |b: &u8| b.is_ascii_alphanumeric() || *b == b'_';
+    let plain = text.bytes().position(|b| !is_plain(&b));
+    match plain {
+        // A letter that takes several bytes may go on with it.
+        Some(end) if !text.as_bytes()[end].is_ascii() => {
+            let ends = |c: char| !(c.is_alphanumeric() || c == '_') || is_superscript(c);
+            text[end..].find(ends).map_or(text.len(), |more| end + more)
+        }
+        Some(end) => end,
+        None => text.len(),
+    }
 }
 
 fn is_superscript(c: char) -> bool {

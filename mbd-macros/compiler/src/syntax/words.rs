@@ -340,10 +340,13 @@ pub fn top_level() -> impl Iterator<Item = &'static ItemWord> {
 
 /// The item of this keyword at the top (`inside` false) or inside a body or the world.
 pub fn find(word: &str, inside: bool) -> Option<&'static ItemWord> {
+    // Every word of a text is asked for: of most the first letter tells that they are none.
+    let first = word.bytes().next();
+    let is_word = |item: &&ItemWord| item.word.bytes().next() == first && item.word == word;
     if inside {
-        [&FRAME, &START].into_iter().find(|item| item.word == word)
+        [&FRAME, &START].into_iter().find(is_word)
     } else {
-        ITEMS.iter().find(|item| item.word == word)
+        ITEMS.iter().find(is_word)
     }
 }
 
