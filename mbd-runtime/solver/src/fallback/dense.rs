@@ -69,6 +69,10 @@ pub(crate) struct Dense {
     /// What of y of every row is new against those chosen so far (n_c × n_v), and the size of y (n_c), zero of those that were chosen.
     news: Vec<f64>,
     sizes: Vec<f64>,
+    /// The size of what is new over that of y (n_c).
+    new_sizes: Vec<f64>,
+    /// The speeds that the last direction has.
+    moved: Vec<usize>,
     whole: Vec<f64>,
     unknowns: Vec<f64>,
     spare: Vec<f64>,
@@ -99,6 +103,8 @@ impl Dense {
             rest: vec![0.0; nv],
             news: vec![0.0; nc * nv],
             sizes: vec![0.0; nc],
+            new_sizes: vec![0.0; nc],
+            moved: Vec::with_capacity(nv),
             whole: Vec::new(),
             unknowns: vec![0.0; size],
             spare: vec![0.0; size],
@@ -222,14 +228,20 @@ impl Dense {
             let [_, after] = self.reduce(row, at);
             self.add(at, after);
             let unit = &self.units[at * self.nv..(at + 1) * self.nv];
+            // Most directions have few speeds: the others change nothing.
+            self.moved.clear();
+            let speeds = unit.iter().enumerate().filter(|(_, x)| **x != 0.0);
+            self.moved.extend(speeds.map(|(speed, _)| speed));
             // Nobody asks again what of a row that was chosen is new.
             self.sizes[row] = 0.0;
-            let news = self.news.chunks_exact_mut(unit.len()).zip(&self.sizes);
-            for (new, _) in news.filter(|(_, size)| **size != 0.0) {
-                let along = dot(new, unit);
+            let news = self.news.chunks_exact_mut(unit.len());
+            let news = news.zip(&self.sizes).zip(&mut self.new_sizes);
+            for ((new, size), new_size) in news.filter(|((_, size), _)| **size != 0.0) {
+                let along: f64 = self.moved.iter().map(|&k| new[k] * unit[k]).sum();
                 // Most rows have no speed in common.
                 if along != 0.0 {
-                    subtract(new, along, unit);
+                    self.moved.iter().for_each(|&k| new[k] -= along * unit[k]);
+                    *new_size = dot(new, new).sqrt() / size;
                 }
             }
             chosen.push(row);
@@ -242,19 +254,20 @@ impl Dense {
         for row in 0..self.nc {
             let new = &mut self.news[row * self.nv..(row + 1) * self.nv];
             Self::forward(&self.lower, &self.begins, new);
-            self.sizes[row] = dot(new, new).sqrt().max(self.least(row));
+            let size = dot(new, new).sqrt();
+            self.sizes[row] = size.max(self.least(row));
+            self.new_sizes[row] = size / self.sizes[row];
         }
     }
 
     /// The row with the largest part that is new, the first of those that are as good.
     fn newest(&self) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
-        let rows = self.news.chunks_exact(self.nv.max(1)).zip(&self.sizes);
-        for (row, (new, size)) in rows.enumerate() {
+        let rows = self.new_sizes.iter().zip(&self.sizes);
+        for (row, (&new, size)) in rows.enumerate() {
             if *size == 0.0 {
                 continue;
             }
-            let new = dot(new, new).sqrt() / size;
             if new > self.new_from && best.is_none_or(|(_, most)| new > 1.25 * most) {
                 best = Some((row, new));
             }
