@@ -1,9 +1,7 @@
 //! Orders of the methods, and runs against closed forms.
 
-mod support;
-
+use super::support::*;
 use mbd_runtime::{Method, Options, Scales, Simulation};
-use support::*;
 
 #[test]
 fn a_torque_free_body_follows_the_elliptic_functions() {

@@ -1,12 +1,9 @@
 //! Batches in lanes: a case gives the same bits whatever is beside it, however many lanes and threads there are.
 
-#[path = "support/same_bits.rs"]
-mod same_bits;
-
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::same_bits::{assert_same_bits, bits, fly};
 use mbd_runtime::{Batch, Case, Content, InLanes, Model, Options, Sampling, Simulation, model};
-use same_bits::{assert_same_bits, bits, fly};
 
 model! {
     /// A stone in wind and thin air, drawn to a place; it is noticed where it passes two heights.
@@ -218,7 +215,7 @@ fn lines_at_an_equilibrium_point_that_go_slack_are_what_they_are_alone() {
     // With two lines that carry the knot follows rules of its own, which are not in lanes.
     assert_same_bits(
         &lamp,
-        &[Options::rk4(1e-3), Options::tsit5(1e-6)],
+        &[Options::rk4(2e-3), Options::tsit5(1e-6)],
         0.2,
         cases,
     );
@@ -230,7 +227,7 @@ fn lines_between_masses_that_go_slack_are_what_they_are_alone() {
     let cases = || (1..12_u32).map(|k| Case::new().params([0.3 * f64::from(k)]));
     assert_same_bits(
         &bob,
-        &[Options::rk4(1e-3), Options::tsit5(1e-6)],
+        &[Options::rk4(2e-3), Options::tsit5(1e-6)],
         0.9,
         cases,
     );

@@ -1,6 +1,4 @@
 //! Scenes built in code, reference files, and observed orders, for the tests of runs.
-#![allow(dead_code, reason = "each test file uses a part of it")]
-#![allow(missing_docs, reason = "test support")]
 
 use std::path::PathBuf;
 

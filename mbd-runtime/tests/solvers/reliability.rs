@@ -1,9 +1,8 @@
 //! What is promised when something goes wrong, and what never changes.
 
-mod support;
-
 use std::cell::Cell;
 
+use super::support::*;
 use mbd_runtime::scene::{
     Clamp, Difference, Direction, Formula, Load, LoadKind, NodeModel, Place, PointKind, Scene,
 };
@@ -11,7 +10,6 @@ use mbd_runtime::{
     Collapse, Content, External, Generic, Method, Options, RunError, Sampling, Simulation, Source,
     StepError, Stop, Trajectory,
 };
-use support::*;
 
 const RATE: PointKind = PointKind::Node(NodeModel::Rate);
 const STATIC: PointKind = PointKind::Node(NodeModel::Static);

@@ -1,12 +1,10 @@
 //! Every adaptive method on every kind of scene: the same calls, the same answers, what it costs, and what is refused.
 
-mod support;
-
+use super::support::*;
 use mbd_runtime::scene::{Clamp, Difference, NodeModel, PointKind};
 use mbd_runtime::{
     Content, Generic, Method, Model, Options, Sampling, Simulation, Stop, Trajectory, model,
 };
-use support::*;
 
 model! {
     /// Four links on ball joints, thrown sideways.

@@ -1,10 +1,8 @@
 //! The parachute against its reference histories: riser force [N].
 
-mod support;
-
+use super::support::*;
 use mbd_runtime::scene::{Clamp, Difference, NodeModel, Place, PointKind};
 use mbd_runtime::{Content, Options, Sampling, Simulation, Trajectory};
-use support::*;
 
 const RATE: PointKind = PointKind::Node(NodeModel::Rate);
 

@@ -1,12 +1,10 @@
 //! The stiff method: its order on every kind of scene, lines far stiffer than steps resolve, and what it refuses.
 
-mod support;
-
+use super::support::*;
 use mbd_runtime::scene::{NodeModel, PointKind};
 use mbd_runtime::{
     Generic, Method, Model, Options, Scales, Simulation, Source, Stabilise, StepError, model,
 };
-use support::*;
 
 model! {
     /// A turning body on a spring in wind that changes with time, with a filter of its own.
