@@ -78,45 +78,73 @@ fn difference([whole, resumed]: &[String; 2]) -> String {
     format!("{}\n{}", part(whole), part(resumed))
 }
 
-fn compared<T: Scalar>(methods: &[Options], shifts: &[f64]) {
+fn assert_goes_on<T: Scalar>(family: &str, methods: &[Options], shifts: &[f64]) {
     let mut differ = Vec::new();
-    for family in ["absolute", "relative"] {
-        let model = Generic::<T>::new(machine(family), &[T::from_f64(400.0)]).expect("a scene");
-        for options in methods {
-            for shift in shifts {
-                let told = whole_and_resumed(&model, *options, *shift);
-                let told = told.expect("a method that is offered");
-                if told[0] != told[1] {
-                    let (method, where_) = (options.method, difference(&told));
-                    differ.push(format!("{family} {method:?} {shift}:\n{where_}"));
-                }
+    let model = Generic::<T>::new(machine(family), &[T::from_f64(400.0)]).expect("a scene");
+    for options in methods {
+        for shift in shifts {
+            let told = whole_and_resumed(&model, *options, *shift);
+            let told = told.expect("a method that is offered");
+            if told[0] != told[1] {
+                let (method, where_) = (options.method, difference(&told));
+                differ.push(format!("{method:?} {shift}:\n{where_}"));
             }
         }
     }
     assert!(differ.is_empty(), "{}", differ.join("\n"));
 }
 
-#[test]
-fn a_machine_that_is_saved_at_any_instant_goes_on_to_the_bit() {
-    let methods = [
+const SHIFTS: [f64; 2] = [0.0, 0.0137];
+
+fn fixed_and_explicit() -> [Options; 4] {
+    [
         Options::rk4(2e-3),
         Options::rk4(3.3e-3),
         Options::tsit5(1e-6),
         Options::vern7(1e-7),
-        Options::rodas5p(1e-5),
-        Options::auto(1e-6),
-    ];
-    compared::<f64>(&methods, &[0.0, 0.0137]);
+    ]
 }
 
-#[test]
-fn it_does_in_single_precision() {
-    let methods = [
+fn stiff() -> [Options; 2] {
+    [Options::rodas5p(1e-5), Options::auto(1e-6)]
+}
+
+fn in_single_precision() -> [Options; 5] {
+    [
         Options::rk4(2e-3),
         Options::tsit5(1e-5),
         Options::vern7(1e-5),
         Options::rodas5p(1e-5),
         Options::auto(1e-5),
-    ];
-    compared::<f32>(&methods, &[0.031]);
+    ]
+}
+
+#[test]
+fn a_machine_that_is_saved_at_any_instant_goes_on_to_the_bit() {
+    assert_goes_on::<f64>("absolute", &fixed_and_explicit(), &SHIFTS);
+}
+
+#[test]
+fn a_machine_that_is_saved_at_any_instant_of_stiff_steps_goes_on_to_the_bit() {
+    assert_goes_on::<f64>("absolute", &stiff(), &SHIFTS);
+}
+
+#[test]
+fn a_machine_in_relative_coordinates_goes_on_to_the_bit() {
+    assert_goes_on::<f64>("relative", &fixed_and_explicit(), &SHIFTS);
+}
+
+#[test]
+fn a_machine_in_relative_coordinates_goes_on_to_the_bit_in_stiff_steps() {
+    assert_goes_on::<f64>("relative", &stiff(), &SHIFTS);
+}
+
+#[test]
+fn a_machine_goes_on_to_the_bit_in_single_precision() {
+    assert_goes_on::<f32>("absolute", &in_single_precision(), &[0.031]);
+}
+
+#[test]
+fn a_machine_in_relative_coordinates_goes_on_to_the_bit_in_single_precision() {
+    assert_goes_on::<f32>("relative", &in_single_precision(), &[0.031]);
 }
