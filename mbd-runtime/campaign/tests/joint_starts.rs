@@ -244,3 +244,55 @@ fn what_is_about_a_value_stays_about_it_when_it_is_dispersed() {
         assert!((drawn[1] - nominal[1]).abs() < 1e-9, "the crank decides");
     }
 }
+
+/// Two wheels on springs of 2 N m/rad each, both of 1 kg m², geared 1 : 3; the first begins 400 degrees from where its spring is at rest, and nothing says
+/// where the second does.
+const GEARED: &str = "model Geared { gravity: none;
+    body a { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+    body b { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+    joint slow: hinge from world to a.com { axis: z, start: about 400 deg, stiffness: 2 N*m }
+    joint fast: hinge from world to b.com { axis: z, stiffness: 2 N*m }
+    joint teeth: gear from slow.angle to fast.angle { ratio: 3 / 1 }
+    output turned = fast.angle; }";
+
+#[test]
+fn a_start_beyond_half_a_turn_is_dispersed_about_itself() {
+    for coordinates in BOTH {
+        let folder = Folder::new(&format!("starts_turns_{}", coordinates.word()));
+        let scene = read_text(GEARED).scene.expect("a scene");
+        let model = Generic::<f64>::with_defaults(scene.in_coordinates(coordinates));
+        let text = "seed = 3\ncases = 4\n[start]\nfast.angle = { dist = \"normal\", sigma = \"1 %\" }\n[metrics]\nlast = { final = \"turned\" }\n[run]\nuntil = \"1 s\"\ntolerance = 1e-11";
+        let file = folder.file("dispersions.toml", text);
+        let model = Arc::new(model.expect("valid"));
+        let campaign = Campaign::read(&file, model, Settings::default()).expect("valid");
+        let nominal = 1200f64.to_radians();
+        for case in 0..=4 {
+            let row = campaign.replay(case).expect("flown").0;
+            assert_eq!(row.status, "ok", "{}", row.why);
+            // 10 kg m² and 20 N m/rad at the slow wheel: φ = φ(0) cos(√2 t).
+            let [begun, wanted] = [row.values[0], row.values[0] * 2f64.sqrt().cos()];
+            let off = (begun / nominal - 1.0).abs();
+            match case {
+                0 => assert!(off < 1e-12, "{coordinates:?}: {begun}"),
+                _ => assert!(off > 1e-6 && off < 0.05, "{coordinates:?}: {begun}"),
+            }
+            let last = row.metrics[0];
+            assert!((last - wanted).abs() < 1e-8, "{coordinates:?}: {row:?}");
+        }
+    }
+}
+
+#[test]
+fn what_the_nominal_would_tell_is_not_dispersed_where_it_cannot_begin() {
+    let folder = Folder::new("starts_unknown");
+    // Bars of 1 m that do not reach across 5 m.
+    let scene = LOOP.replace("far at [2, 0, 0] m", "far at [8, 0, 0] m");
+    let model = Generic::<f64>::with_defaults(read_text(&scene).scene.expect("a scene"));
+    let text = "seed = 3\ncases = 4\n[start]\n\"q.angle\" = { dist = \"normal\", sigma = \"5 deg\" }\n[metrics]\nmost = { max = \"crank_angle\" }\n[run]\nuntil = \"1 s\"\n[run.start]\ncrank.x = \"0.5 m\"";
+    let file = folder.file("dispersions.toml", text);
+    let model = Arc::new(model.expect("valid"));
+    let refused = Campaign::read(&file, model, Settings::default());
+    let why = refused.err().expect("no nominal value").to_string();
+    assert!(why.contains("q.angle"), "{why}");
+    assert!(why.contains("give it a start"), "{why}");
+}

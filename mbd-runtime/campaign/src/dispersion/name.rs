@@ -2,8 +2,8 @@
 
 use mbd_compiler::ABOUT;
 use mbd_runtime::scene::laws::constant;
-use mbd_runtime::scene::{Arguments, InputSource, Parameter, Quantity, Scene, Unit};
-use mbd_runtime::{Generic, Layout, Model, state_names};
+use mbd_runtime::scene::{InputSource, Parameter, Quantity, Scene, Unit};
+use mbd_runtime::{Generic, Layout, Simulation, state_names};
 use toml::Value;
 
 use crate::run::names::{PlanError, flat, unknown, wrong};
@@ -34,7 +34,7 @@ pub struct Dispersible {
     pub unit: String,
     /// SI value of one such unit.
     pub factor: f64,
-    /// Its value in the nominal case [SI].
+    /// Its value in the nominal case [SI]; not a number of a joint coordinate of which nothing is said, where the nominal case cannot begin.
     pub nominal: f64,
 }
 
@@ -84,11 +84,13 @@ pub fn known(
     let states = state_names(scene, layout).into_iter().zip(&plan.state);
     all.extend(states.map(|(name, nominal)| start(name.name, &name.unit, *nominal)));
     let at_start = coordinates_at_start(scene, layout, plan);
-    for (name, measured) in scene.joint_coordinates().into_iter().zip(at_start) {
+    for (number, name) in scene.joint_coordinates().into_iter().enumerate() {
         if let Some(unit) = coordinate_unit(scene, &name) {
             let said =
                 written(scene, settings, &name).or_else(|| declared(scene, &plan.params, &name));
-            all.push(start(name, unit, said.unwrap_or(measured)));
+            let measured = || at_start.as_ref()?.get(number).copied();
+            let nominal = said.or_else(measured).unwrap_or(f64::NAN);
+            all.push(start(name, unit, nominal));
         }
     }
     for slots in &layout.inputs {
@@ -124,28 +126,15 @@ fn start(name: String, unit: &str, nominal: f64) -> Dispersible {
     }
 }
 
-/// The coordinates of all joints with their rates, in the order of their names, where the nominal case begins [m or rad, and per second].
-fn coordinates_at_start(scene: &Scene, layout: &Layout, plan: &RunPlan) -> Vec<f64> {
+/// The coordinates of all joints with their rates, in the order of their names, where the nominal case begins [m or rad, and per second]; `None` where it
+/// cannot begin.
+fn coordinates_at_start(scene: &Scene, layout: &Layout, plan: &RunPlan) -> Option<Vec<f64>> {
+    let model = Generic::<f64>::new(scene.clone(), &plan.params).ok()?;
+    let mut run = Simulation::new(&model, plan.options).ok()?;
+    plan.begin(&mut run).ok()?;
     let mut numbers = vec![0.0; layout.len(Quantity::Coordinates)];
-    let Ok(model) = Generic::<f64>::new(scene.clone(), &plan.params) else {
-        return numbers;
-    };
-    let arguments = Arguments {
-        state: plan.state.clone(),
-        nodes: vec![0.0; 3 * layout.nodes.len()],
-        effective: vec![0.0; layout.effective_numbers],
-        hold: vec![0.0; layout.holds()],
-        inputs: plan.inputs.clone(),
-        ..Arguments::default()
-    };
-    let mut work = model.work();
-    model.evaluate(
-        Quantity::Coordinates,
-        &arguments.at(),
-        &mut work,
-        &mut numbers,
-    );
-    numbers
+    run.evaluate(Quantity::Coordinates, &mut numbers).ok()?;
+    Some(numbers)
 }
 
 /// Where the declaration starts a joint coordinate, or its rate; `None` where it says nothing.
@@ -248,6 +237,10 @@ pub fn find<'k>(
     name: &str,
 ) -> Result<&'k Dispersible, PlanError> {
     let found = known.iter().find(|known| known.name == name);
+    if found.is_some_and(|known| known.nominal.is_nan()) {
+        let text = "nothing says where it starts, and the nominal case, which would tell, cannot begin: give it a start under [run.start], or let the nominal case begin";
+        return Err(wrong(setting, text));
+    }
     found.ok_or_else(|| {
         let part = |of: &&Dispersible| match name.split_once('.') {
             Some((part @ ("start" | "inputs"), _)) => of.name.starts_with(&format!("{part}.")),
