@@ -487,3 +487,33 @@ fn a_run_of_the_stiff_method_goes_on_from_a_snapshot_to_the_bit() {
     other.run(1.0).unwrap();
     assert_eq!(one.state(), other.state());
 }
+
+model! {
+    /// A knot between two walls, 2 m apart, on cords of 0.9 m: nothing in it moves by itself.
+    model Cord {
+        gravity: none;
+        emit: [derivative, outputs];
+        world { frame left at [-1.0, 0.0, 0.0] m, frame right at [1.0, 0.0, 0.0] m }
+        point knot;
+        line a from world.left to knot { free_length: 0.9 m, stiffness: 1 kN/m }
+        line b from world.right to knot { free_length: 0.9 m, stiffness: 1 kN/m }
+        output pull = a.tension;
+    }
+}
+
+#[test]
+fn a_scene_in_which_nothing_moves_by_itself_is_run_by_every_method() {
+    let cord = Cord::new(CordParams::default()).expect("no params");
+    for options in [
+        Options::rodas5p(1e-8),
+        Options::auto(1e-8),
+        Options::vern7(1e-8),
+        Options::rk4(0.1),
+    ] {
+        let mut run = Simulation::new(&cord, options).expect("options that fit");
+        run.run(1.0).expect("a knot that stays");
+        // 1 kN/m times 1 m − 0.9 m on both sides.
+        let pull = run.output("pull").expect("an output");
+        assert!((pull - 100.0).abs() < 1e-9, "{pull} N by {options:?}");
+    }
+}

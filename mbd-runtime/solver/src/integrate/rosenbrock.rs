@@ -615,11 +615,11 @@ fn add_by<const N: usize, T: Real>(
     out: &mut [T],
     from: usize,
 ) -> usize {
-    let length = out.len().max(1);
+    let length = out.len();
     let (blocks, rest) = out.split_at_mut(from).1.as_chunks_mut::<N>();
     for (number, block) in blocks.iter_mut().enumerate() {
         let mut sum = *block;
-        for (weight, stage) in weights.iter().zip(stages.chunks_exact(length)) {
+        for (weight, stage) in weights.iter().zip(stages.chunks_exact(length.max(1))) {
             let own = stage.get(from + N * number..);
             if let Some(x) = own.and_then(<[T]>::first_chunk::<N>) {
                 for (sum, x) in sum.iter_mut().zip(x) {
