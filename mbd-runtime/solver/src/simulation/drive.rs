@@ -124,6 +124,10 @@ impl<T: Float> Simulation<T> {
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Stop>, RunError> {
         self.shown.forget();
+        if !course.opened {
+            let admitted = self.admit(course, trajectory);
+            admitted.map_err(|cause| self.failed(cause))?;
+        }
         let mut outcome = match course.opened {
             true => self.try_next(course, trajectory, go_on),
             false => self.open(course, trajectory),
@@ -154,6 +158,24 @@ impl<T: Float> Simulation<T> {
         outcome.map_err(|cause| self.failed(cause))
     }
 
+    /// Refuses a history that cannot go on with a course: it stays as it is.
+    fn admit(
+        &self,
+        course: &Course,
+        trajectory: &mut Option<&mut Trajectory>,
+    ) -> Result<(), StepError> {
+        let Some(trajectory) = trajectory else {
+            return Ok(());
+        };
+        let model = &self.system.model;
+        let own = || identity::of_columns(model.scene(), model.layout());
+        trajectory.check(*self.columns.get_or_init(own), [self.time, course.until])?;
+        match trajectory.takes_outputs() {
+            true => emitted(&**model, Quantity::Outputs),
+            false => Ok(()),
+        }
+    }
+
     /// What is due at the start of a course: samples, a row.
     fn open(
         &mut self,
@@ -162,13 +184,7 @@ impl<T: Float> Simulation<T> {
     ) -> Result<Option<Stop>, StepError> {
         course.opened = true;
         if let Some(trajectory) = trajectory {
-            let model = &self.system.model;
-            let own = || identity::of_columns(model.scene(), model.layout());
-            trajectory.check(*self.columns.get_or_init(own), [self.time, course.until])?;
             trajectory.locates = self.options.locate;
-            if trajectory.takes_outputs() {
-                emitted(&**model, Quantity::Outputs)?;
-            }
         }
         if course.until - self.time > resolution(self.time) {
             self.sample()?;
