@@ -156,6 +156,56 @@ fn what_a_stone_does_between_two_steps_does_not_depend_on_its_events() {
 }
 
 #[test]
+fn a_history_that_is_refused_stays_as_it_is() {
+    let (own, other) = (stone(""), scene(OSCILLATOR));
+    let model = Interpreted::<f64>::new(own.clone(), &[]).expect("no params");
+    let osc = Interpreted::<f64>::new(other.clone(), &[]).expect("no params");
+    let begun = || Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+    // Of another model: nothing ran, and no metric has a value.
+    let mut history = Trajectory::new(&osc, Sampling::Steps, Content::RESULTS);
+    begun()
+        .record(1.0, &mut history)
+        .expect_err("another model");
+    for metric in history.metrics(&other) {
+        assert!(metric.value.is_err(), "{metric:?}");
+    }
+    // Of a run that was longer: what that one measured.
+    let (mut history, _) = recorded(&own, Options::tsit5(1e-9), (0.75, Sampling::Steps));
+    let before = history.clone();
+    begun()
+        .record(0.5, &mut history)
+        .expect_err("a history of a later run");
+    assert_eq!(history.metrics(&own), before.metrics(&own));
+    assert_eq!(history, before);
+}
+
+#[test]
+fn what_happens_at_time_zero_happens_at_zero() {
+    let scene = scene(
+        "model Clock {
+            gravity: none;
+            point a { mass: 1 kg }
+            event begins = time rises 0 s;
+            event wave = sin(2 * pi * time / (1 s)) crosses 0;
+            event later = time rises 0.3 s;
+            metric begun = time_of begins;
+            metric waved = time_of wave;
+            metric waited = time_of later;
+        }",
+    );
+    for options in [
+        Options::tsit5(1e-9),
+        Options::vern7(1e-9),
+        Options::rk4(0.1),
+    ] {
+        let (history, _) = recorded(&scene, options, (0.4, Sampling::Steps));
+        for (name, wanted) in [("begun", 0.0), ("waved", 0.0), ("waited", 0.3)] {
+            assert_eq!(value(&history, &scene, name), wanted, "{name}, {options:?}");
+        }
+    }
+}
+
+#[test]
 fn a_mean_over_a_window_as_narrow_as_rounding_is_one_of_the_values_in_it() {
     let scene = scene(
         "model Drift {

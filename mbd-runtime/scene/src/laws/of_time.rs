@@ -414,22 +414,35 @@ impl TimeFunctions {
         (zero, positive): (f64, bool),
         whole: [f64; 2],
     ) -> Option<f64> {
+        let between = self.between_sides(scene, event, (zero, positive), whole);
+        between.map(|[_, behind]| behind)
+    }
+
+    /// That time, and before it the last one up to which the guard is known to be on its side.
+    fn between_sides(
+        &self,
+        scene: &Scene,
+        event: usize,
+        (zero, positive): (f64, bool),
+        whole: [f64; 2],
+    ) -> Option<[f64; 2]> {
         let guard = self.guard_of(event)?;
         let sign = if positive { 1.0 } else { -1.0 };
         let during = |span: [f64; 2]| {
             let range = self.during(scene, guard, STILL, span);
             (range - Range::from_f64(zero)) * Range::from_f64(sign)
         };
-        let mut first = None;
+        let (mut before, mut behind) = (whole[0], None);
         let mut spans = Bisection::new(whole, MOST_SPANS_OF_GUARDS);
         spans.add(whole, 0.0);
         while let Some(span) = spans.last() {
             if during(span).low >= 0.0 {
+                before = span[1];
                 continue;
             }
             let middle = 0.5 * (span[0] + span[1]);
             if sign * (self.at(scene, guard, STILL, middle) - zero) < 0.0 {
-                first = Some(middle);
+                behind = Some(middle);
                 // Nothing later is first.
                 spans.drop_all();
             } else {
@@ -437,7 +450,7 @@ impl TimeFunctions {
             }
             spans.add([span[0], middle], 0.0);
         }
-        first
+        behind.map(|behind| [before, behind])
     }
 
     /// The guard of an event, if it is of time alone.
@@ -456,15 +469,13 @@ impl TimeFunctions {
         (zero, positive): (f64, bool),
         whole: [f64; 2],
     ) -> Option<f64> {
-        let behind = self.first_passing(scene, event, (zero, positive), whole)?;
+        let [before, behind] = self.between_sides(scene, event, (zero, positive), whole)?;
         let guard = self.guard_of(event)?;
-        let off = |time: f64| (self.at(scene, guard, STILL, time) - zero).abs();
-        let before = behind.next_down();
-        Some(if off(before) < off(behind) {
-            before
-        } else {
-            behind
-        })
+        let off = |time: &f64| (self.at(scene, guard, STILL, *time) - zero).abs();
+        // About zero there are more times than a span is cut into: of those between, zero is the one that is said.
+        let said = 0_f64.max(before).min(behind);
+        let all = [behind, behind.next_down(), said].into_iter();
+        all.min_by(|a, b| off(a).total_cmp(&off(b)))
     }
 }
 
