@@ -1,6 +1,6 @@
 //! One declaration in single and in double precision: what `f32` costs in accuracy is measured, stated and bounded.
 
-use mbd_compiler::Interpreted;
+use mbd_compiler::{Interpreted, read_text};
 use mbd_runtime::{
     Generic, Method, Options, Quantity, RunError, Scalar, Simulation, Snapshot, StepError, model,
 };
@@ -224,7 +224,7 @@ fn swing(centre: f64) -> Generic<f32> {
         }}",
         centre + 0.5
     );
-    let scene = mbd_compiler::read_text(&text).scene.expect("a scene");
+    let scene = read_text(&text).scene.expect("a scene");
     Generic::new(scene, &[]).expect("no params")
 }
 
@@ -374,5 +374,43 @@ fn gravity_reaches_far_in_single_precision() {
             (found / expected - 1.0).abs() < 1e-6,
             "{name}: {found} {expected}"
         );
+    }
+}
+
+#[test]
+fn what_is_only_told_does_not_follow_time() {
+    let reads = |items: &str| {
+        let text = format!(
+            "model Clock {{
+                gravity: none;
+                let swing = sin(2 rad/s * time);
+                point a {{ mass: 1 kg }}
+                body b {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+                {items}
+            }}"
+        );
+        let read = read_text(&text);
+        let scene = read.scene.unwrap_or_else(|| panic!("{:?}", read.errors));
+        scene.reads_time()
+    };
+    let floats = "joint f: free from world to b.com;";
+    for told in [
+        "output now = time;",
+        "output shown = swing;",
+        "metric over = time_above swing { level: 0.5 };",
+        "event late = time rises 1 s { set: a.velocity.x = 1 m/s * swing }",
+    ] {
+        assert!(!reads(&format!("{floats} {told}")), "{told}");
+    }
+    for acts in [
+        "joint f: free from world to b.com; load push on a = [1 N * swing, 0, 0];",
+        "joint f: free from world to b.com; state s = 0 { rate: swing * 1 (1/s) }",
+        "joint f: free from world to b.com; line r from world to a { free_length: 2 m - 0.1 m/s * time, stiffness: 1 kN/m }",
+        "joint p: hinge from world to b.com { axis: z, motor: swing }",
+        "joint p: hinge from world to b.com { axis: z, stiffness: 1 N*m, rest: swing }",
+        "world { frame way at [1 m * swing, 0, 0] } joint p: hinge from world.way to b.com { axis: z }",
+        "world { frame way rotated about(z, 1 rad/s * time) } joint p: hinge from world.way to b.com { axis: z }",
+    ] {
+        assert!(reads(acts), "{acts}");
     }
 }

@@ -93,7 +93,7 @@ impl Scene {
     /// The names of what acts or drives and changes with time by itself: loads, joints, lines, declared states, frames of the world.
     #[must_use]
     pub fn changing_with_time(&self) -> Vec<String> {
-        let changes = |formula: &Formula| self.contains(formula, |part| *part == Formula::Time);
+        let changes = |formula: &Formula| self.depends_on_time(formula);
         let loads = self.loads.iter();
         let loads = loads.filter(|load| load.kind.formula().is_some_and(changes));
         let joints = self.joints.iter().filter(|joint| {
@@ -564,16 +564,12 @@ impl Scene {
         self.contains(formula, |part| *part == Formula::Time)
     }
 
-    /// Whether any formula at all reads time. The text of a scene leaves none out; a name with that word in it counts, too, and costs a look at what
-    /// does not change.
+    /// Whether accelerations or rates of declared states follow time by themselves: what is only told, an output or an event, does not count.
     #[must_use]
     pub fn reads_time(&self) -> bool {
-        let (text, word) = (format!("{self:?}"), format!("{:?}", Formula::Time));
-        let goes_on = |letter: char| letter.is_alphanumeric() || letter == '_';
-        // `TimeAbove` of a metric is another word.
-        let parts: Vec<&str> = text.split(&word).collect();
-        let mut pairs = parts.iter().zip(parts.iter().skip(1));
-        pairs.any(|(before, after)| !before.ends_with(goes_on) && !after.starts_with(goes_on))
+        let mut acting = self.acting_formulas();
+        acting.any(|formula| self.depends_on_time(formula))
+            || self.world_frames.iter().any(|frame| frame.moves(self))
     }
 }
 

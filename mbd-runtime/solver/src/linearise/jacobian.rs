@@ -210,7 +210,7 @@ fn differentiates<T: Float>(model: &dyn Model<T>) -> bool {
         state: &state,
         nodes: &nodes,
         effective: &zeros(layout.effective_numbers),
-        hold: &zeros(layout.holds()),
+        hold: &zeros(layout.origin_at()),
         ends: &[],
         inputs: &inputs,
         rows: &zeros(layout.nv + layout.nc),
