@@ -8,8 +8,8 @@ use mbd_report::{ReportTable, significant};
 use mbd_runtime::nalgebra::DMatrix;
 use mbd_runtime::scene::{Dimension, Scene};
 use mbd_runtime::{
-    Content, Generic, Kink, Model, Name, RunError, Sampling, Simulation, StateSpace, Trajectory,
-    TrimError, Trimmed,
+    Content, Generic, Kink, Model, Name, RunError, Sampling, Simulation, StateSpace, StepError,
+    Trajectory, TrimError, Trimmed,
 };
 use serde_json::json;
 use toml::Value;
@@ -23,6 +23,8 @@ use crate::run::{PlanError, RunPlan, warning_of};
 /// After this part of a radian of its fastest mode a linear system is looked at again; and how much of itself it may change in a whole one.
 const MOMENT: f64 = 1e-3;
 const NOTED: f64 = 1e-2;
+/// Steps of the motion after which that moment is given up: where the fastest mode is rounding, as at a neutral place, it lies hours ahead.
+const MOST_STEPS: u32 = 2000;
 /// Accelerations that change by less while a coordinate goes on, of the terms that they are made of, belong to a steady motion; and the part of the
 /// largest term that is rounding.
 const STEADY: f64 = 1e-6;
@@ -357,10 +359,22 @@ fn changing(run: &mut Simulation<f64>, space: &StateSpace, along: &[&str]) -> St
     let sizes = space.vibrations().into_iter().map(|one| one.frequency());
     let fastest = sizes.fold(0.0, f64::max);
     let moment = MOMENT / fastest;
-    let later = run
-        .run(run.time() + moment)
-        .ok()
-        .and_then(|_| run.linearise(along).ok());
+    let mut left = MOST_STEPS;
+    let mut within = |_: f64| {
+        left = left.saturating_sub(1);
+        left > 0
+    };
+    let flown = run.run_while(run.time() + moment, None, &mut within);
+    if flown
+        .as_ref()
+        .is_err_and(|error| error.cause == StepError::Cancelled)
+    {
+        return format!(
+            "\nNote: whether this linear system stays along the motion is not known: its fastest mode takes {} s to turn by a radian, and the motion is faster by far. Its eigenvalues hold at this instant; a rest (`--trim`) has one that stays.\n",
+            significant(1.0 / fastest, 3)
+        );
+    }
+    let later = flown.ok().and_then(|_| run.linearise(along).ok());
     let Some(later) = later.filter(|later| later.a.shape() == space.a.shape()) else {
         return String::new();
     };

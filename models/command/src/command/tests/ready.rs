@@ -128,6 +128,20 @@ fn a_trim_without_a_balance_tells_the_rate_of_a_state_in_its_unit_and_another_wa
 }
 
 #[test]
+fn a_pendulum_held_out_level_is_linearised_though_no_mode_of_it_swings() {
+    let folder = Folder::new("linearise_level");
+    // Level, gravity has no stiffness: −m g d cos 90° / I is 6e-17 of what it is hanging, and a mode of rounding takes years.
+    let file = folder.file(
+        "level.mbd",
+        "model Level { gravity: [0, 0, -9.81] m/s^2;
+           body bob { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0, 0, 1] m }
+           joint pin: hinge from world to bob.top { axis: y, start: 90 deg } }",
+    );
+    let told = run(&["linearise", &file]).unwrap();
+    assert!(told.contains("is not known"), "{told}");
+}
+
+#[test]
 fn linearise_gives_matrices_and_says_where_they_change_along_the_motion() {
     let told = run(&["linearise", "double_pendulum", "--json"]).unwrap();
     let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
