@@ -404,7 +404,7 @@ fn what_is_only_told_does_not_follow_time() {
     }
     for acts in [
         "joint f: free from world to b.com; load push on a = [1 N * swing, 0, 0];",
-        "joint f: free from world to b.com; state s = 0 { rate: swing * 1 (1/s) }",
+        "joint f: free from world to b.com; state lag = 0 { rate: swing * 1 (1/s) }",
         "joint f: free from world to b.com; line r from world to a { free_length: 2 m - 0.1 m/s * time, stiffness: 1 kN/m }",
         "joint p: hinge from world to b.com { axis: z, motor: swing }",
         "joint p: hinge from world to b.com { axis: z, stiffness: 1 N*m, rest: swing }",
