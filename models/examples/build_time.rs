@@ -31,17 +31,15 @@ fn hinge(family: &str) -> String {
     .replace("FAMILY", family)
 }
 
-/// A robot with every function, and with what a run needs alone.
-fn robot(file: &str, family: &str) -> Outcome<[(String, String); 2]> {
+/// Every function, and what a run needs alone: what the table calls it, and its item.
+const ASKED: [(&str, &str); 2] = [("", ""), (", `emit: [derivative]`", "emit: [derivative];")];
+
+fn robot(file: &str, family: &str, emit: &str) -> Outcome<String> {
     let path = Path::new(file).canonicalize()?;
-    let asks = [("", ""), (", `emit: [derivative]`", "emit: [derivative];")];
-    Ok(asks.map(|(told, emit)| {
-        let robot = format!("urdf: {path:?} {{ inertias: unchecked }}");
-        (
-            format!("{file}{told}"),
-            format!("pub model Chain {{ coordinates: {family}; {emit} {robot} }}"),
-        )
-    }))
+    let robot = format!("urdf: {path:?} {{ inertias: unchecked }}");
+    Ok(format!(
+        "pub model Chain {{ coordinates: {family}; {emit} {robot} }}"
+    ))
 }
 
 /// The parachute, the four-bar in space and chains of hinges in both families of coordinates, each with what a run needs alone, and with the derivatives of its equations.
@@ -245,31 +243,42 @@ fn families(workspace: &Path, most: usize, family: &str, robots: &[String]) -> O
     let one = hinge(family);
     table.line("one hinge", &one, 1)?;
     table.line("two models of one hinge", &one, 2)?;
-    let few = |n: &usize| *n <= most;
-    let mut lines = Vec::new();
-    for n in [2, 4, 8, 16, 32, 64, 128, 256].into_iter().filter(few) {
-        let line = table.line(&format!("chain of {n} hinges"), &hinges(n, family), 1)?;
-        lines.push((n, line));
+    let lengths = |all: &[usize]| -> Vec<usize> {
+        let few = all.iter().copied().filter(|n| *n <= most);
+        few.collect()
+    };
+    for (told, emit) in ASKED {
+        let mut lines = Vec::new();
+        for n in lengths(&[2, 4, 8, 16, 32, 64, 128, 256]) {
+            let text = hinges(n, family).replacen('{', &format!("{{ {emit}"), 1);
+            let line = table.line(&format!("chain of {n} hinges{told}"), &text, 1)?;
+            lines.push((n, line));
+        }
+        exponents(&lines);
     }
-    for n in [8, 16, 64].into_iter().filter(few) {
+    for n in lengths(&[8, 16, 64]) {
         let name = format!("chain of {n} spherical joints");
         table.line(&name, &spherical(n, family), 1)?;
     }
     for file in robots {
-        for (name, text) in robot(file, family)? {
-            table.line(&name, &text, 1)?;
+        for (told, emit) in ASKED {
+            table.line(&format!("{file}{told}"), &robot(file, family, emit)?, 1)?;
         }
     }
+    Ok(())
+}
+
+/// Prints with which power of the length costs grow from 8 bodies on, where there are longer chains.
+fn exponents(lines: &[(usize, [f64; 4])]) {
     let eight = lines.iter().find(|(n, _)| *n == 8);
     if let (Some((_, eight)), Some((most @ 16.., longest))) = (eight, lines.last()) {
         let powers = (*most as f64 / 8.0).ln();
         let [expansion, tokens, check, release] =
             [0, 1, 2, 3].map(|column| (longest[column] / eight[column]).ln() / powers);
         println!(
-            "\nexponents in n, hinges 8 to {most}: expansion {expansion:.2}, tokens {tokens:.2}, check {check:.2}, release {release:.2}"
+            "\nexponents in n, hinges 8 to {most}: expansion {expansion:.2}, tokens {tokens:.2}, check {check:.2}, release {release:.2}\n"
         );
     }
-    Ok(())
 }
 
 /// The first build of a crate with one model, nothing compiled before, and the build after its model was changed.

@@ -180,7 +180,7 @@ impl Elimination {
         if row == column {
             return Some(step.diagonal);
         }
-        let below = step.below.iter().find(|below| below.step == row)?;
-        Some(below.at)
+        let below = step.below.binary_search_by_key(&row, |below| below.step);
+        Some(step.below.get(below.ok()?)?.at)
     }
 }

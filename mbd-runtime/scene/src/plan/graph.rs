@@ -17,6 +17,8 @@ pub(super) struct EliminationGraph {
     /// Whether states are known at which the loops close.
     closed: bool,
     gone: Vec<bool>,
+    /// Room for what one node is coupled to.
+    coupled_to: Vec<bool>,
 }
 
 impl EliminationGraph {
@@ -71,6 +73,7 @@ impl EliminationGraph {
             joints: Vec::new(),
             closed: true,
             gone: Vec::new(),
+            coupled_to: Vec::new(),
         }
     }
 
@@ -82,6 +85,7 @@ impl EliminationGraph {
         self.ends.push(Vec::new());
         self.joints.push(Vec::new());
         self.gone.push(false);
+        self.coupled_to.push(false);
         self.parts.len() - 1
     }
 
@@ -158,11 +162,23 @@ impl EliminationGraph {
         for (i, &a) in neighbours.iter().enumerate() {
             self.filled[a] = true;
             self.neighbours[a].retain(|&other| other != node);
+            // Long chains in relative coordinates couple all with all: a list is not searched for each.
+            self.mark(a, true);
             for &b in neighbours.iter().take(i) {
-                self.join(a, b);
+                if !self.coupled_to[b] {
+                    self.neighbours[a].push(b);
+                    self.neighbours[b].push(a);
+                }
             }
+            self.mark(a, false);
         }
         neighbours
+    }
+
+    fn mark(&mut self, node: usize, coupled: bool) {
+        for &other in &self.neighbours[node] {
+            self.coupled_to[other] = coupled;
+        }
     }
 
     /// Estimated operations of eliminating a body together with its parent joint. What is handed on to other axes or another point is
