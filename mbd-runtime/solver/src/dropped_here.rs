@@ -66,3 +66,22 @@ impl<P> DerefMut for DroppedHere<P> {
         self.value.as_mut().expect("only its drop takes it away")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::DroppedHere;
+
+    #[test]
+    fn what_is_kept_is_dropped_with_its_owner_and_copied_with_it() {
+        let counted = Arc::new(2.0);
+        let kept = DroppedHere::new(Arc::clone(&counted));
+        let copy = kept.clone();
+        assert_eq!((Arc::strong_count(&counted), **copy), (3, 2.0));
+        assert_eq!(kept, copy);
+        drop(kept);
+        drop(copy);
+        assert_eq!(Arc::strong_count(&counted), 1);
+    }
+}
