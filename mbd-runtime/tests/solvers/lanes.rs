@@ -1,5 +1,6 @@
 //! Cases beside each other in lanes: what each gives alone, to the bit.
 
+use super::beside::{Chain, ChainParams};
 use mbd_runtime::{
     Lanes, Lanes4, Lanes8, LockStep, Model, Options, Real, Simulation, StepError, model,
 };
@@ -15,24 +16,6 @@ model! {
             -drag * norm(stone.velocity) * stone.velocity * exp(-stone.position.z / 8000 m);
         load pull on stone =
             -3.0 N * [tanh(stone.position.x / 1 m), sin(stone.position.y / 1 m), 0.0];
-    }
-}
-
-model! {
-    /// A chain of four links on hinges about crossed axes.
-    pub model Chain<T> {
-        units: si;
-        gravity: [0.0, 0.0, -9.81];
-        coordinates: relative;
-        param length = 1.0 in 0.5 ..= 2.0;
-        body link[i in 0..4] {
-            mass: 1.0,
-            inertia: diag(0.083, 0.083, 0.001),
-            frame top at [0.0, 0.0, 0.5 * length],
-            frame end at [0.0, 0.0, -0.5 * length],
-        }
-        joint first: hinge from world to link[0].top { axis: y, damping: 0.1 }
-        joint bend[i in 0..3]: hinge from link[i].end to link[i + 1].top { axis: x, damping: 0.05 }
     }
 }
 

@@ -304,10 +304,10 @@ impl UrdfReader<'_, '_> {
     fn attitude(&mut self, origin: Node<'_, '_>) -> Option<[f64; 3]> {
         let attribute = origin.attribute_node("rpy")?;
         let angles = self.numbers(origin, &attribute)?;
-        let Some(turned) = in_degrees(&angles) else {
+        let Some(angle) = in_degrees(&angles) else {
             return Some(angles);
         };
-        self.wrong_at(attribute.range().start, |at| say::in_degrees(at, turned));
+        self.wrong_at(attribute.range().start, |at| say::in_degrees(at, angle));
         None
     }
 
@@ -572,13 +572,13 @@ fn geometry(node: Node<'_, '_>) -> Option<UrdfGeometry> {
     })
 }
 
-/// The most that an angle of a file turns [rad]: two turns.
-const MOST_TURNED: f64 = 4.0 * std::f64::consts::PI;
+/// The largest angle of a file [rad]: two turns.
+const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
 
 /// The first of these angles that no file of radians has.
 fn in_degrees(angles: &[f64]) -> Option<f64> {
     let mut angles = angles.iter().copied();
-    angles.find(|angle| angle.abs() > MOST_TURNED)
+    angles.find(|angle| angle.abs() > LARGEST_ANGLE)
 }
 
 /// Finite numbers of an attribute.

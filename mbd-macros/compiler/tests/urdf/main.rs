@@ -280,13 +280,13 @@ fn simple_solids_are_shapes_and_meshes_are_left_out() {
 
 #[test]
 fn limits_that_leave_no_range_are_told() {
-    let turned = ARM.replacen(
+    let rotated = ARM.replacen(
         "lower=\"-2.8\" upper=\"2.8\"",
         "lower=\"2.8\" upper=\"-2.8\"",
         1,
     );
-    assert_ne!(turned, ARM);
-    let reading = read_urdf(&turned);
+    assert_ne!(rotated, ARM);
+    let reading = read_urdf(&rotated);
     let told = "limits that leave no range are left out, and never stops: joint \"shoulder\" (2.8 to -2.8)";
     assert!(
         reading.notes.iter().any(|note| note == told),
@@ -305,8 +305,8 @@ fn limits_that_leave_no_range_are_told() {
 fn an_angle_of_a_little_more_than_a_turn_is_what_the_file_says() {
     let attitude = |yaw: f64| {
         let rpy = format!("rpy=\"0 0 {yaw:?}\"");
-        let turned = scene(read_urdf(&ARM.replace("rpy=\"0 0 0.4\"", &rpy)));
-        turned
+        let rotated = scene(read_urdf(&ARM.replace("rpy=\"0 0 0.4\"", &rpy)));
+        rotated
             .world_frames
             .iter()
             .map(|frame| frame.rotation.clone())
