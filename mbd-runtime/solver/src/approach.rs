@@ -5,7 +5,7 @@ use mbd_scene::Float;
 
 use crate::error::StepError;
 use crate::locate::EventBracket;
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// Places inside a step at which margins are read to see that they keep away from zero, and those at which the ends of them are counted.
 pub(crate) const FEW_LOOKS: usize = 4;
@@ -20,7 +20,7 @@ const KNOWN: f64 = 1e-5;
 /// The longest C/K of the lines, in steps: a margin s + C/K ṡ that is all velocity magnifies what the interpolant is off by.
 const LONGEST_DELAY: f64 = 1e3;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Whether every margin stays away from zero throughout the attempted step, as four looks show: positive, and far from zero over how much it
     /// bends between them. A margin that turns around near zero, or starts there, does not.
     pub(crate) fn keeps_away(&mut self, step: f64) -> Result<bool, StepError> {

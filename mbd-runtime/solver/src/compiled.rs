@@ -16,7 +16,7 @@ use crate::inverse::Efforts;
 use crate::lanes::Together;
 use crate::linearise::{Linearisation, LinearisationError, StateSpace};
 use crate::options::Options;
-use crate::simulation::{Course, Given, Handover, Simulation, Snapshot, Stop};
+use crate::simulation::{Course, Given, Handover, ModelRun, Simulation, Snapshot, Stop};
 use crate::supply::{self, InputNumbers, Inputs, Law, Params, Sample};
 use crate::system::External;
 use crate::trajectory::Trajectory;
@@ -55,35 +55,35 @@ macro_rules! doors {
 
 doors! {
     fn make_simulation(model: Arc<dyn Model<Self>>, options: Options, controls: Vec<Law<Self>>) -> Result<Simulation<Self>, RunError> = Simulation::make;
-    fn drive(run: &mut Simulation<Self>, until: f64, trajectory: Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Stop, RunError> = Simulation::drive;
-    fn set_course(run: &mut Simulation<Self>, until: f64) -> Result<Course, RunError> = Simulation::set_course;
-    fn follow(run: &mut Simulation<Self>, course: &mut Course, trajectory: &mut Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Option<Stop>, RunError> = Simulation::follow;
+    fn drive(run: &mut ModelRun<Self>, until: f64, trajectory: Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Stop, RunError> = ModelRun::drive;
+    fn set_course(run: &mut ModelRun<Self>, until: f64) -> Result<Course, RunError> = ModelRun::set_course;
+    fn follow(run: &mut ModelRun<Self>, course: &mut Course, trajectory: &mut Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Option<Stop>, RunError> = ModelRun::follow;
     fn together(model: &dyn Model<Self>, width: usize) -> Option<Box<dyn Together<Self>>> = crate::lanes::together;
-    fn take_step(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::take_step;
-    fn begin(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::start_now;
-    fn look_at_output(run: &mut Simulation<Self>, name: &str) -> Result<Self, RunError> = Simulation::look_at_output;
-    fn look(run: &mut Simulation<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = Simulation::look;
-    fn give_state(run: &mut Simulation<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = Simulation::give_state;
-    fn give_nodes(run: &mut Simulation<Self>, guess: &[Self]) -> Result<(), RunError> = Simulation::give_nodes;
-    fn give_turns(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_turns;
-    fn give_joints(run: &mut Simulation<Self>, given: &[(&str, StartNumber)]) -> Result<(), RunError> = Simulation::give_joints;
-    fn give_joint(run: &mut Simulation<Self>, name: &str, said: StartNumber) -> Result<(), RunError> = Simulation::give_joint;
-    fn give_params(run: &mut Simulation<Self>, of: Result<(), ParamError>, params: &[Self]) -> Result<(), RunError> = Simulation::give_params;
-    fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
-    fn give_rest(run: &mut Simulation<Self>, rest: &Trimmed) -> Result<(), RunError> = Simulation::give_rest;
-    fn add_control(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = Simulation::add_control;
-    fn continue_from(run: &mut Simulation<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = Simulation::continue_from;
-    fn go_on_from(run: &mut Simulation<Self>, last: &mut Simulation<Self>, given: Given<'_, Self>) -> Result<Handover, RunError> = Simulation::go_on_from;
-    fn hand_params(run: &mut Simulation<Self>, event: usize, next: &Scene, params: &mut [Self]) -> Result<(), RunError> = Simulation::hand_params;
-    fn save(run: &Simulation<Self>) -> Snapshot<Self> = Simulation::save;
-    fn name_event(run: &Simulation<Self>, what: Happening) -> String = Simulation::name_event;
+    fn take_step(run: &mut ModelRun<Self>) -> Result<(), RunError> = ModelRun::take_step;
+    fn begin(run: &mut ModelRun<Self>) -> Result<(), RunError> = ModelRun::start_now;
+    fn look_at_output(run: &mut ModelRun<Self>, name: &str) -> Result<Self, RunError> = ModelRun::look_at_output;
+    fn look(run: &mut ModelRun<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = ModelRun::look;
+    fn give_state(run: &mut ModelRun<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = ModelRun::give_state;
+    fn give_nodes(run: &mut ModelRun<Self>, guess: &[Self]) -> Result<(), RunError> = ModelRun::give_nodes;
+    fn give_turns(run: &mut ModelRun<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = ModelRun::give_turns;
+    fn give_joints(run: &mut ModelRun<Self>, given: &[(&str, StartNumber)]) -> Result<(), RunError> = ModelRun::give_joints;
+    fn give_joint(run: &mut ModelRun<Self>, name: &str, said: StartNumber) -> Result<(), RunError> = ModelRun::give_joint;
+    fn give_params(run: &mut ModelRun<Self>, of: Result<(), ParamError>, params: &[Self]) -> Result<(), RunError> = ModelRun::give_params;
+    fn give_inputs(run: &mut ModelRun<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = ModelRun::give_inputs;
+    fn give_rest(run: &mut ModelRun<Self>, rest: &Trimmed) -> Result<(), RunError> = ModelRun::give_rest;
+    fn add_control(run: &mut ModelRun<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = ModelRun::add_control;
+    fn continue_from(run: &mut ModelRun<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = ModelRun::continue_from;
+    fn go_on_from(run: &mut ModelRun<Self>, last: &mut ModelRun<Self>, given: Given<'_, Self>) -> Result<Handover, RunError> = ModelRun::go_on_from;
+    fn hand_params(run: &mut ModelRun<Self>, event: usize, next: &Scene, params: &mut [Self]) -> Result<(), RunError> = ModelRun::hand_params;
+    fn save(run: &ModelRun<Self>) -> Snapshot<Self> = ModelRun::save;
+    fn name_event(run: &ModelRun<Self>, what: Happening) -> String = ModelRun::name_event;
     fn make_generic(scene: Scene, params: &[Self]) -> Result<Generic<Self>, ParamError> = Generic::make;
     fn change_generic(model: &Generic<Self>, params: &[Self]) -> Result<Generic<Self>, ParamError> = Generic::change;
     fn make_work(model: &Generic<Self>) -> Work<Self> = <Generic<Self>>::scratch;
     fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = <Generic<Self>>::run;
     fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run_given;
     fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), along: &[&str]) -> Result<StateSpace, LinearisationError> = StateSpace::of_model;
-    fn space_here(run: &mut Simulation<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = Simulation::space_here;
+    fn space_here(run: &mut ModelRun<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = ModelRun::space_here;
     fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
     fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
     fn prepare(scene: &Scene, params: &[Self]) -> Result<Lines<Self>, ParamError> = crate::__private::prepare;
@@ -102,7 +102,7 @@ pub trait JointSetter {
 
 impl<T: Scalar> JointSetter for Simulation<T> {
     fn set_joint(&mut self, name: &str, said: StartNumber) -> Result<(), RunError> {
-        T::give_joint(self, name, said)
+        T::give_joint(&mut self.run, name, said)
     }
 }
 
@@ -169,7 +169,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// The inputs of another model; a list of another length; the first input that is not finite. The run keeps what it had.
     pub fn set_inputs<I: Inputs<T>>(&mut self, inputs: &I) -> Result<(), RunError> {
-        T::give_inputs(self, I::MODEL, inputs.numbers().as_ref())
+        T::give_inputs(&mut self.run, I::MODEL, inputs.numbers().as_ref())
     }
 
     /// Inputs as a function of time and state, for feedback without delay: it is handed what is held, and changes of it what it likes. Several are
@@ -214,7 +214,7 @@ impl<T: Scalar> Simulation<T> {
         &mut self,
         law: impl Fn(&Sample<'_, I, T>, &mut I) + Send + 'static,
     ) -> Result<(), RunError> {
-        T::add_control(self, I::MODEL, None, supply::law(law))
+        T::add_control(&mut self.run, I::MODEL, None, supply::law(law))
     }
 
     /// A controller with a sampling period [s]: it is called with the state at each sample, and what it gives is held until the next.
@@ -265,7 +265,7 @@ impl<T: Scalar> Simulation<T> {
         period: f64,
         law: impl FnMut(&Sample<'_, I, T>, &mut I) + Send + 'static,
     ) -> Result<(), RunError> {
-        T::add_control(self, I::MODEL, Some(period), supply::law(law))
+        T::add_control(&mut self.run, I::MODEL, Some(period), supply::law(law))
     }
 
     /// Changes the parameters of a run: `simulation.set_params(&CartParams { mass: 2.0, ..Default::default() })`, or a list of them (declaration order, SI).
@@ -278,13 +278,13 @@ impl<T: Scalar> Simulation<T> {
     /// set and cannot be with the new values. The run keeps the old ones.
     pub fn set_params<P: Params<T> + ?Sized>(&mut self, params: &P) -> Result<(), RunError> {
         let checked = P::check_model(self.model().scene());
-        T::give_params(self, checked, params.values().as_ref())
+        T::give_params(&mut self.run, checked, params.values().as_ref())
     }
 
     /// The name of an event: that of the declaration, or the line and what it became.
     #[must_use]
     pub fn event_name(&self, what: Happening) -> String {
-        T::name_event(self, what)
+        T::name_event(&self.run, what)
     }
 
     /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written.
@@ -293,7 +293,7 @@ impl<T: Scalar> Simulation<T> {
     /// A slice of another length; what a generated model does not emit (`emit`); what does not follow from where the run stands, as inverse dynamics, which
     /// are asked with accelerations ([`At::rows`]); no equilibrium of a node.
     pub fn evaluate(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
-        T::look(self, what, out)
+        T::look(&mut self.run, what, out)
     }
 
     /// An output at the last accepted step by the name of its column, `bend`, `tip.x`, `both[0]`, in the unit that it is declared in.
@@ -327,7 +327,7 @@ impl<T: Scalar> Simulation<T> {
     /// # }
     /// ```
     pub fn output(&mut self, name: &str) -> Result<T, RunError> {
-        T::look_at_output(self, name)
+        T::look_at_output(&mut self.run, name)
     }
 
     /// Sets time [s] and state x = [q | v | z | s]: another run begins, without the [events](Simulation::events) and the
@@ -336,7 +336,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// A number that is not finite, a quaternion off unit length by more than 1e-3, or a wrong length.
     pub fn set_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
-        T::give_state(self, time, state)
+        T::give_state(&mut self.run, time, state)
     }
 
     /// Places bodies by joint coordinates, by their names: `run.set_joints(&[("pin.angle", 0.5), ("pin.angle_rate", 1.0)])` [m or rad, and per second].
@@ -355,7 +355,7 @@ impl<T: Scalar> Simulation<T> {
     ) -> Result<(), RunError> {
         let given: Vec<(&str, StartNumber)> =
             given.iter().map(|(name, x)| (*name, (*x).into())).collect();
-        T::give_joints(self, &given)
+        T::give_joints(&mut self.run, &given)
     }
 
     /// Says next to which values the angles of joints begin [rad], of those whose turns are counted and the state tells up to full turns:
@@ -364,7 +364,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// A name that is no joint coordinate.
     pub fn set_turns(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
-        T::give_turns(self, given)
+        T::give_turns(&mut self.run, given)
     }
 
     /// The linear system about where the run stands, with its inputs and the turns that its angles have; `along` names coordinates that are to stand before all
@@ -373,7 +373,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// As [`linearise`].
     pub fn linearise(&mut self, along: &[&str]) -> Result<StateSpace, LinearisationError> {
-        T::space_here(self, along)
+        T::space_here(&mut self.run, along)
     }
 
     /// Gives positions of the nodes (3 each) to start their search from; those of `rate` nodes are taken as they are, whatever z is.
@@ -381,7 +381,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// A number that is not finite, or a wrong length.
     pub fn set_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
-        T::give_nodes(self, guess)
+        T::give_nodes(&mut self.run, guess)
     }
 
     /// Makes the start consistent: corrects bodies so that the joints hold (the state that was set chooses the branch), places the nodes, decides the
@@ -390,7 +390,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// Joints that cannot be satisfied together, or only on a branch they do not mean; no equilibrium of a node; rates that are not finite.
     pub fn start(&mut self) -> Result<(), RunError> {
-        T::begin(self)
+        T::begin(&mut self.run)
     }
 
     /// Runs until a time [s].
@@ -398,7 +398,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// What [`StepError`] lists; the state is the last accepted step. A time before that of the state cannot be reached.
     pub fn run(&mut self, until: f64) -> Result<Stop, RunError> {
-        T::drive(self, until, None, &mut |_| true)
+        T::drive(&mut self.run, until, None, &mut |_| true)
     }
 
     /// Runs until a time [s] and records rows; after an error the rows so far are kept. A history that has rows goes on from where its run ended; before
@@ -407,7 +407,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// As [`Simulation::run`]; a history of another model, or of a run that ended later than this one stands.
     pub fn record(&mut self, until: f64, trajectory: &mut Trajectory) -> Result<Stop, RunError> {
-        T::drive(self, until, Some(trajectory), &mut |_| true)
+        T::drive(&mut self.run, until, Some(trajectory), &mut |_| true)
     }
 
     /// Runs until a time [s] or until `go_on`, called with the time of every accepted step and of every row inside a step, returns false. A
@@ -421,7 +421,7 @@ impl<T: Scalar> Simulation<T> {
         trajectory: Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Stop, RunError> {
-        T::drive(self, until, trajectory, go_on)
+        T::drive(&mut self.run, until, trajectory, go_on)
     }
 
     /// One accepted step.
@@ -429,7 +429,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// As [`Simulation::run`].
     pub fn step(&mut self) -> Result<(), RunError> {
-        T::take_step(self)
+        T::take_step(&mut self.run)
     }
 
     /// Goes on where a run of another model stands: bodies, points with mass, `rate` nodes and declared states of the same name are where they are,
@@ -488,7 +488,7 @@ impl<T: Scalar> Simulation<T> {
             placed: &[],
             held: &[],
         };
-        T::go_on_from(self, last, given)
+        T::go_on_from(&mut self.run, &mut last.run, given)
     }
 
     /// As [`Simulation::take_over`], after an event of the last model that names the scene of this one (`then: scene "…"`), by its index: what its
@@ -510,7 +510,7 @@ impl<T: Scalar> Simulation<T> {
             placed,
             held,
         };
-        T::go_on_from(self, last, given)
+        T::go_on_from(&mut self.run, &mut last.run, given)
     }
 
     /// Changes params of the scene that goes on after an event, in its declaration order [SI], as the `map` of the event says.
@@ -523,14 +523,14 @@ impl<T: Scalar> Simulation<T> {
         next: &Scene,
         params: &mut [T],
     ) -> Result<(), RunError> {
-        T::hand_params(self, event, next, params)
+        T::hand_params(&mut self.run, event, next, params)
     }
 
     /// Everything needed to go on from here later, in this process or another. Of a run that has begun, by [`Simulation::start`] or a step: one of a run that
     /// stands at what was set has nothing to go on from, and is refused.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot<T> {
-        T::save(self)
+        T::save(&self.run)
     }
 
     /// Continues from a snapshot of the same model with the same options: every later step is equal to the bit. What [`Simulation::events`] and
@@ -539,7 +539,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// A snapshot of another model or method, after which the run is as it was; and what the first evaluation may return.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
-        T::continue_from(self, snapshot)
+        T::continue_from(&mut self.run, snapshot)
     }
 }
 

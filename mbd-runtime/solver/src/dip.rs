@@ -17,7 +17,7 @@
 use mbd_scene::Float;
 
 use crate::error::StepError;
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// The most looks after one dip.
 const FOLLOWED: u32 = 8;
@@ -74,7 +74,7 @@ fn around(looks: Looks, at: [f64; 2]) -> Looks {
     }
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Looks at where a declared event may have passed and come back between the last three looks, at these parts of the step; none of its margins was found
     /// passed. Where one is, the looks around it: the margins of the first are `before` then, and the passed ones chosen.
     pub(crate) fn find_dip(

@@ -14,12 +14,12 @@ use mbd_scene::Float;
 
 use crate::error::StepError;
 use crate::moving::moving;
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// By so many last places the sum of two places, and what is made of it, may be off.
 const LAST_PLACES: f64 = 4.0;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Lets events that are on another side than the one that was kept come back from there by more than (1) only.
     pub(crate) fn settle_far_guards(&mut self) -> Result<(), StepError> {
         if !self.margins.have_passed() {

@@ -16,7 +16,7 @@ use mbd_scene::random::SplitMix64;
 use crate::error::StepError;
 use crate::integrate::Scales;
 use crate::moving::moving;
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// The noise of a guard, in last places of what it is made of.
 const NOISE: f64 = 64.0;
@@ -25,7 +25,7 @@ const TRIES: u64 = 3;
 /// A guard further from its value than this part of what (1) makes of it beside the joints is not at its value.
 const AT_VALUE: f64 = 1e-3;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Finds the guards that the joints hold from here on. What is held no more is on the side that the motion takes it to.
     pub(crate) fn find_held_guards(&mut self) -> Result<(), StepError> {
         if !self.margins.declares() || !self.system.projection.any() {

@@ -7,7 +7,7 @@ use crate::chatter::MOST_SWITCHES;
 use crate::error::{Collapse, StepError};
 use crate::event::Happening;
 use crate::integrate::Rates;
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 use crate::unilateral::{Mode, name};
 
 /// Interior looks at a step while a watched line does not carry.
@@ -46,7 +46,7 @@ pub(crate) struct EventBracket {
     pub below: f64,
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Looks into the attempted step. With an event, the attempt is redone so that it ends there.
     pub(crate) fn find_event(&mut self, step: f64) -> Result<Option<LocatedEvent>, StepError> {
         if self.margins.is_empty() {
@@ -278,7 +278,7 @@ impl<T: Float> Simulation<T> {
         self.system.see_all();
         let ends = self
             .method
-            .end_early(&mut *self.system, self.time, size, &self.state)?;
+            .end_early(&mut self.system, self.time, size, &self.state)?;
         if ends {
             (self.attempted, self.beside) = (size, false);
         }
@@ -461,7 +461,7 @@ impl<T: Float> Simulation<T> {
         self.inside.copy_from_slice(self.method.first());
         let ahead = self.behind_jump();
         self.method
-            .begin(&mut *self.system, self.time + ahead, 0.0, &self.state)?;
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
         self.limit_stiff_pace();
         self.begin_noting()?;
         self.begin_behind()
@@ -660,7 +660,7 @@ impl<T: Float> Simulation<T> {
         }
         self.read_margins(self.time + ahead, ahead)?;
         self.method
-            .begin(&mut *self.system, self.time, 0.0, &self.state)
+            .begin(&mut self.system, self.time, 0.0, &self.state)
     }
 
     /// Declared events whose guards are at their value where a run ends, or pass it within what is one time with the end: they happen there. Whether

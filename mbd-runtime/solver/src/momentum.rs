@@ -11,7 +11,7 @@
 use mbd_scene::Float;
 use serde::{Deserialize, Serialize};
 
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 use crate::system::System;
 
 /// Places inside a step and their weights.
@@ -74,7 +74,7 @@ pub(crate) struct Impulses {
 pub(crate) struct MomentumBalance {
     last: [f64; 6],
     surplus: [f64; 6],
-    so_far: MomentumImbalance,
+    pub(crate) so_far: MomentumImbalance,
 }
 
 impl MomentumBalance {
@@ -125,14 +125,7 @@ impl MomentumBalance {
     }
 }
 
-impl<T: Float> Simulation<T> {
-    /// Momentum that the run made or lost so far, over the momentum that moved, where [`Options::momentum`](crate::Options::momentum) asks for it. `None`
-    /// where it does not, where the [ground holds](mbd_scene::Scene::held_by_ground) something, whose reactions change it, or where nothing has run yet.
-    #[must_use]
-    pub fn momentum_imbalance(&self) -> Option<MomentumImbalance> {
-        self.momentum.as_ref().map(|balance| balance.so_far)
-    }
-
+impl<T: Float> ModelRun<T> {
     /// Begins to follow the momentum of a run, once its first stage is evaluated.
     pub(crate) fn begin_momentum(&mut self) {
         let scene = self.system.model.scene();

@@ -503,7 +503,7 @@ impl<T: Float> OnJoints<T> for RunOnJoints<'_, T> {
     fn displace(&mut self, state: &mut [T], _: bool) {
         let System {
             model, projection, ..
-        } = &*self.system;
+        } = &self.system;
         let parts = (&projection.parts[..], model.scene().angular_velocity);
         displace_shortened(parts, state, projection.moves());
         self.system.normalise(state);

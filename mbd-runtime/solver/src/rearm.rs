@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::StepError;
 use crate::locate::{AT_REST, TOGETHER};
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// Below this part of the rate before the action a rate is none; a guard within this time [s] of its value, by that rate, is at its value.
 const NONE: f64 = 1e-9;
@@ -53,7 +53,7 @@ impl Rearmed {
     }
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// The guards here, their rates, and how far each is off where the numbers of the state are the next ones.
     pub(crate) fn guards_and_rates(&mut self) -> Result<[Vec<f64>; 3], StepError> {
         let state = self.state.clone();

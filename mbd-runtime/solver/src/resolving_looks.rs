@@ -7,7 +7,7 @@ use mbd_scene::Float;
 
 use crate::error::StepError;
 use crate::event::BETWEEN;
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// The most looks at a step, and how many more there are where a guard is not resolved.
 const MOST_LOOKS: u32 = 1 << 16;
@@ -15,7 +15,7 @@ const FINER: u32 = 4;
 /// The fewest parts of a step whose looks are compared.
 const PARTS: u32 = 8;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// At least so many looks, and as many as the guards of declared events take that go up and down along the step.
     /// Where the error of the step says nothing of how far it may go, looks that seem to resolve them must do so with more of them, too.
     pub(crate) fn resolving_looks(&mut self, least: u32, step: f64) -> Result<u32, StepError> {

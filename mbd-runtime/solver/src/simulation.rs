@@ -7,17 +7,15 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::similar::near_and_all;
-use mbd_scene::{Float, Model, ParamError, PlacementReport, Quantity, StartNumber};
+use mbd_scene::{Float, ParamError, PlacementReport, Quantity, StartNumber};
 
 use crate::balance::EnergyBalance;
 use crate::chatter::Chatter;
-use crate::dropped_here::DroppedHere;
-use crate::error::{Progress, RunError, Statistics, StepError};
+use crate::error::{Progress, RunError, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Stepper, StiffnessTest};
 use crate::linearise::output_names;
 use crate::momentum::MomentumBalance;
-use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::rounding::{StepRounding, TimeRounding};
 use crate::state_rounding::StateRounding;
@@ -43,6 +41,7 @@ mod moved;
 mod offered;
 mod overlooked;
 mod reach;
+mod reading;
 mod recording;
 mod sizes;
 mod snapshot;
@@ -59,6 +58,7 @@ pub use handover::{Given, Handover};
 pub use moved::Moved;
 use offered::{emitted, told_by_state};
 use overlooked::Overlooked;
+pub use reading::Simulation;
 use sizes::RunSizes;
 pub use snapshot::Snapshot;
 use stability::Meter;
@@ -104,47 +104,10 @@ enum Pace {
     Adaptive(Control, ErrorNorm),
 }
 
-/// A simulation of one model. `T` is the scalar of the state; time is always `f64`.
-///
-/// It owns its model and borrows nothing: it can be stored, returned, and moved to another thread.
-///
-/// ```
-/// use mbd_runtime::{Options, PointState, Simulation, model};
-///
-/// model! {
-///     /// A stone that falls.
-///     model Stone {
-///         gravity: [0.0, 0.0, -9.81] m/s^2;
-///         emit: [derivative];
-///         point stone { mass: 1.0 kg }
-///     }
-/// }
-///
-/// /// A stone at a height [m] that moves at 2 m/s along x.
-/// fn thrown_from(height: f64) -> Result<Simulation<f64>, Box<dyn std::error::Error>> {
-///     let stone = Stone::new(StoneParams::default())?;
-///     let mut start = StoneState::at_origin();
-///     start.set_stone(PointState { position: [0.0, 0.0, height], velocity: [2.0, 0.0, 0.0] });
-///     let mut simulation = Simulation::new(&stone, Options::rk4(0.1))?;
-///     simulation.set_state(0.0, &start.to_vec())?;
-///     Ok(simulation)
-/// }
-///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let mut simulation = thrown_from(10.0)?;
-/// simulation.run(1.0)?;
-///
-/// // z = 10 m − ½ g t²; RK4 integrates a parabola exactly.
-/// let end = StoneState::from_slice(simulation.state()).expect("the state of a stone").stone();
-/// assert!((end.position[0] - 2.0).abs() < 1e-12);
-/// assert!((end.position[2] - (10.0 - 0.5 * 9.81)).abs() < 1e-12);
-/// assert_eq!(simulation.statistics().steps, 10);
-/// # Ok(())
-/// # }
-/// ```
-pub struct Simulation<T: Float> {
-    pub(crate) system: DroppedHere<System<T>>,
-    pub(crate) method: DroppedHere<Stepper<T>>,
+/// What a [`Simulation`] drives: model, method, state and all that is looked at on the way.
+pub struct ModelRun<T: Float> {
+    pub(crate) system: System<T>,
+    pub(crate) method: Stepper<T>,
     pub(crate) state: Vec<T>,
     /// What the outside has been shown of them, where that is something else.
     shown: WorldState<T>,
@@ -255,136 +218,7 @@ pub struct Simulation<T: Float> {
     changes: Changes<T>,
 }
 
-impl<T: Float> Simulation<T> {
-    /// What the start moved so that the joints hold, the largest distance first; empty where they held already. The state that is set says where
-    /// bodies are wanted; where joints forbid it, [`Simulation::start`] takes the nearest state that they allow, weighted by mass.
-    #[must_use]
-    pub fn start_moved(&self) -> &[Moved] {
-        &self.moved
-    }
-
-    /// Where joint coordinates start that the declaration or [`Simulation::set_joints`] says to be about a value, and declared ones that gave way to what
-    /// that gives: name, what was said and what was taken [m or rad].
-    #[must_use]
-    pub fn started_about(&self) -> Vec<(String, f64, f64)> {
-        self.assembly.told_about(self.system.model.scene())
-    }
-
-    /// Joint coordinates that neither what was said of others nor their loops decide: where they start was chosen, near zero or near where they were.
-    /// Only loops of which something is said are looked at; a coordinate in none is zero.
-    #[must_use]
-    pub fn start_undecided(&self) -> Vec<String> {
-        self.assembly.told_undecided(self.system.model.scene())
-    }
-
-    /// Whether the start is a singular position of the joints: one where rows repeat each other that do nowhere else, as of bars in one line. More
-    /// than one motion is possible from there, and which one a run takes is decided by rounding.
-    #[must_use]
-    pub fn starts_singular(&self) -> bool {
-        self.singular_start
-    }
-
-    /// A time at which what acts with time alone does so between the stages of fixed steps, and none of them sees it, in the calls so far [s]: a pulse shorter
-    /// than a step, a swing as fast as the steps. Adaptive steps end there.
-    #[must_use]
-    pub fn hidden_from_steps(&self) -> Option<f64> {
-        self.hidden
-    }
-
-    /// The model that is run.
-    #[must_use]
-    pub fn model(&self) -> &Arc<dyn Model<T>> {
-        &self.system.model
-    }
-
-    /// Time of the last accepted step [s].
-    #[must_use]
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
-    /// State x = [q | v | z | s] of the last accepted step, in the world: of a scene whose origin follows something with as many digits as numbers have
-    /// there. [`Simulation::near_origin`] has the rest.
-    #[must_use]
-    pub fn state(&self) -> &[T] {
-        let own = self.state.get(..self.system.nx).unwrap_or(&[]);
-        match self.system.following {
-            None => own,
-            Some(_) => self
-                .shown
-                .state
-                .get_or_init(|| narrow(self.system.in_world(self.time, own))),
-        }
-    }
-
-    /// Of a scene whose origin follows something: where the origin is [m] and how fast it moves [m/s], world axes, and the state with positions
-    /// and velocities measured from it.
-    #[must_use]
-    pub fn near_origin(&self) -> Option<([[f64; 3]; 2], &[T])> {
-        let origin = self.system.origin()?;
-        let own = self.state.get(..self.system.nx).unwrap_or(&[]);
-        Some((origin.at(self.time), own))
-    }
-
-    /// Work of the loads, of the dampers and of prescribed motions on bodies and points since the start [J], when [`Options::work`] asks for it.
-    #[must_use]
-    pub fn work(&self) -> Option<[f64; 3]> {
-        match self.state.get(self.system.nx..)? {
-            [loads, dampers, drives] => Some([loads, dampers, drives].map(|work| work.to_f64())),
-            _ => None,
-        }
-    }
-
-    /// What the nodes and lines remember of the last accepted step; places from the origin, where that follows something.
-    #[must_use]
-    pub fn memory(&self) -> &NodeMemory<T> {
-        &self.system.memory
-    }
-
-    /// Node unknowns of the last stage evaluated, as in `At::nodes`, in the world.
-    #[must_use]
-    pub fn nodes(&self) -> &[T] {
-        let own = self.system.nodes.nodes();
-        match self.system.following {
-            None => own,
-            Some(_) => self
-                .shown
-                .nodes
-                .get_or_init(|| narrow(self.system.nodes_in_world(self.time, own))),
-        }
-    }
-
-    /// Rates ẋ at the last accepted step, once started; of positions against the origin, where that follows something.
-    #[must_use]
-    pub fn rates(&self) -> &[T] {
-        self.method.first().get(..self.system.nx).unwrap_or(&[])
-    }
-
-    /// Counters since creation.
-    #[must_use]
-    pub fn statistics(&self) -> Statistics {
-        self.system.statistics()
-    }
-
-    /// How long the steps of this run are, where they are adaptive.
-    #[must_use]
-    pub fn step_sizes(&self) -> &StepSizes {
-        &self.step_sizes
-    }
-
-    /// Keeps adaptive steps below those of another run at the same time, by as much as a tenth of its tolerance makes them shorter: with
-    /// [`Options::finer`](crate::Options::finer) the run that tells the error of that one, where events, samples and entries of tables end the steps
-    /// of both.
-    pub fn refine(&mut self, other: &StepSizes) {
-        self.below = Some(other.clone());
-    }
-
-    /// Located events of this run, in order. [`Simulation::set_state`] and [`Simulation::set_joints`] begin another run, with an empty list.
-    #[must_use]
-    pub fn events(&self) -> &[Occurrence] {
-        &self.events
-    }
-
+impl<T: Float> ModelRun<T> {
     pub(crate) fn name_event(&self, what: Happening) -> String {
         let scene = self.system.model.scene();
         match what {
@@ -400,7 +234,7 @@ impl<T: Float> Simulation<T> {
 
     /// What [`Simulation::output`] does.
     pub(crate) fn look_at_output(&mut self, name: &str) -> Result<T, RunError> {
-        let model = Arc::clone(self.model());
+        let model = Arc::clone(&self.system.model);
         let names = output_names(model.scene(), model.layout());
         let names = names.iter().map(|column| column.name.as_str());
         let no_output = |why: String| StepError::NoOutput {

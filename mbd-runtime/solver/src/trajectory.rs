@@ -644,7 +644,12 @@ impl Trajectory {
     /// What is measured, and how rows of it are made at instants, and over steps.
     pub(crate) fn measuring(&mut self) -> Option<(&mut Measures, [&mut RowMaker; 2])> {
         let any = !self.measures.is_empty();
-        any.then_some((&mut self.measures, [&mut self.measured, &mut self.inside]))
+        any.then(|| {
+            (
+                &mut *self.measures,
+                [&mut *self.measured, &mut *self.inside],
+            )
+        })
     }
 
     /// Adds an event that was located at a time, at the last instant that was measured, and had passed at another [s].

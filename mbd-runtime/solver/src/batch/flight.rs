@@ -201,7 +201,7 @@ impl<T: Scalar> Flights<'_, T> {
             }
             while let Some((run, course)) = &mut flight.run {
                 let history = &mut Some(&mut flight.history);
-                let stop = T::follow(run, course, history, go_on).map_err(Why::Run)?;
+                let stop = T::follow(&mut run.run, course, history, go_on).map_err(Why::Run)?;
                 let ended = match stop {
                     Some(stop) => !self.goes_on(flight, stop).map_err(Why::Run)?,
                     None => false,
@@ -231,7 +231,7 @@ impl<T: Scalar> Flights<'_, T> {
         let fresh = Simulation::new(&*own, self.options).map_err(Why::Run)?;
         let (run, course) = run.insert((fresh, Course::default()));
         self.prepare(case, run).map_err(Why::Run)?;
-        *course = T::set_course(run, self.until).map_err(Why::Run)?;
+        *course = T::set_course(&mut run.run, self.until).map_err(Why::Run)?;
         Ok(())
     }
 
@@ -252,7 +252,7 @@ impl<T: Scalar> Flights<'_, T> {
             return Ok(false);
         };
         let mut run = onward.run;
-        let course = T::set_course(&mut run, self.until)?;
+        let course = T::set_course(&mut run.run, self.until)?;
         let history = std::mem::replace(&mut flight.history, onward.history);
         flight.earlier.push((flight.model, history));
         flight.cost = flight.cost.and(statistics);
@@ -274,7 +274,7 @@ impl<T: Scalar> Flights<'_, T> {
             run.set_nodes(nodes)?;
         }
         if let Some(inputs) = &case.inputs {
-            T::give_inputs(run, inputs.of, &inputs.numbers)?;
+            T::give_inputs(&mut run.run, inputs.of, &inputs.numbers)?;
         }
         match &self.prepare {
             Some(prepare) => prepare(case, run),
@@ -296,7 +296,7 @@ impl<T: Scalar> FlyingCase<T> {
         let is_first = self.earlier.is_empty();
         let (run, course) = self.run.as_mut().filter(|_| is_first)?;
         Some(Lane {
-            run,
+            run: &mut run.run,
             course,
             history: &mut self.history,
             count: &mut self.beside,

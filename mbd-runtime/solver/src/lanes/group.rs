@@ -13,7 +13,7 @@ use super::networks::Networks;
 use super::{Lanes, Lanes4, Lanes8};
 use crate::node::Nodes;
 use crate::simulation::beside::Attempt;
-use crate::simulation::{Course, Simulation};
+use crate::simulation::{Course, ModelRun};
 use crate::system::{EndLooks, LISTS};
 use crate::trajectory::Trajectory;
 
@@ -36,7 +36,7 @@ const MOST: usize = 8;
 /// A run in a lane.
 pub struct Lane<'r, T: Float> {
     /// The run.
-    pub run: &'r mut Simulation<T>,
+    pub run: &'r mut ModelRun<T>,
     /// Where it goes.
     pub course: &'r mut Course,
     /// What is recorded of it.
@@ -219,13 +219,13 @@ impl<L: Lanes> LaneGroup<L> {
     }
 
     /// Takes what is held over a step into a lane.
-    fn load_held(&mut self, lane: usize, run: &Simulation<f64>) {
+    fn load_held(&mut self, lane: usize, run: &ModelRun<f64>) {
         set(lane, &mut self.stages.inputs, &run.system.inputs);
         set(lane, &mut self.stages.hold, run.system.nodes.hold());
     }
 
     /// Takes the start of a step into a lane; whether its parameters are others than those that the equations have.
-    fn load(&mut self, lane: usize, run: &Simulation<f64>) -> bool {
+    fn load(&mut self, lane: usize, run: &ModelRun<f64>) -> bool {
         let Some(method) = &mut self.method else {
             return false;
         };
@@ -250,7 +250,7 @@ impl<L: Lanes> LaneGroup<L> {
     }
 
     /// Whether a lane has the parameters of a run.
-    fn has_model_of(&self, lane: usize, run: &Simulation<f64>) -> bool {
+    fn has_model_of(&self, lane: usize, run: &ModelRun<f64>) -> bool {
         let own = self.models.get(lane).and_then(Option::as_ref);
         own.is_some_and(|model| Arc::ptr_eq(model, &run.system.model))
     }
@@ -280,7 +280,7 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
         let passed = std::mem::take(&mut self.passed[lane]);
         self.goes_on[lane] = passed;
         if passed && self.unread[lane] > 0 {
-            let step = [run.time(), self.sizes.lane(lane)];
+            let step = [run.time, self.sizes.lane(lane)];
             self.upcoming.add(lane, step, self.looks[lane]);
             return;
         }

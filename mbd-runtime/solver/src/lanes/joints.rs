@@ -18,7 +18,7 @@ use crate::moving::{Moving, moving};
 use crate::projection::{
     JointMeasures, OnJoints, STEP, displace_shortened, project_positions, project_velocities,
 };
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// What is needed to put states on joints, and room for it.
 pub(super) struct Joints<L> {
@@ -65,7 +65,7 @@ impl<L: Lanes> Joints<L> {
     }
 
     /// Takes the sizes of a scene into a lane.
-    pub(super) fn load(&mut self, lane: usize, run: &Simulation<f64>) {
+    pub(super) fn load(&mut self, lane: usize, run: &ModelRun<f64>) {
         let JointMeasures { length, extent, .. } = run.system.measures();
         put(lane, &mut self.measures.length, length);
         put(lane, &mut self.measures.extent, extent);

@@ -10,7 +10,7 @@ use super::group::{Stages, faults, get as read, set};
 use crate::node::{
     BalanceEvaluation, NetworkPlan, NodeMemory, Nodes, RateFormula, Tolerance, WARM_STEPS, warm,
 };
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 use crate::simulation::beside::Spent;
 
 /// The networks of several runs: what each remembers of its last accepted step, and what their solves cost.
@@ -70,8 +70,8 @@ impl<L: Lanes> Networks<L> {
     }
 
     /// Takes what a run remembers into a lane.
-    pub(super) fn load(&mut self, lane: usize, run: &Simulation<f64>) {
-        let last = run.memory().last_step();
+    pub(super) fn load(&mut self, lane: usize, run: &ModelRun<f64>) {
+        let last = run.system.memory.last_step();
         set(lane, &mut self.nodes, last.nodes);
         set(lane, &mut self.against, last.against);
         set(lane, &mut self.anchors, last.anchors);

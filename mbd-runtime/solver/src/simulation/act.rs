@@ -9,7 +9,7 @@ use std::sync::Arc;
 use mbd_scene::{Float, Gravity, Model, ParamError, Quantity, Settable, plain};
 
 use super::handover::HandedBefore;
-use super::{Simulation, moved};
+use super::{ModelRun, moved};
 use crate::chatter::MOST_SWITCHES;
 use crate::columns::body_name;
 use crate::error::{RunError, StepError};
@@ -52,14 +52,7 @@ pub(crate) struct Changes<T> {
     pub handed: Option<HandedBefore<T>>,
 }
 
-impl<T: Float> Simulation<T> {
-    /// What actions of events did in this run so far, in order. [`Simulation::set_state`] and [`Simulation::set_joints`] begin another run: they
-    /// take back what these changed and empty this list.
-    #[must_use]
-    pub fn actions(&self) -> &[Acted] {
-        &self.changes.all
-    }
-
+impl<T: Float> ModelRun<T> {
     /// Lets the events that have just happened act; whether that changed anything. After an error the run is as it was before, and the same
     /// events are due again.
     pub(crate) fn act(&mut self, crossed: &[usize]) -> Result<bool, StepError> {
@@ -314,9 +307,9 @@ impl<T: Float> Simulation<T> {
         self.begin_watch()?;
         let ahead = self.behind_jump();
         self.method
-            .begin(&mut *self.system, self.time + ahead, 0.0, &self.state)?;
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
         self.method
-            .prepare(&mut *self.system, self.time, &self.state)?;
+            .prepare(&mut self.system, self.time, &self.state)?;
         self.limit_pace();
         self.system.count_turns(self.time, &self.state);
         self.system

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use mbd_scene::Float;
 
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::accuracy::FINER_STEP;
 use crate::error::{Collapse, StepError};
 use crate::integrate::Verdict;
@@ -29,7 +29,7 @@ const SHORTEST: f64 = 1e3;
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Whether the error of a step decides the size of the next.
     pub(crate) fn is_adaptive(&self) -> bool {
         matches!(self.pace, Pace::Adaptive(..))
@@ -105,7 +105,7 @@ impl<T: Float> Simulation<T> {
         (self.stays, self.jumped) = (false, true);
         let from = self.time + self.behind_jump();
         self.method
-            .begin(&mut *self.system, from, 0.0, &self.state)?;
+            .begin(&mut self.system, from, 0.0, &self.state)?;
         self.jump_energy(from);
         Ok(())
     }
@@ -274,7 +274,7 @@ impl<T: Float> Simulation<T> {
         let (time, state) = (self.time, &self.state);
         (self.attempted, self.beside, self.lacks_stages) = (f64::NAN, false, false);
         self.system.forget_angles();
-        if let Err(cause) = self.method.attempt(&mut *self.system, time, step, state) {
+        if let Err(cause) = self.method.attempt(&mut self.system, time, step, state) {
             self.attempt_again(step, cause)?;
         }
         self.attempted = step;
@@ -287,7 +287,7 @@ impl<T: Float> Simulation<T> {
         let (time, state) = (self.time, &self.state);
         match cause {
             StepError::SingularConstraints { .. } if self.system.escalate(time, state) => {
-                self.method.attempt(&mut *self.system, time, step, state)
+                self.method.attempt(&mut self.system, time, step, state)
             }
             cause => Err(cause),
         }
@@ -298,7 +298,7 @@ impl<T: Float> Simulation<T> {
         let (time, state) = (self.time, &self.state);
         let ends = [state, self.method.next()];
         match self.system.widen([time, time + step], ends) {
-            true => self.method.begin(&mut *self.system, time, 0.0, state),
+            true => self.method.begin(&mut self.system, time, 0.0, state),
             false => Ok(()),
         }
     }

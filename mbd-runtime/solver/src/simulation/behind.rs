@@ -2,7 +2,7 @@
 
 use mbd_scene::Float;
 
-use super::Simulation;
+use super::ModelRun;
 use super::stability::Meter;
 use crate::balance::EnergyReading;
 use crate::error::StepError;
@@ -11,7 +11,7 @@ use crate::locate::AT_REST;
 /// How much later the first stage is evaluated where an event starts at its value, the shortest at which it is behind [s].
 const AHEAD: [f64; 3] = [1e-12, 1e-9, AT_REST];
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Evaluates the first stage a little later, where events start at their value, or a step ended on it to the last digit: what jumps there,
     /// `if(v < 0 m/s, …)` from rest, is what it is on the side that the motion goes to.
     pub(crate) fn begin_behind(&mut self) -> Result<(), StepError> {
@@ -37,7 +37,7 @@ impl<T: Float> Simulation<T> {
     fn begin_at_look(&mut self, ahead: f64) -> Result<(), StepError> {
         let ahead = ahead.max(self.behind_jump());
         let (from, inside) = (self.time + ahead, &self.inside);
-        self.method.begin(&mut *self.system, from, ahead, inside)
+        self.method.begin(&mut self.system, from, ahead, inside)
     }
 
     /// Energy and power here; where the first stage was evaluated behind an event ([`Simulation::begin_behind`]) those behind it, too: a power that jumps there

@@ -9,7 +9,7 @@
 use mbd_scene::Float;
 
 use super::stability::{Meter, OFTEN};
-use super::{Course, Simulation};
+use super::{Course, ModelRun};
 use crate::error::StepError;
 use crate::integrate::{Explicit, StiffCount};
 use crate::node::{NodeMemory, Stage};
@@ -63,7 +63,7 @@ pub(crate) struct Spent {
     pub slack: u64,
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Start and size of the step that is tried next [s], where its stages may be evaluated elsewhere: a step of a run without functions of time and state, an
     /// explicit one whose rows of joints, if there are any, are solved as emitted, and whose nodes are found along with the rates or each by a solve of its own,
     /// or one of the stiff method whose derivatives are a partial derivative of the model alone.

@@ -2,7 +2,7 @@
 
 use mbd_scene::{Float, Quantity, StopSlots};
 
-use super::Simulation;
+use super::ModelRun;
 use crate::error::StepError;
 use crate::unilateral::{Mode, name};
 
@@ -21,13 +21,7 @@ pub struct PassedStop {
     pub travel: Option<f64>,
 }
 
-impl<T: Float> Simulation<T> {
-    /// The stops that the start is beyond, in the order of the declaration; empty before [`Simulation::start`].
-    #[must_use]
-    pub fn starts_beyond_stops(&self) -> &[PassedStop] {
-        &self.passed_stops
-    }
-
+impl<T: Float> ModelRun<T> {
     /// Looks which stops the start is beyond.
     pub(super) fn find_passed_stops(&mut self) -> Result<(), StepError> {
         self.passed_stops.clear();

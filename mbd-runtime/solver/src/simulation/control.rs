@@ -3,7 +3,7 @@
 use mbd_scene::Float;
 
 use super::offered::differentiable;
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::error::{RunError, StepError};
 use crate::supply::{Law, Sampler, check_model, check_numbers, check_supplied};
 use crate::trajectory::resolution;
@@ -32,7 +32,7 @@ fn check_period(period: f64, [from, to]: [f64; 2]) -> Result<(), StepError> {
 /// The part of the tolerance from which the error of a step on what dies away is one that counts: the rest of the motion adds to it.
 const MATTERS: f64 = 0.1;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// What [`Simulation::set_inputs`] does.
     pub(crate) fn give_inputs(
         &mut self,
@@ -75,7 +75,7 @@ impl<T: Float> Simulation<T> {
         self.stale = true;
         match every {
             None => {
-                let system = &mut *self.system;
+                let system = &mut self.system;
                 system.controls.push(&*system.model, law);
             }
             Some(period) => {
@@ -98,12 +98,6 @@ impl<T: Float> Simulation<T> {
     pub(super) fn check_periods(&self, until: f64) -> Result<(), StepError> {
         let mut periods = self.samplers.iter().map(|sampler| sampler.period);
         periods.try_for_each(|period| check_period(period, [self.time, until]))
-    }
-
-    /// The numbers of the inputs that are held, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
-    #[must_use]
-    pub fn held_inputs(&self) -> &[T] {
-        &self.system.held
     }
 
     /// Calls the controllers whose sample is now. After an error what is held is what it was, and the same sample is due again.
@@ -197,7 +191,7 @@ impl<T: Float> Simulation<T> {
         self.inside.copy_from_slice(self.method.first());
         let ahead = self.behind_jump();
         self.method
-            .begin(&mut *self.system, self.time + ahead, 0.0, &self.state)?;
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state)?;
         self.limit_pace();
         self.rebase();
         self.begin_noting()?;
@@ -239,7 +233,7 @@ impl<T: Float> Simulation<T> {
             *jump = *now - *jump;
         }
         let at = (self.time, self.state.as_slice());
-        let slope = self.method.slope_along(&mut *self.system, at, &self.inside);
+        let slope = self.method.slope_along(&mut self.system, at, &self.inside);
         let Some(slope) = slope else {
             return;
         };

@@ -4,12 +4,12 @@ use mbd_scene::random::SplitMix64;
 use mbd_scene::{Float, Part, Quantity};
 
 use super::stability::OFTEN;
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::columns::{output_name, state_names};
 use crate::error::StepError;
 use crate::integrate::ErrorNorm;
 use crate::moving::moving;
-use crate::rounding::{CoarseLook, CoarsePositions, ENOUGH};
+use crate::rounding::{CoarseLook, ENOUGH};
 use crate::state_rounding::{CoarseState, LookedStep, NumberKind, Suffers, WorstState};
 use crate::system::System;
 
@@ -20,7 +20,7 @@ const ITSELF: &str = "what it tells by itself";
 /// From this part on what rounding of a state makes is told.
 const TOLD: f64 = 1e-3;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Looks at what rounding of positions makes of the error of the next step.
     pub(super) fn watch_digits(&mut self) {
         if let Pace::Adaptive(control, norm) = &self.pace {
@@ -32,15 +32,6 @@ impl<T: Float> Simulation<T> {
             );
             self.step_rounding.see(look);
         }
-    }
-
-    /// Positions with fewer digits than the tolerance of this run asks for, so that rounding decided its adaptive steps for the most part: far from the origin
-    /// of the world, or in single precision.
-    #[must_use]
-    pub fn coarse_positions(&self) -> Option<CoarsePositions> {
-        let model = &self.system.model;
-        let known = (model.scene(), model.layout());
-        self.step_rounding.told::<T>(known, self.sizes.length())
     }
 
     /// Begins to look at the digits of what grows.
@@ -192,15 +183,10 @@ impl<T: Float> Simulation<T> {
         );
     }
 
-    /// The angle of a joint or the declared state whose rounding makes most of what follows it, from a thousandth on: numbers that grow have ever fewer digits
-    /// behind the point, and a sine of 1e7 rad has none in single precision.
-    #[must_use]
-    pub fn coarse_state(&self) -> Option<CoarseState> {
-        let worst = self
-            .state_rounding
-            .told()
-            .filter(|worst| worst.share >= TOLD)?;
-        Some(self.in_words(worst))
+    /// What [`Simulation::coarse_state`](super::Simulation::coarse_state) tells.
+    pub(super) fn coarse_state(&self) -> Option<CoarseState> {
+        let told = self.state_rounding.told();
+        Some(self.in_words(told.filter(|worst| worst.share >= TOLD)?))
     }
 
     /// What is worst, by names.

@@ -4,7 +4,7 @@ use mbd_scene::{Float, Quantity};
 
 use super::attempt::NextStep;
 use super::offered::emitted;
-use super::{Pace, Simulation, Stop};
+use super::{ModelRun, Pace, Stop};
 use crate::error::{RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::identity;
@@ -22,7 +22,7 @@ pub struct Course {
     pub(super) trials: u64,
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// What [`Simulation::step`] does.
     pub(crate) fn take_step(&mut self) -> Result<(), RunError> {
         self.whole(Self::step_now)
@@ -365,7 +365,7 @@ impl<T: Float> Simulation<T> {
         }
         let projected = self.system.project(&mut self.state);
         let begun = match projected {
-            true => self.method.begin(&mut *self.system, end, step, &self.state),
+            true => self.method.begin(&mut self.system, end, step, &self.state),
             false => Ok(()),
         };
         self.system.commit(step);
@@ -379,8 +379,7 @@ impl<T: Float> Simulation<T> {
         let length = self.sizes.length();
         if self.system.keep_up(end, length, &mut self.state) {
             self.stays = false;
-            self.method
-                .begin(&mut *self.system, end, 0.0, &self.state)?;
+            self.method.begin(&mut self.system, end, 0.0, &self.state)?;
         }
         // Lines that span space are far from straight.
         match self.system.nodes.has_networks() && !self.system.nodes.spanned {

@@ -3,7 +3,7 @@
 use mbd_scene::similar::near_and_all;
 use mbd_scene::{Float, JointStart, PlacementReport, StartFrom, StartNumber, place_declared};
 
-use super::Simulation;
+use super::ModelRun;
 use super::start::{declared_start, misplaced};
 use crate::columns::state_names;
 use crate::error::{RunError, StepError};
@@ -15,7 +15,7 @@ use crate::trim::Trimmed;
 /// The latest time of a state, and the earliest below zero [s].
 const LATEST: f64 = 1e12;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// What [`Simulation::set_state`] does.
     pub(crate) fn give_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
         let checked = self.check_state(time, state);

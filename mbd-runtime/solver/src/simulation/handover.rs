@@ -17,7 +17,7 @@ use mbd_scene::{
     Unit, place_bodies,
 };
 
-use super::Simulation;
+use super::ModelRun;
 use super::moved::moved_body;
 use crate::columns::body_name;
 use crate::error::{RunError, StepError};
@@ -87,7 +87,7 @@ type StateAfter = (
     Vec<Option<Vec<f64>>>,
 );
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// What [`Simulation::take_over`] does.
     pub(crate) fn go_on_from(
         &mut self,
@@ -413,7 +413,7 @@ impl<T: Float> Simulation<T> {
 
     /// Holds the inputs that the last run held under the same names, but for those that this run holds at its own numbers.
     fn hold_the_same(&mut self, last: &Self, own: &[String]) {
-        let system = &mut *self.system;
+        let system = &mut self.system;
         let (from, to) = (&last.system.model, &system.model);
         let name = |model: &dyn Model<T>, source: InputSource| match source {
             InputSource::Input(index) => model

@@ -10,7 +10,7 @@
 use mbd_scene::{At, Float, Formula, Quantity, Settable, plain};
 use nalgebra::DMatrix;
 
-use super::Simulation;
+use super::ModelRun;
 use crate::basis::Basis;
 use crate::error::StepError;
 
@@ -21,7 +21,7 @@ const ROUNDING: f64 = 1e-12;
 /// The largest part of the speeds by which one that is held may be off what it is set to.
 const SAME: f64 = 1e-9;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Changes the speeds of a state whose joints hold, by (1). `set`: event, speed and value [SI] each.
     pub(super) fn set_speeds(&mut self, set: &[(usize, Settable, f64)]) -> Result<(), StepError> {
         if set.is_empty() {

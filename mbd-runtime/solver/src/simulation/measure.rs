@@ -2,7 +2,7 @@
 
 use mbd_scene::Float;
 
-use super::Simulation;
+use super::ModelRun;
 use crate::error::StepError;
 use crate::measure::MeasuredStep;
 use crate::row::RowPlace;
@@ -14,7 +14,7 @@ const FIXED: f64 = 1e-10;
 const OF_TOLERANCE: f64 = 0.01;
 const FINEST: f64 = 1e-12;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Measures the attempted step, of a size and with this end [s], which will be taken.
     pub(super) fn measure_step(
         &mut self,

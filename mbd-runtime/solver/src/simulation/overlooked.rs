@@ -17,7 +17,7 @@
 use mbd_scene::laws::of_time::TimeFunctions;
 use mbd_scene::{Float, Formula, Function, Scene};
 
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::error::StepError;
 use crate::integrate::Rates;
 
@@ -99,7 +99,7 @@ fn is_local(scene: &Scene, formula: &Formula) -> bool {
     })
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// The part of the attempted step, which passed its error test with this error, at which it overlooks something; `None` where it does not.
     ///
     /// # Errors

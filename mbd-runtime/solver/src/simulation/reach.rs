@@ -2,14 +2,14 @@
 
 use mbd_scene::{Float, StartFrom, beyond_reach};
 
-use super::Simulation;
+use super::ModelRun;
 use crate::error::StepError;
 use crate::laws::params_of;
 
 /// How far ahead of the time that failed the motors are looked at, in parts of it: the loop is open there by far more than rounding.
 const AHEAD: f64 = 1e-6;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// The motors that have driven a loop as far as it reaches, where a run ended for what looks like a step, rows or a tolerance.
     #[cold]
     pub(super) fn beyond_reach(&self, cause: &StepError) -> Option<StepError> {

@@ -2,7 +2,7 @@
 
 use mbd_scene::Float;
 
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::balance::EnergyBalance;
 use crate::error::StepError;
 use crate::integrate::{Control, StiffnessTest};
@@ -20,7 +20,7 @@ pub(super) struct Judgement {
     stiffness: StiffnessTest,
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Rows due strictly inside the attempted step, of a size and with this end [s], or at its end, which is seen from before where events act there: then
     /// it is a row as well when every step is asked for. Between two rows the run may be cancelled: the step then is not taken, and
     /// its rows are dropped, so that a run that goes on writes them as if nothing had been.
@@ -134,7 +134,7 @@ impl<T: Float> Simulation<T> {
                 self.make_stages(step)?;
             }
             let (time, state) = (self.time, &self.state);
-            self.method.complete(&mut *self.system, time, step, state)?;
+            self.method.complete(&mut self.system, time, step, state)?;
             self.method
                 .interpolate(theta, step, state, &mut self.inside);
             self.system.normalise(&mut self.inside);

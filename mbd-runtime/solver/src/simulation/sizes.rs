@@ -4,7 +4,7 @@
 use mbd_scene::Float;
 use mbd_scene::laws::starts;
 
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::event::Acting;
 use crate::integrate::{ErrorNorm, Resolution, Scales};
 use crate::options::Options;
@@ -74,7 +74,7 @@ impl RunSizes {
     }
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Measures by the params that the system has now.
     pub(super) fn take_sizes(&mut self) {
         self.sizes = RunSizes::of(&mut self.system, &self.options);

@@ -3,7 +3,7 @@
 use mbd_scene::Float;
 use serde::{Deserialize, Serialize};
 
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::balance::EnergyBalance;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
@@ -117,7 +117,7 @@ impl<T> Snapshot<T> {
     }
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// What [`Simulation::snapshot`] does.
     pub(crate) fn save(&self) -> Snapshot<T> {
         Snapshot {
@@ -375,7 +375,7 @@ impl<T: Float> Simulation<T> {
         let ahead = self.behind_jump();
         let begun = self
             .method
-            .begin(&mut *self.system, self.time + ahead, 0.0, &self.state);
+            .begin(&mut self.system, self.time + ahead, 0.0, &self.state);
         self.system.fallback.commit();
         self.resume_watch(snapshot);
         self.system.count_turns(self.time, &self.state);

@@ -2,10 +2,10 @@
 
 use mbd_scene::Float;
 
-use super::Simulation;
+use super::ModelRun;
 use crate::linearise::{LinearisationError, StateSpace};
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// What [`Simulation::linearise`] does.
     pub(crate) fn space_here(&mut self, along: &[&str]) -> Result<StateSpace, LinearisationError> {
         let supplied = self.whole(|run| {

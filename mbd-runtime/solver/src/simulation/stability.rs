@@ -3,8 +3,8 @@
 use mbd_scene::{Float, Gravity, Quantity};
 
 use super::beside::Attempt;
-use super::{Pace, Simulation, Snapshot};
-use crate::balance::{EnergyBalance, EnergyReading, Imbalance};
+use super::{ModelRun, Pace, Snapshot};
+use crate::balance::{EnergyBalance, EnergyReading};
 use crate::columns::part_name;
 use crate::error::{Collapse, RunError, Source, StepError};
 use crate::integrate::stiffness;
@@ -31,16 +31,7 @@ pub(super) enum Meter {
     Laws,
 }
 
-impl<T: Float> Simulation<T> {
-    /// Energy that the run made or lost so far, over the energy that moved: an estimate of what its steps got wrong of everything that has an energy.
-    /// `None` where it cannot be told, which says nothing good of the run: gravity is the caller's, the model does not emit its energy, nothing has run
-    /// yet, or the scene has loads, dampers or motors and the steps are adaptive without their work: ask for [`Options::work`](crate::Options::work).
-    #[must_use]
-    pub fn imbalance(&self) -> Option<Imbalance> {
-        let balance = self.balance.as_ref();
-        balance.map(|balance| balance.imbalance(T::EPSILON.to_f64()))
-    }
-
+impl<T: Float> ModelRun<T> {
     /// Begins to watch a run at its start.
     pub(super) fn begin_watch(&mut self) -> Result<(), StepError> {
         self.watch = Watch::default();
@@ -309,18 +300,6 @@ impl<T: Float> Simulation<T> {
         self.judge_time()?;
         self.remember_good();
         Ok(())
-    }
-
-    /// The most that rounding of positions made so far of what accelerates a body or a point through lines, springs and stops, or of an arm of the
-    /// joints, at the start and at every tenth step: far from the origin of the world differences of positions have few digits. A run
-    /// does not go beyond a tenth; from a thousandth on its forces have less than three digits. So it is with what rounding of time makes of accelerations
-    /// where formulas read time: late in a run of single precision; and with what rounding of angles and declared states that grow makes of what follows
-    /// them ([`Simulation::coarse_state`] names it).
-    #[must_use]
-    pub fn rounding(&self) -> f64 {
-        let of_state = self.state_rounding.told();
-        let of_state = of_state.map_or(0.0, |worst| worst.share);
-        self.rounded.max(self.time_rounding.share()).max(of_state)
     }
 
     /// How far apart times are that formulas tell apart [s]; `None` where that is close enough, or nothing reads time.

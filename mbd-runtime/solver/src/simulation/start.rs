@@ -15,9 +15,8 @@ use super::offered::{differentiable, offered, stepwise, unsupplied};
 use super::overlooked::Overlooked;
 use super::sizes::RunSizes;
 use super::stability::Meter;
-use super::{Pace, Simulation, WorldState};
+use super::{ModelRun, Pace, WorldState};
 use crate::chatter::Chatter;
-use crate::dropped_here::DroppedHere;
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
@@ -40,7 +39,7 @@ const SINGULAR: f64 = 1e-14;
 /// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
 const LOOSE: f64 = 1e-5;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// What [`Simulation::new`] and [`Simulation::with_loads`] do.
     pub(crate) fn make(
         model: Arc<dyn Model<T>>,
@@ -128,9 +127,9 @@ impl<T: Float> Simulation<T> {
             all: Vec::new(),
             handed: None,
         };
-        Ok(Simulation {
-            system: DroppedHere::new(system),
-            method: DroppedHere::new(method),
+        Ok(ModelRun {
+            system,
+            method,
             state,
             shown: WorldState::new(),
             time: 0.0,
@@ -329,9 +328,9 @@ impl<T: Float> Simulation<T> {
         self.find_passed_stops()?;
         self.begin_watch()?;
         self.method
-            .begin(&mut *self.system, self.time, 0.0, &self.state)?;
+            .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.method
-            .prepare(&mut *self.system, self.time, &self.state)?;
+            .prepare(&mut self.system, self.time, &self.state)?;
         self.system
             .check_conditioning(self.time, &self.state, self.method.first_mut())?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {

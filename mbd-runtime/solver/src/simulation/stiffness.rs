@@ -2,10 +2,10 @@
 
 use mbd_scene::{Float, Line, Part, Place};
 
-use super::{Pace, Simulation};
+use super::{ModelRun, Pace};
 use crate::error::Stiff;
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Looks at the attempted step of an adaptive run before it is taken; true when the run goes on with its other method.
     #[inline]
     pub(super) fn sees_stiffness(&mut self, step: f64) -> bool {

@@ -319,10 +319,10 @@ impl<T: Scalar> Trim<T> {
         let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
         self.asked.time = run.time();
         self.asked.state = Some(wide(run.state()));
-        self.asked.given = Some(wide(&run.system.inputs));
+        self.asked.given = Some(wide(&run.run.system.inputs));
         let layout = run.model().layout();
         self.asked.nodes = Some(wide(&layout.node_positions(run.state(), run.nodes())));
-        self.asked.remembered = Some(run.system.remembered());
+        self.asked.remembered = Some(run.run.system.remembered());
         self
     }
 
@@ -357,7 +357,7 @@ impl<T: Scalar> Simulation<T> {
     /// # Errors
     /// A rest of another scene, by its lengths.
     pub fn set_rest(&mut self, rest: &Trimmed) -> Result<(), RunError> {
-        T::give_rest(self, rest)
+        T::give_rest(&mut self.run, rest)
     }
 }
 

@@ -4,7 +4,7 @@ use mbd_scene::Real;
 
 use super::super::Lanes;
 use crate::integrate::{Explicit, Rosenbrock};
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 
 /// A method whose steps are made in lanes.
 #[allow(clippy::large_enum_variant, reason = "a group has one of them")]
@@ -27,7 +27,7 @@ macro_rules! either {
 
 impl<L: Lanes> LaneMethod<L> {
     /// That of a run; `None` where its steps are not made in lanes.
-    pub fn of(run: &Simulation<f64>) -> Option<Self> {
+    pub fn of(run: &ModelRun<f64>) -> Option<Self> {
         let explicit = || {
             let method = run.method.explicit()?;
             Some(LaneMethod::Explicit(method.over()))
@@ -40,7 +40,7 @@ impl<L: Lanes> LaneMethod<L> {
     }
 
     /// Whether a run has it.
-    pub fn is_that_of(&self, run: &Simulation<f64>) -> bool {
+    pub fn is_that_of(&self, run: &ModelRun<f64>) -> bool {
         match self {
             LaneMethod::Explicit(_) => run.method.explicit().is_some(),
             LaneMethod::Stiff(_) => run.method.only_implicit().is_some(),

@@ -2,7 +2,7 @@
 
 use mbd_scene::{AngularVelocity, Body, Directions, Float, Handed, MapSource, Next, Place, Scene};
 
-use super::super::Simulation;
+use super::super::ModelRun;
 use super::owned::{Owned, OwnerKind};
 use crate::columns::{body_name, node_name};
 use crate::error::{RunError, StepError};
@@ -117,7 +117,7 @@ fn owner(scene: &Scene, place: Place) -> Option<String> {
     }
 }
 
-impl<T: Float> Simulation<T> {
+impl<T: Float> ModelRun<T> {
     /// Before events act, what the map of the one that ends the run hands on; or what one has handed on that acted at this instant already.
     pub(in crate::simulation) fn handed_before(
         &mut self,

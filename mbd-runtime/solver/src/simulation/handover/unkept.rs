@@ -6,7 +6,7 @@
 
 use mbd_scene::{Detachable, Float, Scene};
 
-use crate::simulation::Simulation;
+use crate::simulation::ModelRun;
 use crate::unilateral::Mode;
 
 /// Everything that an event of a scene may name as detached or attached: lines and springs, then joints.
@@ -22,7 +22,7 @@ pub fn alike(one: Detachable, other: Detachable) -> bool {
 }
 
 /// What was detached in the last run and holds in the next scene, and the coordinates that were locked and move there.
-pub fn unkept<T: Float>(last: &Simulation<T>, to: &Scene) -> [Vec<String>; 2] {
+pub fn unkept<T: Float>(last: &ModelRun<T>, to: &Scene) -> [Vec<String>; 2] {
     let from = last.system.model.clone();
     let (scene, layout) = (from.scene(), from.layout());
     let (mut attached, mut freed) = (Vec::new(), Vec::new());
