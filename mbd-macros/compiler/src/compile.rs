@@ -8,7 +8,7 @@ use quote::{quote, quote_spanned};
 
 use crate::emit::literal::ident;
 use crate::emit::{EmitSettings, NameSpans, emit_model, emit_with, quantity, references};
-use crate::equations::SceneEquations;
+use crate::equations::{SceneEquations, lay_out, lay_out_factor};
 use crate::kernels::Kernels;
 use crate::messages::resolve::goes_on_in_rust;
 use crate::messages::{About, Location, Message, check as say};
@@ -68,7 +68,7 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 }
 
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
-    let layout = Layout::new(scene);
+    let layout = lay_out(scene);
     if let Some(message) = immovable(reading, &layout) {
         return without_equations(reading, message.to_compile_error());
     }
@@ -76,6 +76,10 @@ fn model(reading: &Reading, scene: &Scene) -> TokenStream {
         return without_equations(reading, message.to_compile_error());
     }
     let wanted = wanted(reading, scene, &layout);
+    let layout = match wanted.contains(&Quantity::Factor) {
+        true => lay_out_factor(scene, layout),
+        false => layout,
+    };
     // The laws first: differentiating too large a scene would take long before it is refused.
     let laws: Vec<Quantity> = wanted
         .iter()

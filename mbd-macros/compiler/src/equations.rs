@@ -38,6 +38,51 @@ struct Traced {
     by_column: Option<(Vec<Expr>, MatrixColumns)>,
 }
 
+/// Lays out a scene, its accelerations by the algorithm of fewer operations: where a tree leaves it open which one that is, both are counted.
+#[must_use]
+pub fn lay_out(scene: &Scene) -> Layout {
+    let layout = Layout::new(scene);
+    let other = layout.with_other_algorithm();
+    cheaper(scene, layout, other, &[(Quantity::Derivative, 1)])
+}
+
+/// The same with the factor by which derivatives by the state take fewer operations.
+#[must_use]
+pub fn lay_out_factor(scene: &Scene, layout: Layout) -> Layout {
+    let solutions = 2 * layout.nv;
+    let other = layout.with_other_factor();
+    cheaper(
+        scene,
+        layout,
+        other,
+        &[(Quantity::Factor, 1), (Quantity::Solve, solutions)],
+    )
+}
+
+/// Of two layouts the one in which some quantities, each so many times, take fewer operations.
+fn cheaper(
+    scene: &Scene,
+    one: Layout,
+    other: Option<Layout>,
+    counted: &[(Quantity, usize)],
+) -> Layout {
+    let Some(other) = other else {
+        return one;
+    };
+    let wanted: Vec<Quantity> = counted.iter().map(|(what, _)| *what).collect();
+    let operations = |layout: &Layout| -> usize {
+        let equations = SceneEquations::trace_in(scene, layout.clone(), &wanted);
+        let each = counted
+            .iter()
+            .filter_map(|&(what, times)| Some(times * equations.program(what)?.cost().total()));
+        each.sum()
+    };
+    match operations(&other) < operations(&one) {
+        true => other,
+        false => one,
+    }
+}
+
 /// Entries of the largest mass matrix that is traced, of 4,096 speeds: no run needs it, and nearly all of it is zero.
 const WIDEST: usize = 1 << 24;
 
@@ -45,7 +90,7 @@ impl SceneEquations {
     /// Traces every quantity the scene has a use for.
     #[must_use]
     pub fn trace(scene: &Scene) -> Self {
-        let layout = Layout::new(scene);
+        let layout = lay_out(scene);
         let wanted = layout.quantities();
         Self::trace_in(scene, layout, &wanted)
     }
@@ -53,7 +98,7 @@ impl SceneEquations {
     /// The same, and what derivatives through the rows of joints are made of.
     #[must_use]
     pub fn trace_with_derivatives(scene: &Scene) -> Self {
-        let layout = Layout::new(scene);
+        let layout = lay_out_factor(scene, lay_out(scene));
         let mut wanted = layout.quantities();
         wanted.extend(layout.derivatives());
         Self::trace_in(scene, layout, &wanted)
@@ -62,7 +107,7 @@ impl SceneEquations {
     /// Traces some quantities.
     #[must_use]
     pub fn trace_only(scene: &Scene, wanted: &[Quantity]) -> Self {
-        Self::trace_in(scene, Layout::new(scene), wanted)
+        Self::trace_in(scene, lay_out(scene), wanted)
     }
 
     /// Traces some quantities of a scene that has been laid out.

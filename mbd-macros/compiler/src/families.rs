@@ -5,9 +5,9 @@
 
 use std::fmt;
 
-use mbd_scene::{Coordinates, Layout, Quantity, Scene};
+use mbd_scene::{Coordinates, Quantity, Scene};
 
-use crate::equations::SceneEquations;
+use crate::equations::{SceneEquations, lay_out};
 
 /// Derivatives and projections of a step.
 const STEP: [(Quantity, usize); 2] = [(Quantity::Derivative, 4), (Quantity::ProjectionStep, 2)];
@@ -27,7 +27,7 @@ impl Families {
     pub fn count(scene: &Scene) -> Self {
         let operations = |family| {
             let scene = scene.in_coordinates(family);
-            let layout = Layout::new(&scene);
+            let layout = lay_out(&scene);
             let quantities = layout.quantities();
             let step: Vec<(Quantity, usize)> = STEP
                 .into_iter()

@@ -46,7 +46,7 @@ pub use compile::{compile, emit, immovable};
 pub use describe::metric_text;
 pub use directional::MatrixColumns;
 pub use emit::{EmitSettings, NameSpans, emit_model};
-pub use equations::{SceneEquations, is_matrix};
+pub use equations::{SceneEquations, is_matrix, lay_out, lay_out_factor};
 pub use expression::{Expr, Graph, Label, Mask, Slot, Term, TermKind, recorded, session};
 pub use families::Families;
 #[cfg(feature = "format")]

@@ -1,7 +1,9 @@
-//! `coordinates: auto`: the family that takes fewer operations, and nothing else changes.
+//! What is chosen by counting: `coordinates: auto` takes the family of fewer operations, and nothing else changes; a tree is solved by the algorithm of fewer.
 
-use mbd_compiler::{Families, SceneEquations, emit, read_text, read_toml, write_toml};
-use mbd_scene::{Coordinates, Quantity};
+use mbd_compiler::{
+    Families, SceneEquations, emit, lay_out, lay_out_factor, read_text, read_toml, write_toml,
+};
+use mbd_scene::{Coordinates, Layout, Quantity, Scene};
 
 /// Rods hinged one below the other about y, x, y, …, in a family of coordinates.
 fn chain(rods: usize, family: &str) -> String {
@@ -92,4 +94,131 @@ fn text_and_toml_choose_alike_and_toml_is_written_with_the_choice() {
     let toml = read_toml(&auto);
     assert_eq!(toml.scene, Some(scene));
     assert_eq!(toml.notes, text.notes);
+}
+
+/// Rods on joints of a kind, each on the last one or (`branched`) on one before; `tip` is where a rod carries the next.
+fn tree(rods: usize, kind: &str, tip: &str, branched: bool) -> Scene {
+    let mut text =
+        "model Tree { coordinates: relative; gravity: [0.0, 0.0, -9.81] m/s^2;".to_owned();
+    for rod in 0..rods {
+        let carries = match branched {
+            true => rod / 2,
+            false => rod.max(1) - 1,
+        };
+        let joint = match (kind, rod) {
+            ("floating", 0) => "free from world to rod0.com;".to_owned(),
+            (_, 0) => format!("{} from world to rod0.top", word(kind)),
+            _ => format!("{} from rod{carries}.end to rod{rod}.top", word(kind)),
+        };
+        let along = ["x", "y"][rod % 2];
+        let said = match (kind, rod) {
+            ("floating", 0) => String::new(),
+            ("spherical", _) => ";".to_owned(),
+            ("universal", _) => "{ axes: [x, y] }".to_owned(),
+            ("parallel", _) => "{ axis: y }".to_owned(),
+            ("skew", _) => "{ axis: [0.3, 0.5, 0.8] }".to_owned(),
+            _ => format!("{{ axis: {along} }}"),
+        };
+        text += &format!(
+            "body rod{rod} {{ mass: 1 kg, inertia: diag(0.02, 0.03, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m, frame end at {tip} m }}
+             joint pin{rod}: {joint}{said}"
+        );
+    }
+    let reading = read_text(&(text + "}"));
+    reading
+        .scene
+        .unwrap_or_else(|| panic!("{:?}", reading.errors))
+}
+
+fn word(kind: &str) -> &str {
+    match kind {
+        "spherical" | "universal" | "cylindrical" => kind,
+        _ => "hinge",
+    }
+}
+
+/// What a derivative of this layout takes.
+fn operations(scene: &Scene, layout: Layout) -> usize {
+    let equations = SceneEquations::trace_in(scene, layout, &[Quantity::Derivative]);
+    let derivative = equations.program(Quantity::Derivative).expect("traced");
+    derivative.cost().total()
+}
+
+#[test]
+fn a_tree_is_accelerated_by_the_factor_of_its_mass_matrix_or_by_articulated_bodies_whichever_takes_fewer_operations()
+ {
+    let kinds = [
+        "parallel",
+        "crossed",
+        "skew",
+        "spherical",
+        "universal",
+        "cylindrical",
+        "floating",
+    ];
+    let (mut trees, mut by_articulated_bodies, mut estimated) = (0, 0, 0.0);
+    for kind in kinds {
+        for rods in [2, 3, 5, 7, 9, 12] {
+            let tip = ["[0.0, 0.0, -0.5]", "[0.1, 0.2, -0.5]"][rods % 2];
+            let scene = tree(rods, kind, tip, rods == 7);
+            let [factor, articulated] = [false, true].map(|articulated| {
+                let mut layout = Layout::new(&scene);
+                layout.elimination.order.articulated = articulated;
+                operations(&scene, layout)
+            });
+            let least = factor.min(articulated);
+            let chosen = operations(&scene, lay_out(&scene));
+            assert_eq!(
+                chosen, least,
+                "{rods} rods, {kind}: {factor} by the factor, {articulated} by articulated bodies"
+            );
+            trees += 1;
+            by_articulated_bodies += usize::from(articulated < factor);
+            estimated += operations(&scene, Layout::new(&scene)) as f64 / least as f64;
+        }
+    }
+    assert!(
+        2 * by_articulated_bodies > trees / 2 && by_articulated_bodies < trees - trees / 4,
+        "{by_articulated_bodies} of {trees}"
+    );
+    // What is not compiled goes by an estimate.
+    assert!(
+        estimated / (trees as f64) < 1.03,
+        "{}",
+        estimated / trees as f64
+    );
+}
+
+#[test]
+fn derivatives_of_a_tree_are_solved_by_the_factor_of_fewer_operations() {
+    let counted = |scene: &Scene, layout: Layout| {
+        let solutions = 2 * layout.nv;
+        let equations =
+            SceneEquations::trace_in(scene, layout, &[Quantity::Factor, Quantity::Solve]);
+        let cost = |what| equations.program(what).expect("traced").cost().total();
+        cost(Quantity::Factor) + solutions * cost(Quantity::Solve)
+    };
+    let mut of_other = 0;
+    for kind in [
+        "parallel",
+        "crossed",
+        "skew",
+        "spherical",
+        "universal",
+        "cylindrical",
+        "floating",
+    ] {
+        for rods in [4, 9, 14] {
+            let scene = tree(rods, kind, "[0.0, 0.0, -0.5]", rods == 9);
+            let layout = Layout::new(&scene);
+            let Some(other) = layout.with_other_factor() else {
+                continue;
+            };
+            let least = counted(&scene, layout.clone()).min(counted(&scene, other));
+            let chosen = lay_out_factor(&scene, layout.clone());
+            of_other += usize::from(chosen != layout);
+            assert_eq!(counted(&scene, chosen), least, "{rods} rods, {kind}");
+        }
+    }
+    assert!(of_other < 4, "the estimate was wrong {of_other} times");
 }

@@ -388,7 +388,7 @@ fn cost(equations: &SceneEquations, out: &mut String) {
             if !differs {
                 return declared;
             }
-            let layout = Layout::keeping(&scene, layout.redundancy.clone());
+            let layout = Layout::planned(&scene, layout.plan());
             SceneEquations::trace_in(&scene, layout, &[Quantity::Derivative])
                 .program(Quantity::Derivative)
                 .map_or(0, |program| program.cost().total())

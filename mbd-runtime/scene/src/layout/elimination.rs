@@ -58,6 +58,8 @@ pub struct Order {
     pub parts: Vec<Part>,
     /// Whether each body that a joint carries leaves together with that joint.
     pub articulated: bool,
+    /// Whether the factor that derivatives are solved by is that of articulated bodies: of a tree without rows.
+    pub articulated_factor: bool,
     /// Estimated operations of the candidates: least degree, least cost, articulated bodies.
     pub candidates: [usize; 3],
 }
@@ -83,8 +85,6 @@ pub struct Elimination {
     pub parent_joints: Vec<Option<usize>>,
     /// The order it was laid out in.
     pub order: Order,
-    /// Whether the factor that derivatives are solved by is that of articulated bodies: of a long tree without rows.
-    pub articulated_factor: bool,
     /// In relative coordinates the speeds that are no unknowns; each is none that one before it names.
     pub dependents: Vec<Dependent>,
 }

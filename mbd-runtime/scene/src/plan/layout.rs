@@ -67,7 +67,7 @@ impl Layout {
         }
         self.redundancy = redundancy;
         if self.tree.is_some() {
-            self.elimination = relative(scene, &self);
+            self.elimination = relative(scene, &self, order.as_ref());
             // Counted once: whoever solves with a factor asks for it every time.
             self.factor = crate::tree::factored_len(&self);
             return self;

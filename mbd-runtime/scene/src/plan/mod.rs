@@ -158,6 +158,7 @@ impl Topology<'_> {
         Order {
             parts: order.into_iter().map(|node| graph.parts[node]).collect(),
             articulated: paired,
+            articulated_factor: false,
             candidates: [a, b, last],
         }
     }

@@ -76,7 +76,7 @@ impl<S: Real> TreeSystem<S> {
 
     /// Eliminates and writes what solutions need: the factor, T of the bodies that float, what dependent speeds need; last the margin.
     pub fn write_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-        if evaluation.layout.elimination.articulated_factor {
+        if evaluation.layout.elimination.order.articulated_factor {
             return self.write_articulated_factor(evaluation, out);
         }
         self.prepare(evaluation, &|_, _| S::zero());
@@ -103,7 +103,7 @@ impl<S: Real> TreeSystem<S> {
             return out.fill(S::from_f64(f64::NAN));
         }
         let (list, asked) = given.split_at(count);
-        if plan.articulated_factor {
+        if plan.order.articulated_factor {
             return self.solve_articulated(evaluation, list, out);
         }
         self.system.clear();
@@ -171,7 +171,7 @@ impl<S: Real> TreeSystem<S> {
 
 /// Length of the list of a factor.
 pub(crate) fn factored_len(layout: &Layout) -> usize {
-    if layout.elimination.articulated_factor {
+    if layout.elimination.order.articulated_factor {
         return articulated_len(layout);
     }
     let mut count = 1;
