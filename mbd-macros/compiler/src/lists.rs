@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use mbd_scene::Layout;
+use mbd_scene::{Differentiated, Layout, Quantity, Scene};
 
 use crate::equations::{SceneEquations, of_origin};
 use crate::expression::Slot;
@@ -149,6 +149,41 @@ impl NumberList {
         }
     }
 
+    /// Whether a function of this quantity is expected to read it, as far as that is known without equations.
+    #[must_use]
+    pub fn is_expected(self, what: Quantity, scene: &Scene) -> bool {
+        let of_masses = matches!(
+            what,
+            Quantity::MassMatrix
+                | Quantity::GravityForce
+                | Quantity::CentreOfMass
+                | Quantity::CentreOfMassJacobian
+                | Quantity::FrameJacobian(..)
+                | Quantity::Momentum
+                | Quantity::Bodies
+        );
+        match self {
+            NumberList::Q | NumberList::V => true,
+            NumberList::Time => scene.reads_time(),
+            NumberList::Ends => matches!(
+                what,
+                Quantity::Equilibrium(_)
+                    | Quantity::NodeByAnchor(_)
+                    | Quantity::CondensedStiffness(_)
+            ),
+            NumberList::Rows => what == Quantity::ProjectionStep,
+            NumberList::Motion => matches!(
+                what,
+                Quantity::InverseDynamics
+                    | Quantity::JointCoordinates
+                    | Quantity::Residual
+                    | Quantity::Partial(Differentiated::Residual, _)
+            ),
+            NumberList::Factored | NumberList::Right => what == Quantity::Solve,
+            _ => !of_masses,
+        }
+    }
+
     /// How many numbers it has for a program.
     #[must_use]
     pub fn len(self, equations: &SceneEquations, program: Option<&Program>) -> usize {
@@ -165,14 +200,14 @@ impl NumberList {
             NumberList::Nodes => 3 * layout.nodes.len(),
             NumberList::Effective => layout.effective_numbers,
             NumberList::Hold => layout.holds(),
-            NumberList::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
+            NumberList::Ends => layout.len(Quantity::AnchorStates),
             NumberList::Inputs => layout.ni,
             NumberList::Turns => layout.turns.len(),
             NumberList::Origin => of_origin(&equations.scene),
             NumberList::Rows => layout.nc,
             NumberList::Motion => layout.nv + layout.nc,
-            NumberList::Factored => layout.len(mbd_scene::Quantity::Factor),
-            NumberList::Right => layout.len(mbd_scene::Quantity::Solve),
+            NumberList::Factored => layout.len(Quantity::Factor),
+            NumberList::Right => layout.len(Quantity::Solve),
             NumberList::Params => layout.np,
             NumberList::Derived => equations.derived.len,
         }

@@ -2,6 +2,8 @@
 
 mod scenes;
 
+use std::collections::BTreeMap;
+
 use mbd_compiler::{
     EmitSettings, NameSpans, SceneEquations, compile, emit, emit_model, immovable, read_text,
 };
@@ -490,4 +492,70 @@ fn names_of_patterns_of_rust_end_in_an_underscore_there() {
     ] {
         assert!(!text.contains(pattern), "{pattern}: {text}");
     }
+}
+
+/// The functions of an expansion, by type and name, with what they take.
+fn functions(tokens: TokenStream) -> BTreeMap<String, String> {
+    let file: syn::File = syn::parse2(tokens).expect("Rust");
+    let mut found = BTreeMap::new();
+    for item in &file.items {
+        let syn::Item::Impl(own) = item else { continue };
+        for item in &own.items {
+            let (None, syn::ImplItem::Fn(function)) = (&own.trait_, item) else {
+                continue;
+            };
+            let (of, name) = (&own.self_ty, &function.sig.ident);
+            let taken = &function.sig.inputs;
+            found.insert(
+                quote::quote!(#of #name).to_string(),
+                quote::quote!(#taken).to_string(),
+            );
+        }
+    }
+    found
+}
+
+/// An arm of which everything is asked for that a robot is asked for.
+const ARM: &str = "model Arm {
+    coordinates: relative;
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    emit: [derivative, mass_matrix, bias_force, inverse_dynamics, gravity_force, energy, momentum, centre_of_mass, centre_of_mass_jacobian,
+        frame_jacobian];
+    input push: torque;
+    body upper { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m, frame end at [0.0, 0.0, -0.5] m }
+    body lower { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+    joint shoulder: hinge from world to upper.top { axis: y, force: push }
+    joint elbow: hinge from upper.end to lower.top { axis: x }
+}";
+
+#[test]
+fn after_a_mistake_elsewhere_functions_take_what_they_take_without_it() {
+    let folder = format!("{}/tests/pass", env!("CARGO_MANIFEST_DIR"));
+    let files = std::fs::read_dir(folder).expect("part of the repository");
+    let paths = files.map(|file| file.expect("a file").path());
+    let texts = paths.map(|path| std::fs::read_to_string(path).expect("text"));
+    let (mut all, mut others) = (0, Vec::new());
+    for declaration in texts.chain([ARM.to_owned()]) {
+        let reading = read_text(&declaration);
+        assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+        let end = declaration.rfind('}').expect("a model");
+        let broken = format!(
+            "{} load astray on nowhere = [1.0, 0.0, 0.0] N; }}",
+            &declaration[..end]
+        );
+        let left = functions(compile(broken.parse().expect("tokens")));
+        for (name, taken) in functions(emit(&reading)) {
+            all += 1;
+            let found = left.get(&name);
+            if found != Some(&taken) {
+                others.push(format!("{name}: {taken}, not {found:?}"));
+            }
+        }
+    }
+    // Which lists a function reads is known by its equations alone.
+    assert!(
+        all > 500 && others.len() < 4,
+        "{} of {all}: {others:#?}",
+        others.len()
+    );
 }

@@ -90,6 +90,7 @@ fn signature(context: &EmitContext, what: Quantity, program: Option<&Program>) -
             NumberList::ALL
                 .into_iter()
                 .filter(|g| g.len(equations, None) > 0)
+                .filter(|g| g.is_expected(what, &equations.scene))
                 .collect(),
         ),
     };

@@ -208,7 +208,7 @@ const _: () = {
         DECLARED
             .get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(
                 "4 Knot 58 A knot of four lines: three stays and a hanger with a bob. 0 0 0 1 0 0.0 0 0.0 0 -9.81 0 0 0 0 0 0 4 5 world 0 0.0 0 0.0 0 0.0 0 4 left 0 -1.0 0 0.0 0 0.0 0 5 right 0 1.0 0 0.5 0 0.0 0 4 back 0 0.0 0 -1.0 0 0.2 0 0 2 4 knot 0  1 0 3 bob 0  0 0 2.0 0 4 9 left_stay 0  0 0 1 2 0 0 0.6 0 1000.0 0 0.0 10 right_stay 0  0 0 2 2 0 0 0.6 0 1000.0 0 0.0 9 back_stay 0  0 0 3 2 0 0 0.6 0 1000.0 0 0.0 6 hanger 0  0 2 0 2 1 0 0.5 0 2000.0 0 0.0 0 1 12 hanger_force 0  13 3 1 1 N 1.0 2 2 -4 0 0 0 0 0 0 0 ",
-                "0 0 0 0 1 0 0 0 0 18446744073709551615 ",
+                "0 0 0 0 1 0 0 0 0 0 18446744073709551615 ",
             ))
     }
     impl<T: ::mbd_runtime::Real> Knot<T> {
