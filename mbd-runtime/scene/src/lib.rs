@@ -83,7 +83,7 @@ pub use starts::{
     StartFrom, begin_next_to, declared_beside, declared_parts, place_bodies, place_declared,
     said_coordinates,
 };
-pub use tree::to_relative;
+pub use tree::{set_bodies, to_relative};
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     EnergyKind, Field, Fields, Fixed, Formula, FrameMotion, Function, LINE_NUMBERS, Measure, Part,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Scene, StartNumber, Work};
 
-use crate::__private::Lines;
+use crate::__private::{Declared, Lines};
 use crate::error::RunError;
 use crate::event::Happening;
 use crate::generic::Generic;
@@ -86,6 +86,7 @@ doors! {
     fn space_here(run: &mut ModelRun<Self>, along: &[&str]) -> Result<StateSpace, LinearisationError> = ModelRun::space_here;
     fn find_trim(model: &dyn Model<Self>, asked: &TrimProblem) -> Result<Trimmed, TrimError> = crate::trim::find;
     fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
+    fn set_bodies(declared: &Declared, from: (&[Self], Self, &[Self]), bodies: &[Self], state: &mut [Self]) -> () = crate::__private::set_bodies;
     fn prepare(scene: &Scene, params: &[Self]) -> Result<Lines<Self>, ParamError> = crate::__private::prepare;
 }
 

@@ -3,7 +3,7 @@
 use mbd_scene::Work;
 use mbd_scene::laws::{LineNumbers, Numbers};
 use mbd_scene::{
-    Float, LINE_NUMBERS, Layout, Packed, ParamError, Plan, Real, Scene, checked_numbers,
+    Float, LINE_NUMBERS, Layout, Packed, ParamError, Plan, Real, Scene, StartFrom, checked_numbers,
 };
 
 use num_traits::Zero;
@@ -39,6 +39,28 @@ impl Declared {
     #[must_use]
     pub fn copy(&self) -> Scene {
         Scene::clone(&self.scene)
+    }
+}
+
+/// Sets the coordinates of joints in a state by where bodies are: what `set_bodies` of a model does.
+pub fn set_bodies<T: Float>(
+    declared: &Declared,
+    (params, time, inputs): (&[T], T, &[T]),
+    bodies: &[T],
+    state: &mut [T],
+) {
+    let wide = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
+    let (params, inputs, bodies) = (wide(params), wide(inputs), wide(bodies));
+    let from = StartFrom::new(&params, time.to_f64()).with_inputs(&inputs);
+    let mut placed = wide(state);
+    mbd_scene::set_bodies(
+        (&declared.scene, &declared.layout),
+        from,
+        &bodies,
+        &mut placed,
+    );
+    for (slot, number) in state.iter_mut().zip(placed) {
+        *slot = T::from_f64(number);
     }
 }
 

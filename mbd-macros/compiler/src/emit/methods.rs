@@ -36,10 +36,54 @@ pub fn methods(context: &EmitContext) -> TokenStream {
         })
         .map(|(what, program)| method(context, (index(what), what), program));
     let kinematics = kinematics(context);
+    let placement = quantities
+        .contains(&Quantity::Bodies)
+        .then(|| set_bodies(context));
     quote! {
         impl #real #name #used {
             #(#methods)*
             #kinematics
+        }
+        #placement
+    }
+}
+
+/// The reverse of `bodies`: relative coordinates of what absolute ones say.
+fn set_bodies(context: &EmitContext) -> TokenStream {
+    let (name, state) = (context.named(""), context.named("State"));
+    let (t, used, float) = (context.scalar(), context.used(), context.float());
+    let layout = &context.equations.layout;
+    let len = whole(layout.len(Quantity::Bodies));
+    let (time, at) = match context.scene().reads_time() {
+        true => (Some(quote!(time: #t,)), quote!(time)),
+        false => (None, context.zero()),
+    };
+    let inputs = context.named("Inputs");
+    let (taken, given) = match layout.ni {
+        0 => (None, quote!(&[])),
+        _ => (
+            Some(quote!(inputs: &#inputs #used,)),
+            quote!(&inputs.to_array()),
+        ),
+    };
+    quote! {
+        impl #float #name #used {
+            /// Sets the coordinates and speeds of joints in a state by where bodies are and how they move: the reverse of [`Self::bodies`]. Angles lie in
+            /// (−π, π]; what the joints of the tree forbid is left out.
+            pub fn set_bodies(
+                &self,
+                state: &mut #state #used,
+                #time
+                #taken
+                bodies: &::mbd_runtime::nalgebra::SVector<#t, #len>,
+            ) {
+                let mut numbers = state.to_vec();
+                let from = (self.values.as_slice(), #at, #given as &[#t]);
+                <#t as ::mbd_runtime::Scalar>::set_bodies(declared(), from, bodies.as_slice(), &mut numbers);
+                if let ::core::option::Option::Some(placed) = #state::from_slice(&numbers) {
+                    *state = placed;
+                }
+            }
         }
     }
 }

@@ -9,7 +9,7 @@
 //! (3) is the plastic impact that the joints of the tree hand on: the least change of the velocities, weighted by mass, as rows make it in absolute
 //! coordinates. Rejected: (2) alone, by which a child takes the velocity of its parent, and what it had is lost.
 //!
-//! The way back is [`Quantity::Bodies`](crate::Quantity::Bodies).
+//! The way back is [`Quantity::Bodies`](crate::Quantity::Bodies), from which [`set_bodies`] comes here.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -57,6 +57,11 @@ impl Absolute {
             scratch,
             &mut bodies,
         );
+        self.state_of((layout, state), &bodies)
+    }
+
+    /// The state in absolute coordinates with these bodies, one after another as [`Quantity::Bodies`] has them, and all else from a state in relative ones.
+    fn state_of(&self, (layout, state): (&Layout, &[f64]), bodies: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.layout.nx()];
         let directions = layout.directions;
         let motions = bodies.chunks_exact(directions.motion());
@@ -154,6 +159,23 @@ fn copy_others((layout, from): (&Layout, &[f64]), (other, to): (&Layout, &mut [f
         }
     }
     to[other.nq + other.nv..].copy_from_slice(&from[layout.nq + layout.nv..]);
+}
+
+/// Sets the coordinates and speeds of joints in a state in relative coordinates by where bodies are and how they move, one after another as
+/// [`Quantity::Bodies`] has them: the way back. Angles lie in (−π, π]; what the joints of the tree forbid is taken out of positions and velocities.
+/// A list of another length changes nothing.
+pub fn set_bodies(
+    (scene, layout): (&Scene, &Layout),
+    from: StartFrom<'_>,
+    bodies: &[f64],
+    state: &mut [f64],
+) {
+    if bodies.len() != layout.len(Quantity::Bodies) || state.len() != layout.nx() {
+        return;
+    }
+    let absolute = Absolute::of(scene);
+    let placed = absolute.state_of((layout, state), bodies);
+    to_relative((scene, layout), (&absolute.layout, &placed), from, state);
 }
 
 /// Writes a state in relative coordinates from that of the same scene in absolute ones (q, v, z and s). Angles lie in (−π, π]; what the joints of

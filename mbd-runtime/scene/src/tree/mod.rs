@@ -23,5 +23,5 @@ pub(crate) use inertia::SpatialInertia;
 pub(crate) use kinematics::{LinkMotion, read};
 pub(crate) use link_axes::lay_axes;
 pub(crate) use maps::Absolute;
-pub use maps::to_relative;
+pub use maps::{set_bodies, to_relative};
 pub(crate) use system::TreeSystem;

@@ -283,7 +283,7 @@ fn the_factor_of_a_long_tree_is_that_of_its_mass_matrix() {
             Interpreted::from_equations(equations, &[]).expect("a boat")
         };
         let layout = generic.layout();
-        assert_eq!(layout.elimination.articulated_factor, long);
+        assert_eq!(layout.elimination.order.articulated_factor, long);
         let mut random = Random::new(count as u64);
         let mut state: Vec<f64> = (0..layout.nx())
             .map(|_| random.uniform(-1.5, 1.5))

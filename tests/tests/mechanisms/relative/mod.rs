@@ -1,6 +1,7 @@
 //! Relative coordinates: the same mechanics as absolute ones, and the numbers of independent tools.
 
 mod alike;
+mod bodies;
 mod counts;
 mod dependent;
 mod digits;
