@@ -22,9 +22,10 @@ const SIGNIFICANT: f64 = 5.0;
 /// A smaller correlation moves no share of a variance by more than a hundredth.
 const SMALL: f64 = 0.1;
 
-/// A standard deviation below this part of the size of a metric, or of the largest one of its unit, is what rounding and steps scatter: a metric that
-/// is zero has no size of its own.
+/// A standard deviation below this part of the size of a metric is what rounding and steps scatter.
 const ROUNDING: f64 = 1e-10;
+/// One below this part of the largest metric of its unit is what rounding leaves of a metric that is zero, which has no size of its own.
+const ROUNDING_OF_OTHERS: f64 = 1e-12;
 
 /// A metric over all cases that reached their end.
 #[derive(Clone, Debug, PartialEq)]
@@ -384,12 +385,15 @@ fn is_rounding(results: &Results, at: usize, [mean, deviation]: [f64; 2]) -> boo
     let unit = results.manifest.metrics.get(at).map(|own| &own.unit);
     // What has no unit may be anything.
     let alike = columns.filter(|(number, other)| {
-        *number == at || !other.unit.is_empty() && Some(&other.unit) == unit
+        *number != at && !other.unit.is_empty() && Some(&other.unit) == unit
     });
-    let values = alike.flat_map(|(other, _)| results.metric(other));
-    let sizes = values.filter(|x| x.is_finite()).map(f64::abs);
-    let size = sizes.fold(mean.abs(), f64::max);
-    deviation > 0.0 && deviation <= ROUNDING * size
+    let size = |values: Vec<f64>| {
+        let sizes = values.into_iter().filter(|x| x.is_finite()).map(f64::abs);
+        sizes.fold(0.0, f64::max)
+    };
+    let own = size(results.metric(at)).max(mean.abs());
+    let others = size(alike.flat_map(|(other, _)| results.metric(other)).collect());
+    deviation > 0.0 && deviation <= (ROUNDING * own).max(ROUNDING_OF_OTHERS * others)
 }
 
 /// The percentiles of sorted values; those of a grid are shares of its points, and have no intervals.

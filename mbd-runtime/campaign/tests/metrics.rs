@@ -513,6 +513,32 @@ fn nothing_drives_a_metric_whose_spread_is_rounding() {
     assert_eq!(told.matches(rounding).count(), 2, "{told}");
 }
 
+/// A tool that drifts by some tenths of a millimetre beside a ship at 7000 km: its spread was called rounding, because of how far the ship is.
+#[test]
+fn a_small_spread_beside_a_large_metric_of_its_unit_is_none_of_rounding() {
+    let text = "model Far { gravity: none;
+        param pace = 1 mm/s in 0.1 mm/s ..= 10 mm/s;
+        point ship { mass: 1 kg, start at [7000.0, 0.0, 0.0] km }
+        point tool { mass: 1 kg }
+        load push on tool = 1 kg/s * [pace, 0 m/s, 0 m/s];
+        metric radius = final ship.position.x;
+        metric drift = final tool.position.x; }";
+    let scene = read_text(text).scene.expect("a scene");
+    let model = Interpreted::<f64>::new(scene, &[1e-3]).expect("defaults");
+    let folder = Folder::new("metrics_far");
+    let text = "cases = 30\n[params]\npace = { dist = \"uniform\", low = \"0.5 mm/s\", high = \"2 mm/s\" }\n[run]\nuntil = \"1 s\"\n";
+    let campaign = campaign_of(&folder, model.share(), text).expect("valid");
+    let (_, results) = flown(&campaign, &folder.0.join("out"));
+    let summary = CampaignSummary::of(&results);
+    let drift = summary.metrics.iter().find(|told| told.name == "drift");
+    let drift = drift.expect("a metric");
+    // x = ½ F t² / m: 0.25 to 1 mm.
+    let [low, high] = [drift.sorted[0], drift.sorted[29]];
+    assert!(2.5e-4 < low && low < 4e-4 && 8e-4 < high && high < 1e-3);
+    assert_eq!(drift.caution(), None);
+    assert_eq!(drift.drivers.first().map(|it| it.correlation), Some(1.0));
+}
+
 /// Runs all of a campaign into a folder.
 fn flown(campaign: &Campaign, out: &Path) -> (blocks::Done, Results) {
     let resources = Resources {
