@@ -26,7 +26,8 @@ use crate::results::CaseRow;
 use crate::run::always_mapped;
 use crate::run::names::wrong;
 use crate::run::{
-    CampaignMistakes, GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, go_on,
+    CampaignMistakes, GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run,
+    check_units, go_on,
 };
 use settled::{given, planned, settings_of};
 
@@ -154,6 +155,8 @@ impl Campaign {
         let mut mistakes = CampaignMistakes::default();
         let (own, given) = given(written, &mut mistakes);
         let model = first.model.clone();
+        let mut scenes = std::iter::once(&first).chain(&later);
+        mistakes.note(scenes.try_for_each(|phase| check_units(phase.model.scene(), &own)));
         first.settings = settings_of(own, &*model, first.settings);
         let phases: Vec<Phase> = std::iter::once(first).chain(later).collect();
         let planned = mistakes.note(planned(phases, &given));

@@ -20,7 +20,7 @@ use crate::phases::{SharedMetric, shared_metrics};
 use crate::results::{ITS_SCENE, LARGE_ERROR, THE_RUN, counts_up_to, left_before, no_value};
 use crate::run::CampaignMistakes;
 use crate::run::names::{PlanError, column_name, wrong};
-use crate::run::number::number;
+use crate::run::number::{not_bare, number};
 use crate::sampling::CaseSampling;
 use crate::statistics::shows;
 
@@ -448,9 +448,9 @@ impl<'r> MetricTextReader<'r> {
             "" => 1.0,
             unit => read_number(&format!("1 {unit}")).map_or(1.0, |(factor, _)| factor),
         };
-        Ok(Some(
-            number(&format!("{}.{name}", self.setting), value, &written)? / factor,
-        ))
+        let setting = format!("{}.{name}", self.setting);
+        not_bare(&setting, value, &written)?;
+        Ok(Some(number(&setting, value, &written)? / factor))
     }
 
     fn requirement(

@@ -269,6 +269,86 @@ fn correlated_numbers_have_the_correlations_of_their_matrix() {
     }
 }
 
+/// A matrix whose first numbers decide each other says nothing of the third that they could have both: it was taken, and the third followed the first alone.
+#[test]
+fn a_matrix_that_no_numbers_have_is_refused_and_one_whose_numbers_decide_each_other_is_kept() {
+    let folder = Folder::new("decided");
+    let correlated = |of_second: f64| {
+        format!(
+            "{FILE}\n[[correlated]]\nnames = [\"mass\", \"stiffness\", \"start.lamp.vx\"]\nmatrix = [[1.0, 1.0, 0.5], [1.0, 1.0, {of_second}], [0.5, {of_second}, 1.0]]\n"
+        )
+    };
+    let file = folder.file("dispersions.toml", &correlated(-0.5));
+    let refused = read(&file).err().expect("no such numbers").to_string();
+    assert!(refused.contains("not positive definite"), "{refused}");
+    let kept = campaign(&folder, &correlated(0.5));
+    for case in 1..=40 {
+        let values = kept.dispersions().values(case).expect("values");
+        // 2 kg ± 5 % and 4 to 6 kN/m have the same place in their distributions.
+        let part = (values[1] / 1000.0 - 4.0) / 2.0;
+        let below = 0.5 * libm::erfc(-(values[0] / 2.0 - 1.0) / 0.05 / 2f64.sqrt());
+        assert!((part - below).abs() < 1e-12, "{values:?}");
+    }
+}
+
+/// Of a copula with r = 0.9: a normal number and one of two values are correlated by r √(2/π); a normal number and the quintiles v_k of a table by
+/// r Σ v_k (φ(q_k) − φ(q_{k+1})) / σ_v, in whatever order they are written.
+#[test]
+fn correlated_values_of_lists_and_tables_rise_together_whatever_order_they_are_written_in() {
+    let folder = Folder::new("order");
+    folder.file(
+        "winds.csv",
+        "east [m/s],north [m/s]\n3,30\n1,10\n2,20\n5,50\n4,40\n",
+    );
+    let of_file = |names: &str, sampling: &str| {
+        format!(
+            "cases = 1000\nsampling = \"{sampling}\"\n[params]\nmass = {{ dist = \"normal\", sigma = \"5 %\" }}\nstiffness = {{ dist = \"discrete\", values = [\"6 kN/m\", \"4 kN/m\"] }}\n[inputs]\nwind.x = {{ dist = \"table\", file = \"winds.csv\", column = \"east\" }}\nwind.y = {{ dist = \"table\", file = \"winds.csv\", column = \"north\" }}\n[[correlated]]\nnames = [\"mass\", \"stiffness\", {names}]\nmatrix = [[1.0, 0.9, 0.9], [0.9, 1.0, 0.9], [0.9, 0.9, 1.0]]\n[run]\nuntil = \"0.1 s\""
+        )
+    };
+    for sampling in ["random", "latin", "sobol"] {
+        let campaign = campaign(&folder, &of_file("\"inputs.wind.x\"", sampling));
+        let rows: Vec<Vec<f64>> = (1..=1000)
+            .map(|case| campaign.dispersions().values(case).expect("values"))
+            .collect();
+        let n = rows.len() as f64;
+        let mean = |i: usize| rows.iter().map(|row| row[i]).sum::<f64>() / n;
+        let means: Vec<f64> = (0..4).map(mean).collect();
+        let product = |i: usize, j: usize| {
+            let off = |row: &[f64], at: usize| row[at] - means[at];
+            rows.iter()
+                .map(|row| off(row, i) * off(row, j))
+                .sum::<f64>()
+                / n
+        };
+        let (r, [far, near]) = (0.9, [0.279_962_0, 0.386_342_5]);
+        let quintiles = -far + 2.0 * (far - near) + 4.0 * (near - far) + 5.0 * far;
+        for (j, expected) in [
+            (1, r * (2.0 / std::f64::consts::PI).sqrt()),
+            (2, r * quintiles / 2f64.sqrt()),
+        ] {
+            let found = product(0, j) / (product(0, 0) * product(j, j)).sqrt();
+            assert!(
+                (found - expected).abs() < 4.0 / n.sqrt(),
+                "{sampling} {j}: {found} for {expected}"
+            );
+        }
+        assert!(rows.iter().all(|row| row[3] == 10.0 * row[2]), "{sampling}");
+    }
+    // What comes from one row varies as the rows do.
+    let file = folder.file("dispersions.toml", &of_file("\"inputs.wind.x\"", "random"));
+    let both = fs::read_to_string(&file)
+        .expect("a file")
+        .replace("\"stiffness\", \"inputs", "\"inputs.wind.y\", \"inputs");
+    let refused = read(&folder.file("both.toml", &both))
+        .err()
+        .expect("one row")
+        .to_string();
+    assert!(
+        refused.contains("winds.csv come from one of its rows"),
+        "{refused}"
+    );
+}
+
 #[test]
 fn draws_obey_their_constraints_and_a_constraint_that_nothing_obeys_is_a_failed_case() {
     let folder = Folder::new("constraint");
@@ -601,6 +681,47 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
             "below = \"1 kN\"",
             "below = \"1 kN\", above = \"1500 N\"",
             "no value is below 1 kN and above 1.5 kN",
+        ),
+        // Numbers without a unit are in SI, which is not meant beside kN/m: 4 N/m.
+        (
+            "low = \"4 kN/m\"",
+            "low = 4",
+            "`params.stiffness.low`: 4 has no unit, and what it is given for is declared in kN/m: write `\"4 kN/m\"`",
+        ),
+        (
+            "below = \"1 kN\"",
+            "below = 1",
+            "`metrics.peak.require.below`: 1 has no unit, and what it is given for is declared in kN",
+        ),
+        (
+            "tolerance = 1e-6",
+            "params = { stiffness = 5 }",
+            "`params.stiffness`: 5 has no unit",
+        ),
+        (
+            "[run]",
+            "[[constraint]]\nsum = { stiffness = 1 }\nat_least = 5\n[run]",
+            "`constraint[0]`: 5 has no unit",
+        ),
+        (
+            "[run]",
+            "[[constraint]]\nsum = { mass = 1 }\nat_least = \"3 kg\"\nat_most = \"1 kg\"\n[run]",
+            "no sum is at least the one and at most the other",
+        ),
+        (
+            "[run]",
+            "[[constraint]]\nsum = { mass = nan }\nat_least = \"3 kg\"\n[run]",
+            "the factor of `mass` is no finite number",
+        ),
+        (
+            "[start]",
+            "[start]\n\"lamp.vx\" = { dist = \"normal\", sigma = \"1 m/s\" }",
+            "`start.lamp.vx`: is given twice",
+        ),
+        (
+            "[params]",
+            "[params]\n\"start.lamp.vx\" = { dist = \"normal\", sigma = \"1 m/s\" }",
+            "`start.lamp.vx`: is given twice",
         ),
         (
             "block = 6",

@@ -205,6 +205,47 @@ fn a_joint_with_one_coordinate_starts_by_its_name_alone() {
     assert!((angles(Coordinates::Absolute, &nominal)[0] - 0.3).abs() < 1e-12);
 }
 
+/// A rate that was dispersed took the place of the angle that the settings give by the name of its joint alone, and a speed that they give as a component of
+/// its vector was given twice in every case.
+#[test]
+fn a_dispersed_number_leaves_what_the_settings_say_of_others_by_whatever_name() {
+    let campaign = |scene: &str, given: &str, dispersed: &str, coordinates: Coordinates| {
+        let owner: String = given.chars().filter(|it| it.is_alphanumeric()).collect();
+        let folder = Folder::new(&format!("starts_by_name_{}_{owner}", coordinates.word()));
+        let scene = read_text(scene).scene.expect("a scene");
+        let model = Generic::<f64>::with_defaults(scene.in_coordinates(coordinates));
+        let text = format!("cases = 3\n[start]\n{dispersed}\n[run]\nuntil = \"1 s\"");
+        let file = folder.file("dispersions.toml", &text);
+        let own: Settings = toml::from_str(&format!("[start]\n{given}")).expect("settings");
+        Campaign::read(&file, Arc::new(model.expect("valid")), own).expect("valid")
+    };
+    let rate = "pin.angle_rate = { dist = \"normal\", sigma = \"1 rad/s\" }";
+    for coordinates in BOTH {
+        for given in ["pin = \"0.3 rad\"", "\"pin.angle\" = \"0.3 rad\""] {
+            let campaign = campaign(PENDULUM, given, rate, coordinates);
+            for case in 0..=3 {
+                let plan = campaign.plan(case).expect("a case");
+                let [swing, _] = angles(coordinates, &plan);
+                assert!((swing - 0.3).abs() < 1e-12, "{given} {case}: {swing}");
+            }
+        }
+    }
+    let aside = "stone.vx = { dist = \"normal\", sigma = \"1 m/s\" }";
+    for given in [
+        "stone.velocity.x = \"5 m/s\"\nstone.vz = \"2 m/s\"",
+        "stone.velocity = \"[5, 0, 2] m/s\"",
+    ] {
+        let stone = "model Stone { gravity: none; point stone { mass: 1 kg } }";
+        let campaign = campaign(stone, given, aside, Coordinates::Absolute);
+        for case in 0..=3 {
+            let drawn = campaign.dispersions().values(case).expect("values")[0];
+            let plan = campaign.plan(case).expect("a case");
+            assert_eq!(plan.state[3..], [drawn, 0.0, 2.0], "{given}");
+            assert!((drawn - 5.0).abs() < 5.0 && (drawn == 5.0) == (case == 0));
+        }
+    }
+}
+
 /// Bars of 1, 2 and 2 m between pivots 2 m apart; the crank to the digit, the rocker about an angle.
 const LOOP: &str = "model Loop { gravity: none;
     world { frame far at [2, 0, 0] m }

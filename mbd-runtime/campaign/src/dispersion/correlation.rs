@@ -6,6 +6,11 @@ use mbd_runtime::scene::twelve_digits;
 use crate::run::names::{PlanError, wrong};
 use crate::sampling::normal;
 
+/// A number of which the ones before leave less than this, as a part of its standard deviation, is decided by them.
+const DECIDED: f64 = 1e-7;
+/// A correlation that is off by less than this is that of the digits of the matrix.
+const ROUNDING: f64 = 1e-6;
+
 /// Dispersed numbers that vary together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correlation {
@@ -42,15 +47,20 @@ impl Correlation {
             for j in 0..=i {
                 let known: f64 = (0..j).map(|k| rows[i][k] * rows[j][k]).sum();
                 let rest = matrix[i][j] - known;
+                // What the numbers before decide has nothing of its own: rounding, or a correlation that no number has which follows them so closely.
+                let decided = rows[j][j] <= DECIDED;
+                let is_none = match i == j {
+                    true => rest < -1e-12,
+                    false => decided && rest.abs() > ROUNDING,
+                };
+                if is_none {
+                    let text = "no numbers have these correlations with each other: the matrix is not positive definite";
+                    return Err(wrong(setting, text));
+                }
                 rows[i][j] = match i == j {
-                    // Numbers that decide each other leave nothing but rounding.
-                    true if rest < -1e-12 => {
-                        let text = "no numbers have these correlations with each other: the matrix is not positive definite";
-                        return Err(wrong(setting, text));
-                    }
                     true => rest.max(0.0).sqrt(),
-                    false if rows[j][j] > 1e-7 => rest / rows[j][j],
-                    false => 0.0,
+                    false if decided => 0.0,
+                    false => rest / rows[j][j],
                 };
             }
         }

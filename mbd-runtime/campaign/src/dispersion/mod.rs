@@ -13,7 +13,8 @@ use mbd_runtime::{Layout, Moved};
 use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
-use crate::run::number::number;
+use crate::run::number::{not_bare, number};
+use crate::run::plan::in_state_numbers;
 use crate::run::{CampaignMistakes, RunPlan, Settings};
 use crate::sampling::{CaseSampling, Distribution, UnitSamples};
 use correlation::Correlation;
@@ -101,6 +102,10 @@ impl Dispersions {
                     name::is_one(known, &setting, (scene, run.0), later)?;
                     let read = read::read(&setting, &table, known, folder)?;
                     of_sampling(&setting, &read, sampling)?;
+                    let mut before = distributions.iter();
+                    if before.any(|(other, _): &(Dispersible, _)| other.name == known.name) {
+                        return Err(wrong(setting.clone(), "is given twice"));
+                    }
                     Ok((known.clone(), read))
                 });
                 distributions.extend(mistakes.note(read));
@@ -152,7 +157,32 @@ impl Dispersions {
             let read = dispersions.constraint(setting, constraint, &known);
             dispersions.constraints.extend(mistakes.note(read));
         }
+        dispersions.order_rows();
         mistakes.unless(Some(dispersions))
+    }
+
+    /// Puts the rows of a file in the order of the number of it that is correlated with others: what lies below a part of the rows is then what a copula takes.
+    fn order_rows(&mut self) {
+        let members = self.correlations.iter().flat_map(|known| &known.members);
+        let members: Vec<usize> = members.copied().collect();
+        for member in members {
+            let (file, Distribution::Listed(values)) =
+                (&self.varied[member].file, &self.varied[member].distribution)
+            else {
+                continue;
+            };
+            let mut order: Vec<usize> = (0..values.len()).collect();
+            order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+            let file = file.clone();
+            for own in self.varied.iter_mut().filter(|own| own.file == file) {
+                if let Distribution::Listed(rows) = &mut own.distribution {
+                    *rows = order
+                        .iter()
+                        .filter_map(|row| rows.get(*row).copied())
+                        .collect();
+                }
+            }
+        }
     }
 
     fn index(&self, setting: &str, name: &str) -> Result<usize, PlanError> {
@@ -191,6 +221,21 @@ impl Dispersions {
             );
             return Err(wrong(setting, text));
         }
+        let of_file = |member: &usize| self.varied[*member].file.as_ref();
+        let all: Vec<usize> = before.chain(&members).copied().collect();
+        let shared = all.iter().enumerate().find_map(|(at, member)| {
+            let file = of_file(member)?;
+            let mut others = all[..at].iter();
+            others
+                .any(|other| of_file(other) == Some(file))
+                .then_some(file)
+        });
+        if let Some(file) = shared {
+            let text = format!(
+                "numbers of {file} come from one of its rows, and vary together as these do: correlate one of them, and the others follow it"
+            );
+            return Err(wrong(setting, text));
+        }
         Correlation::new(&setting, members, &written.matrix)
     }
 
@@ -209,6 +254,10 @@ impl Dispersions {
         let mut unit = None;
         let (mut factors, mut rest) = (Vec::new(), 0.0);
         for (name, factor) in &written.sum {
+            if !factor.is_finite() {
+                let text = format!("the factor of `{name}` is no finite number");
+                return Err(wrong(setting, text));
+            }
             let known = name::find(known, &setting, name)?;
             let first = unit.get_or_insert(known.unit.clone());
             if *first != known.unit {
@@ -233,9 +282,11 @@ impl Dispersions {
             return Err(wrong(setting, "`sum` names nothing that is dispersed"));
         };
         let bound = |value: &Option<toml::Value>, free: f64| {
-            value
-                .as_ref()
-                .map_or(Ok(free), |value| number(&setting, value, &unit))
+            let Some(value) = value else {
+                return Ok(free);
+            };
+            not_bare(&setting, value, &unit)?;
+            number(&setting, value, &unit)
         };
         let bounds = [
             bound(&written.at_least, f64::NEG_INFINITY)?,
@@ -243,6 +294,11 @@ impl Dispersions {
         ];
         if written.at_least.is_none() && written.at_most.is_none() {
             return Err(wrong(setting, "give `at_least` or `at_most`"));
+        }
+        if bounds[0] > bounds[1] {
+            let text =
+                "no sum is at least the one and at most the other: `at_most` is the larger of them";
+            return Err(wrong(setting, text));
         }
         Ok(Constraint {
             factors,
@@ -292,10 +348,26 @@ impl Dispersions {
         for correlation in &self.correlations {
             correlation.mix(&mut parts, &mut quantiles);
         }
+        for (member, own) in self.correlated_rows() {
+            parts[own] = parts[member];
+        }
         let drawn = self.varied.iter().zip(parts.iter().zip(quantiles));
         drawn
             .map(|(varied, (part, quantile))| varied.distribution.quantile(*part, quantile))
             .collect()
+    }
+
+    /// Each number from a file that is correlated, with every other one of the same rows, by their places.
+    fn correlated_rows(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let members = self.correlations.iter().flat_map(|known| &known.members);
+        members.flat_map(move |member| {
+            let file = self.varied.get(*member).and_then(|own| own.file.as_ref());
+            let all = self.varied.iter().enumerate();
+            let alike = all.filter(move |(at, own)| {
+                file.is_some() && own.file.as_ref() == file && at != member
+            });
+            alike.map(move |(at, _)| (*member, at))
+        })
     }
 
     /// A combination of the values of a grid, the last fastest.
@@ -408,14 +480,17 @@ impl Dispersions {
         let (plan, settings) = nominal;
         let mut plan = plan.clone();
         self.set_params(values, &mut plan.params);
+        // By the names that the dispersed numbers have, whatever the settings call what they give: `pin` of `pin.angle`, `bob.velocity` of `bob.vx`.
         let mut start: Option<Table> = None;
         for (varied, value) in self.varied.iter().zip(values) {
             match &varied.known.target {
                 DispersionTarget::Param(_) | DispersionTarget::LaterParam => {}
                 DispersionTarget::Input(at) => plan.inputs[*at] = *value,
                 DispersionTarget::Start(at) => {
-                    let table = start.get_or_insert_with(|| settings.start.clone());
-                    place(table, at, name::dispersed(scene, settings, at, *value));
+                    let given = || in_state_numbers((scene, layout), &settings.start);
+                    let table = start.get_or_insert_with(given);
+                    let value = name::dispersed(scene, settings, at, *value);
+                    table.insert(at.clone(), value);
                 }
             }
         }
@@ -466,28 +541,6 @@ impl Constraint {
         let sum = self.rest + parts.sum::<f64>();
         let [low, high] = self.bounds;
         (low..=high).contains(&sum)
-    }
-}
-
-/// Sets a value by its dotted name.
-fn place(table: &mut Table, name: &str, value: toml::Value) {
-    match name.split_once('.') {
-        // A joint coordinate that is written as one word.
-        _ if table.contains_key(name) => {
-            table.insert(name.to_owned(), value);
-        }
-        Some((owner, rest)) => {
-            let inner = table
-                .entry(owner)
-                .or_insert_with(|| toml::Value::Table(Table::new()));
-            match inner {
-                toml::Value::Table(inner) => place(inner, rest, value),
-                other => *other = value,
-            }
-        }
-        None => {
-            table.insert(name.to_owned(), value);
-        }
     }
 }
 

@@ -11,7 +11,7 @@ use toml::{Table, Value};
 use super::name::Dispersible;
 use super::written::WrittenDistribution;
 use crate::run::names::{PlanError, wrong};
-use crate::run::number::number;
+use crate::run::number::{not_bare, number};
 use crate::sampling::Distribution;
 use crate::table;
 
@@ -123,7 +123,10 @@ impl DispersionReader<'_> {
     fn number(&self, name: &str, value: &Value) -> Result<f64, PlanError> {
         let setting = format!("{}.{name}", self.setting);
         match percentage(value) {
-            None => number(&setting, value, &self.known.unit),
+            None => {
+                not_bare(&setting, value, &self.known.unit)?;
+                number(&setting, value, &self.known.unit)
+            }
             Some(Ok(percent)) if percent.is_finite() => {
                 if self.known.nominal == 0.0 {
                     return Err(wrong(
@@ -246,14 +249,17 @@ impl DispersionReader<'_> {
         if weights.len() != values.len() || !usable {
             return Err(self.wrong("`weights` needs a number that is not negative for each of `values`, not all of them zero"));
         }
+        // What lies below a part of them are the smallest: a correlation with another number is one of values, in whatever order they are written.
+        let mut pairs: Vec<(f64, f64)> = values.into_iter().zip(weights).collect();
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut sum = 0.0;
-        let up_to = weights.iter().map(|weight| {
+        let up_to = pairs.iter().map(|(_, weight)| {
             sum += weight / total;
             sum
         });
         Ok(Distribution::Discrete {
             up_to: up_to.collect(),
-            values,
+            values: pairs.iter().map(|(value, _)| *value).collect(),
         })
     }
 
@@ -293,23 +299,31 @@ impl DispersionReader<'_> {
     }
 }
 
-/// Distributions with their dotted names, in the order of the names, and what stands there and is none.
+/// Distributions with their dotted names, in the order of the names, and what stands there and is none, or is there twice.
 pub fn flat(part: &str, table: &Table) -> BTreeMap<String, Result<Table, PlanError>> {
-    let mut all = BTreeMap::new();
+    let mut all: BTreeMap<String, Result<Table, PlanError>> = BTreeMap::new();
     for (name, value) in table {
         let full = match part {
             "" => name.clone(),
             part => format!("{part}.{name}"),
         };
-        match value {
+        let found = match value {
             Value::Table(inner) if is_distribution(inner) => {
-                all.insert(full, Ok(inner.clone()));
+                BTreeMap::from([(full, Ok(inner.clone()))])
             }
-            Value::Table(inner) => all.extend(flat(&full, inner)),
+            Value::Table(inner) => flat(&full, inner),
             _ => {
                 let text = "give a distribution: { dist = \"normal\", sigma = \"5 %\" }";
-                all.insert(full.clone(), Err(wrong(full, text)));
+                BTreeMap::from([(full.clone(), Err(wrong(full, text)))])
             }
+        };
+        // `"pin.angle"` in quotation marks is `pin.angle`.
+        for (full, read) in found {
+            let read = match all.contains_key(&full) {
+                true => Err(wrong(full.clone(), "is given twice")),
+                false => read,
+            };
+            all.insert(full, read);
         }
     }
     all

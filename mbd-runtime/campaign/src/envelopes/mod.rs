@@ -145,7 +145,9 @@ impl Envelopes {
         own.map(|column| {
             format!(
                 "`{}` is no finite number at {} of the instants of its envelope, from {} s on",
-                column.name, column.rows, column.time
+                column.name,
+                column.rows,
+                twelve_digits(column.time)
             )
         })
     }

@@ -14,7 +14,7 @@ use super::mistakes::CampaignMistakes;
 use super::names::{PlanError, column_name, flat, no_column, setting_in_table, wrong};
 use super::number::{not_bare, not_negative, number, positive};
 use super::settings::Settings;
-pub(crate) use start::{about, coordinate_unit, whole_name};
+pub(crate) use start::{about, coordinate_unit, in_state_numbers, whole_name};
 
 use method::options;
 use start::{said, start};

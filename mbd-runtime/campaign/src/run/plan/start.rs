@@ -203,6 +203,11 @@ fn in_numbers(
     all
 }
 
+/// A start that can be used, by the names that the state and the joints have for its numbers.
+pub(crate) fn in_state_numbers(scene: (&Scene, &Layout), given: &Table) -> Table {
+    in_numbers(scene, given, &mut CampaignMistakes::default())
+}
+
 /// A joint coordinate by its whole name, `pin.angle` for `pin`; any other name as it is.
 pub(crate) fn whole_name(scene: &Scene, name: String) -> String {
     match scene.joint_coordinate(&name) {
