@@ -516,7 +516,14 @@ impl Campaign {
     fn row(&self, case: u64, result: Result<Judged, FailedCase>) -> CaseRow {
         // Where nothing was drawn there is nothing to tell.
         let nothing = || vec![f64::NAN; self.dispersions.varied.len()];
-        let values = self.dispersions.values(case).unwrap_or_else(|_| nothing());
+        let drawn = self.dispersions.values(case);
+        let mut values = drawn.unwrap_or_else(|_| nothing());
+        let scene = self.model.scene();
+        if self.dispersions.gives_way(scene, &self.settings)
+            && let Ok(plan) = self.plan(case)
+        {
+            self.dispersions.take(scene, &plan, &mut values);
+        }
         let values = self.dispersions.in_units(&values);
         match result {
             Ok(judged) => {

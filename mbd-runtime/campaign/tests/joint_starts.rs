@@ -286,6 +286,35 @@ fn what_is_about_a_value_stays_about_it_when_it_is_dispersed() {
     }
 }
 
+/// Where a loop decides, the column told what was drawn, from which nothing of the run follows.
+#[test]
+fn the_row_of_what_gives_way_tells_what_is_taken() {
+    let scene = LOOP.replace(
+        "s: hinge from bar.b to rocker.b { axis: z }",
+        "s: hinge from bar.b to rocker.b { axis: z }\n    output rocker_angle = r.angle;",
+    );
+    for (dispersed, is_free) in [("\"r.angle\"", false), ("\"p.angle\"", true)] {
+        let folder = Folder::new(&format!("starts_taken_{is_free}"));
+        let model = Generic::<f64>::with_defaults(read_text(&scene).scene.expect("a scene"));
+        let text = format!(
+            "seed = 3\ncases = 4\n[start]\n{dispersed} = {{ dist = \"normal\", sigma = \"5 deg\" }}\n[metrics]\ncrank = {{ final = \"crank_angle\" }}\nrocker = {{ final = \"rocker_angle\" }}\n[run]\nuntil = \"0 s\""
+        );
+        let file = folder.file("dispersions.toml", &text);
+        let model = Arc::new(model.expect("valid"));
+        let campaign = Campaign::read(&file, model, Settings::default()).expect("valid");
+        let rows = [0, 1, 2, 3, 4].map(|case| campaign.replay(case).expect("flown").0);
+        for row in &rows {
+            let [crank, rocker] = row.metrics[..] else {
+                panic!("two metrics");
+            };
+            let begun = if is_free { crank } else { rocker };
+            assert!((row.values[0] - begun).abs() < 1e-9, "{row:?}");
+        }
+        let spread = (rows[1].values[0] - rows[2].values[0]).abs();
+        assert_eq!(spread > 1e-3, is_free, "{rows:?}");
+    }
+}
+
 /// Two wheels on springs of 2 N m/rad each, both of 1 kg m², geared 1 : 3; the first begins 400 degrees from where its spring is at rest, and nothing says
 /// where the second does.
 const GEARED: &str = "model Geared { gravity: none;

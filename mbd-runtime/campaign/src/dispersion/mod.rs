@@ -414,6 +414,31 @@ impl Dispersions {
         targets.any(|target| matches!(target, DispersionTarget::Start(_)))
     }
 
+    /// Whether it disperses a coordinate that is about a value, in place of which a loop may decide another.
+    pub fn gives_way(&self, scene: &Scene, settings: &Settings) -> bool {
+        let mut targets = self.varied.iter().map(|varied| &varied.known.target);
+        targets.any(|target| match target {
+            DispersionTarget::Start(at) => name::gives_way(scene, settings, at),
+            _ => false,
+        })
+    }
+
+    /// Puts what was taken in place of what was drawn of coordinates that gave way: the row tells where the run begins.
+    pub fn take(&self, scene: &Scene, plan: &RunPlan, values: &mut [f64]) {
+        let about = plan.assembly.told_about(scene);
+        for (varied, value) in self.varied.iter().zip(values) {
+            let DispersionTarget::Start(at) = &varied.known.target else {
+                continue;
+            };
+            let own = about.iter().find(|(name, ..)| name == at);
+            if let Some((_, said, taken)) = own
+                && (taken - said).abs() > ROUNDING
+            {
+                *value = *taken;
+            }
+        }
+    }
+
     /// Refuses places and speeds that the start changed so that joints hold, of what these numbers put elsewhere than the nominal is, beyond what it changes
     /// there: the row would tell a start that the run does not have.
     ///

@@ -169,18 +169,23 @@ fn setting<'a>(scene: &Scene, settings: &'a Settings, name: &str) -> Option<&'a 
     found.map(|(_, value)| value)
 }
 
-/// How a dispersed start is written: a coordinate that is about a value stays about the value of the case.
-pub fn dispersed(scene: &Scene, settings: &Settings, name: &str, value: f64) -> Value {
+/// Whether a coordinate is about a value, and gives way where a loop decides it.
+pub fn gives_way(scene: &Scene, settings: &Settings, name: &str) -> bool {
     let found = scene.joint_coordinate(name);
     let declared = |(joint, number, is_rate): (usize, usize, bool)| {
         let mut starts = scene.starts.coordinates.iter();
         let own = starts.find(|start| (start.joint, start.coordinate) == (joint, number));
         !is_rate && own.is_some_and(|start| start.about)
     };
-    let gives_way = match setting(scene, settings, name) {
+    match setting(scene, settings, name) {
         Some(given) => given.as_str().and_then(about).is_some(),
         None => found.is_some_and(declared),
-    };
+    }
+}
+
+/// How a dispersed start is written: a coordinate that is about a value stays about the value of the case.
+pub fn dispersed(scene: &Scene, settings: &Settings, name: &str, value: f64) -> Value {
+    let gives_way = gives_way(scene, settings, name);
     match coordinate_unit(scene, name).filter(|_| gives_way) {
         Some(unit) => Value::String(format!("{ABOUT} {value:?} {unit}")),
         None => Value::Float(value),
