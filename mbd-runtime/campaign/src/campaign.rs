@@ -522,6 +522,7 @@ impl Campaign {
         if self.dispersions.gives_way(scene, &self.settings)
             && let Ok(plan) = self.plan(case)
         {
+            let scene = (scene, self.model.layout());
             self.dispersions.take(scene, &plan, &mut values);
         }
         let values = self.dispersions.in_units(&values);

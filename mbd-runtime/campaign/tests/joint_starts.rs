@@ -286,6 +286,27 @@ fn what_is_about_a_value_stays_about_it_when_it_is_dispersed() {
     }
 }
 
+/// Four numbers of an attitude are made a unit quaternion: of one that is drawn the row told a start that the run does not have.
+#[test]
+fn the_row_of_an_attitude_tells_the_unit_quaternion_that_a_run_begins_with() {
+    let text = "model Adrift { gravity: none;
+        body a { mass: 1 kg, inertia: diag(1, 2, 2.5) kg*m^2 }
+        joint afloat: free from world to a.com; }";
+    let folder = Folder::new("starts_attitude");
+    let model = Generic::<f64>::with_defaults(read_text(text).scene.expect("a scene"));
+    let text = "seed = 3\ncases = 4\n[start]\na.qx = { dist = \"uniform\", low = 0.2, high = 0.4 }\n[metrics]\nqw = { final = \"a.qw\" }\nqx = { final = \"a.qx\" }\n[run]\nuntil = \"0 s\"";
+    let file = folder.file("dispersions.toml", text);
+    let model = Arc::new(model.expect("valid"));
+    let campaign = Campaign::read(&file, model, Settings::default()).expect("valid");
+    for case in 1..=4 {
+        let drawn = campaign.dispersions().values(case).expect("values")[0];
+        let row = campaign.replay(case).expect("flown").0;
+        let taken = drawn / (1.0 + drawn * drawn).sqrt();
+        assert!((row.values[0] - taken).abs() < 1e-15, "{row:?}");
+        assert!((row.metrics[1] - taken).abs() < 1e-15, "{row:?}");
+    }
+}
+
 /// Where a loop decides, the column told what was drawn, from which nothing of the run follows.
 #[test]
 fn the_row_of_what_gives_way_tells_what_is_taken() {

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use mbd_runtime::scene::similar::near_and_all;
 use mbd_runtime::scene::{Scene, plain};
-use mbd_runtime::{Layout, Moved};
+use mbd_runtime::{Layout, Moved, state_names};
 use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
@@ -414,26 +414,32 @@ impl Dispersions {
         targets.any(|target| matches!(target, DispersionTarget::Start(_)))
     }
 
-    /// Whether it disperses a coordinate that is about a value, in place of which a loop may decide another.
+    /// Whether it disperses what may begin elsewhere than it is drawn: a coordinate that is about a value, in place of which a loop may decide another, or a
+    /// number of an attitude, of which all four make a unit quaternion.
     pub fn gives_way(&self, scene: &Scene, settings: &Settings) -> bool {
         let mut targets = self.varied.iter().map(|varied| &varied.known.target);
         targets.any(|target| match target {
-            DispersionTarget::Start(at) => name::gives_way(scene, settings, at),
+            DispersionTarget::Start(at) => {
+                is_of_attitude(at) || name::gives_way(scene, settings, at)
+            }
             _ => false,
         })
     }
 
-    /// Puts what was taken in place of what was drawn of coordinates that gave way: the row tells where the run begins.
-    pub fn take(&self, scene: &Scene, plan: &RunPlan, values: &mut [f64]) {
+    /// Puts what was taken in place of what was drawn of such numbers: the row tells where the run begins.
+    pub fn take(&self, (scene, layout): (&Scene, &Layout), plan: &RunPlan, values: &mut [f64]) {
         let about = plan.assembly.told_about(scene);
+        let about = about.into_iter().map(|(name, _, taken)| (name, taken));
+        let states = state_names(scene, layout).into_iter().zip(&plan.state);
+        let attitudes = states.filter(|(name, _)| is_of_attitude(&name.name));
+        let attitudes = attitudes.map(|(name, taken)| (name.name, *taken));
+        let all: Vec<(String, f64)> = about.chain(attitudes).collect();
         for (varied, value) in self.varied.iter().zip(values) {
             let DispersionTarget::Start(at) = &varied.known.target else {
                 continue;
             };
-            let own = about.iter().find(|(name, ..)| name == at);
-            if let Some((_, said, taken)) = own
-                && (taken - said).abs() > ROUNDING
-            {
+            let own = all.iter().find(|(name, _)| name == at);
+            if let Some((_, taken)) = own.filter(|(_, taken)| (taken - *value).abs() > ROUNDING) {
                 *value = *taken;
             }
         }
@@ -567,6 +573,12 @@ impl Constraint {
         let [low, high] = self.bounds;
         (low..=high).contains(&sum)
     }
+}
+
+/// Whether a number of a start is one of four of an attitude.
+fn is_of_attitude(name: &str) -> bool {
+    let component = name.rsplit_once('.').map(|(_, component)| component);
+    matches!(component, Some("qw" | "qx" | "qy" | "qz"))
 }
 
 /// How the cases of a file are spread.
