@@ -79,16 +79,24 @@ pub fn name_and_unit(heading: &str) -> (&str, &str) {
 pub fn column(path: &Path, name: &str) -> Result<(Vec<f64>, String), String> {
     let file = path.display();
     let text = fs::read_to_string(path).map_err(|error| format!("cannot read {file}: {error}"))?;
+    // Spreadsheets begin a file in UTF-8 with this sign.
     let mut lines = text
+        .trim_start_matches('\u{feff}')
         .lines()
         .enumerate()
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let header = lines.next().map_or_else(Vec::new, |(_, line)| cells(line));
     let headings: Vec<(&str, &str)> = header.iter().map(|it| name_and_unit(it.trim())).collect();
     // As the file spells it, or without the unit.
-    let is_it =
-        |(own, (heading, _)): (&String, &(&str, &str))| *heading == name || own.trim() == name;
-    let Some(at) = header.iter().zip(&headings).position(is_it) else {
+    let spelt = header.iter().position(|own| own.trim() == name);
+    let mut named = (0..headings.len()).filter(|at| headings[*at].0 == name);
+    let found = spelt.or_else(|| named.next());
+    if spelt.is_none() && named.next().is_some() {
+        return Err(format!(
+            "{file} has several columns `{name}`: write the one that is meant with its unit, as its header does"
+        ));
+    }
+    let Some(at) = found else {
         let names: Vec<&str> = headings.iter().map(|(name, _)| *name).collect();
         let near = mbd_runtime::scene::similar::did_you_mean(name, names.iter().copied());
         let stop = if near.is_empty() { "." } else { "" };

@@ -423,6 +423,28 @@ fn numbers_of_one_file_come_from_one_row() {
         }
         assert!(seen.iter().all(|count| *count > 20), "{sampling} {seen:?}");
     }
+    // Rows are those of the file, whatever it is called, with the mark of a spreadsheet in front.
+    folder.file(
+        "winds.csv",
+        "\u{feff}east [m/s],north [m/s],north [kph]\n1,10,5\n2,20,6\n3,30,7\n",
+    );
+    let two = |north: &str| {
+        let text = format!(
+            "cases = 64\n[inputs]\nwind.x = {}\nwind.y = {}\n[run]\nuntil = \"0.1 s\"",
+            table("east"),
+            table(north).replace("winds", "./winds")
+        );
+        folder.file("dispersions.toml", &text)
+    };
+    let spelt = read(&two("north [m/s]")).expect("a campaign");
+    for case in 1..=64 {
+        let values = spelt.dispersions().values(case).expect("values");
+        assert_eq!(values[1], 10.0 * values[0]);
+    }
+    let error = read(&two("north")).err().expect("two columns");
+    let several = "winds.csv has several columns `north`";
+    assert!(error.to_string().contains(several), "{error}");
+    two("north [m/s]");
     folder.file("winds.csv", "east [m/s],north [m/s]\n1,10\nNaN,20\n");
     let error = read(&folder.0.join("dispersions.toml"))
         .err()

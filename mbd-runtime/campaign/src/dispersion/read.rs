@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::num::ParseFloatError;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use mbd_compiler::{mixes_turns, read_number};
 use mbd_runtime::scene::Unit;
@@ -91,7 +91,13 @@ pub fn read(
         "discrete" => reader.discrete()?,
         "grid" => Distribution::Listed(reader.values()?),
         _ => {
-            file = written.file.clone();
+            // `./winds.csv` is `winds.csv`, and its rows are the same.
+            let parts = written
+                .file
+                .iter()
+                .flat_map(|file| Path::new(file).components());
+            let parts = parts.filter(|part| *part != Component::CurDir);
+            file = Some(parts.collect::<PathBuf>().display().to_string());
             Distribution::Listed(reader.rows(folder)?)
         }
     };
