@@ -117,10 +117,11 @@ model! {
     }
 }
 
-const METHODS: [fn() -> Options; 3] = [
+const METHODS: [fn() -> Options; 4] = [
     || Options::rk4(0.01),
     || Options::tsit5(1e-7),
     || Options::vern7(1e-8),
+    || Options::auto(1e-7),
 ];
 
 fn methods() -> Vec<Options> {
@@ -318,6 +319,8 @@ fn stiff_steps_of_a_light_point_between_lines_are_what_they_are_alone() {
         })
     };
     assert_same_bits(&swinging, &[Options::rodas5p(1e-4)], 0.5, cases);
+    // Some are explicit while others are stiff already, and stand beside each other for a while.
+    assert_same_bits(&swinging, &[Options::auto(1e-4)], 0.0, cases);
 }
 
 #[test]

@@ -230,6 +230,7 @@ fn chains_of_hinges_in_absolute_coordinates_are_what_they_are_alone() {
         Options::rk4(4e-3),
         Options::tsit5(1e-6),
         Options::vern7(1e-7),
+        Options::auto(1e-6),
     ];
     assert_same_bits(&chain, &options, 0.8, || (0..9).map(chain_case));
 }
