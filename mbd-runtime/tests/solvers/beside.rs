@@ -296,8 +296,8 @@ fn stiff_steps_of_a_light_point_between_lines_are_what_they_are_alone() {
     let swinging = Swinging::new(SwingingParams::default())
         .expect("params")
         .in_lanes();
-    let cases = || {
-        (0..9_u32).map(|k| {
+    let cases = |dampings: [f64; 9]| {
+        (0..9_u32).zip(dampings).map(|(k, damping)| {
             let k = f64::from(k);
             let mut start = SwingingState::at_origin();
             let upright = |position: [f64; 3], velocity: [f64; 3]| mbd_runtime::BodyState {
@@ -313,14 +313,27 @@ fn stiff_steps_of_a_light_point_between_lines_are_what_they_are_alone() {
                 velocity: [0.0, 0.0, -0.2 * k],
             });
             Case::new()
-                .params([0.05 + 0.05 * k, 15e3 + 1e3 * k, 40.0 + 10.0 * k])
+                .params([0.05 + 0.05 * k, 15e3 + 1e3 * k, damping])
                 .inputs(&SwingingInputs { wind: 0.5 * k })
                 .state(0.03 * (k % 5.0), start.to_vec())
         })
     };
-    assert_same_bits(&swinging, &[Options::rodas5p(1e-4)], 0.5, cases);
-    // Some are explicit while others are stiff already, and stand beside each other for a while.
-    assert_same_bits(&swinging, &[Options::auto(1e-4)], 0.0, cases);
+    let soft = std::array::from_fn(|k| 40.0 + 10.0 * k as f64);
+    assert_same_bits(&swinging, &[Options::rodas5p(1e-4)], 0.5, || cases(soft));
+    // Of Auto every other one is stiff soon, and makes its steps alone from then on.
+    let mixed = std::array::from_fn(|k| if k % 2 == 0 { 20.0 } else { 1000.0 });
+    let auto = Options::auto(1e-3);
+    assert_same_bits(&swinging, &[auto], 0.1, || cases(mixed));
+    let sampling = Sampling::Every(0.5);
+    for (k, case) in fly(&swinging, auto, sampling, cases(mixed), (1, 4))
+        .iter()
+        .enumerate()
+    {
+        let part = case.beside as f64 / case.statistics.steps as f64;
+        println!("{k}: {part}");
+        // The last of nine may have nobody beside it.
+        assert!(k == 8 || (part > 0.8) == (k % 2 == 0), "{k}: {part}");
+    }
 }
 
 #[test]
