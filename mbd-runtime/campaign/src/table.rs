@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+/// A double has not more digits behind 99 %.
+const MOST_PLACES: usize = 14;
+
 /// The cells of a line.
 pub fn cells(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
@@ -39,13 +42,19 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// A part in percent, with at most so many digits behind the point and no zeros at the end.
+/// A part in percent, with at most so many digits behind the point and no zeros at the end; with more where it would be told as nothing or as all.
 pub fn percent(part: f64, places: usize) -> String {
-    let text = format!("{:.places$}", 100.0 * part);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
+    let told = |places: usize| {
+        let text = format!("{:.places$}", 100.0 * part);
+        match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            false => text,
+        }
+    };
+    let is_inside = 0.0 < part && part < 1.0;
+    let mut all = (places..=MOST_PLACES).map(told);
+    let found = all.find(|text| !(is_inside && ["0", "100"].contains(&text.as_str())));
+    found.unwrap_or_else(|| told(places))
 }
 
 /// `1 case`, `2 cases`: so many of what is called so.

@@ -261,6 +261,11 @@ mod tests {
             [0.99865, 0.5, 0.00135].map(|part| percent(part, PLACES)),
             ["99.865", "50", "0.135"]
         );
+        // What is not all is not told as all.
+        assert_eq!(
+            [0.999_999_9, 1.0, 1e-9, 0.0].map(|part| percent(part, PLACES)),
+            ["99.99999", "100", "0.0000001", "0"]
+        );
         assert_eq!(digits(Some(12345.678)), "12346");
         assert_eq!(digits(Some(-0.012_345_678)), "-0.012346");
         assert_eq!(digits(Some(1.5e9)), "1.5000e9");
