@@ -111,17 +111,26 @@ fn whole(campaign: &Campaign, folder: &Folder) -> String {
 #[test]
 fn threads_lanes_and_shards_change_no_byte() {
     let folder = Folder::new("shards");
-    let campaign = campaign(&folder, FILE);
+    let campaign = campaign(
+        &folder,
+        &FILE.replace("until = \"0.5 s\"", "until = \"0.1 s\""),
+    );
     let expected = whole(&campaign, &folder);
     assert_eq!(expected.lines().count(), 1 + 41);
     let lamp = Lamp::<f64>::new(LampParams::default()).expect("defaults");
     let file = folder.0.join("dispersions.toml");
     let in_lanes = Campaign::read(&file, lamp.in_lanes().share(), Settings::default());
     let in_lanes = in_lanes.expect("the same campaign");
-    for (shards, lanes) in [(1, 1), (3, 4), (7, 8), (20, 8)] {
-        let out = folder.0.join(format!("of_{shards}"));
+    // Every number of threads with every number of lanes and every number of shards, and more shards than there are blocks.
+    let mut all = vec![(20, 8, 2)];
+    for shards in [1, 3, 7] {
+        for lanes in [1, 4, 8] {
+            all.extend([1, 2, 5].map(|threads| (shards, lanes, threads)));
+        }
+    }
+    for (shards, lanes, threads) in all {
+        let out = folder.0.join(format!("of_{shards}_{lanes}_{threads}"));
         for shard in (1..=shards).rev() {
-            let threads = [1, 2, 5][shard % 3];
             let resources = Resources {
                 threads,
                 lanes: Some(lanes),
@@ -135,7 +144,7 @@ fn threads_lanes_and_shards_change_no_byte() {
             let is_certain = !may || threads == 1;
             assert!((done.beside > 0) == may || !is_certain);
         }
-        assert!(gathered(&out) == expected, "{shards} {lanes}");
+        assert!(gathered(&out) == expected, "{shards} {lanes} {threads}");
     }
 }
 
