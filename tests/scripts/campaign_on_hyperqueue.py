@@ -86,6 +86,22 @@ def start_cluster(mbd, work, out, shards):
     return subprocess.Popen(command, cwd=work, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
+def overhead(mbd, work):
+    """What the engine takes by itself: server and two workers, and as many tasks as there are shards that do nothing."""
+    from hyperqueue import Job, LocalCluster
+    from hyperqueue.cluster import WorkerConfig
+
+    began = time.time()
+    with LocalCluster(worker_config=WorkerConfig(cores=1)) as local:
+        local.start_worker(WorkerConfig(cores=1))
+        client, job = local.client(), Job()
+        for _ in range(SHARDS):
+            job.program([str(mbd), "--version"], stdout=None, stderr=None, cwd=work)
+        if not client.wait_for_jobs([client.submit(job)], raise_on_error=False):
+            sys.exit("tasks that do nothing fail")
+        print(f"HyperQueue: server, two workers and {SHARDS} tasks that do nothing take {time.time() - began:.1f} s")
+
+
 def same(work, out, what):
     alone, other = (work / name / "cases.csv" for name in ("alone", out))
     if alone.read_bytes() != other.read_bytes():
@@ -103,6 +119,8 @@ def main(mbd):
         (work / "dispersed.toml").write_text(DISPERSED)
         if quiet(campaign(mbd, work, "alone")).returncode != 0:
             sys.exit("the campaign does not run")
+
+        overhead(mbd, work)
 
         # One shard is killed.
         running = start_cluster(mbd, work, "shard", range(1, SHARDS + 1))
