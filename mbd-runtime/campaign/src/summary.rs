@@ -139,6 +139,12 @@ impl Told {
         }
     }
 
+    /// Rank correlations of numbers that drive nothing lie within this, 95 % of them.
+    #[must_use]
+    pub fn chance(&self) -> f64 {
+        (2.0 / (self.sorted.len().max(2) as f64 - 1.0).sqrt()).min(1.0)
+    }
+
     /// Why cases have no value; `None` where all have one.
     #[must_use]
     pub fn reason(&self) -> Option<String> {

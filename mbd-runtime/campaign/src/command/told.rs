@@ -146,8 +146,13 @@ fn metric(results: &Results, told: &Told) -> String {
             } else {
                 ""
             };
+            // Of few cases chance alone makes large ones, and the first is the largest of all.
+            let chance = match results.manifest.sampling {
+                CaseSampling::Grid => String::new(),
+                _ => format!(", by chance alone within ±{:.2}", told.chance()),
+            };
             text + &format!(
-                "  driven by (rank correlation{share}): {}\n",
+                "  driven by (rank correlation{chance}{share}): {}\n",
                 drivers.join(", ")
             )
         }

@@ -129,11 +129,6 @@ fn percentiles(told: &Told, sampling: CaseSampling) -> ReportTable {
     }
 }
 
-/// Rank correlations of numbers that drive nothing lie within this, 95 % of them.
-pub fn doubt(told: &Told) -> f64 {
-    2.0 / (told.sorted.len().max(2) as f64 - 1.0).sqrt()
-}
-
 fn drivers(results: &Results, told: &Told) -> ReportTable {
     let dispersed = &results.manifest.dispersed;
     let shown = || told.drivers.iter().take(DRIVERS);
@@ -159,7 +154,7 @@ fn drivers(results: &Results, told: &Told) -> ReportTable {
         CaseSampling::Grid => String::new(),
         _ => format!(
             "; of numbers that drive nothing 95 % lie within ±{:.2}",
-            doubt(told)
+            told.chance()
         ),
     };
     let company = match is_accompanied {

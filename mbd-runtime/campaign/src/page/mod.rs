@@ -250,7 +250,7 @@ fn strongest(results: &Results, summary: &CampaignSummary) -> ReportTable {
 /// The strongest drivers of a metric; nothing that may as well drive nothing.
 fn driven(results: &Results, told: &Told) -> String {
     let names = &results.manifest.dispersed;
-    let doubt = metric::doubt(told);
+    let doubt = told.chance();
     let drivers = told.drivers.iter().take(DRIVERS);
     let drivers = drivers.filter(|driver| match driver.index {
         Some(index) => index >= 0.05,
