@@ -175,3 +175,110 @@ fn run(args: &CaseArgs, model: Arc<dyn Model<f64>>) -> Result<String, Failure> {
         false => Err(Failure::Aborted(told)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use mbd_compiler::read_text;
+    use mbd_runtime::Generic;
+
+    use super::*;
+
+    /// A stone that is thrown up: it is highest at v²/2g.
+    const STONE: &str = "model Stone {
+        gravity: [0.0, 0.0, -10.0] m/s^2;
+        /// How fast it is thrown.
+        param speed = 10 m/s in 1 m/s ..= 30 m/s;
+        point stone { mass: 1 kg, start at [0, 0, 0] m velocity [0, 0, speed] }
+        metric top = max stone.position.z;
+    }";
+
+    const FILE: &str = "seed = 5
+cases = 30
+block = 8
+[params]
+speed = { dist = \"uniform\", low = \"8 m/s\", high = \"12 m/s\" }
+[metrics]
+top = { require = { below = \"7.3 m\", share = 0.9, confidence = 0.9 } }
+[histories]
+largest = { top = 1 }
+[run]
+until = \"2 s\"
+tolerance = 1e-9
+";
+
+    #[test]
+    fn a_program_of_ones_own_lists_flies_shards_gathers_flies_again_and_reports() {
+        let folder = std::env::temp_dir().join(format!("mbd_program_{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("a folder");
+        let model = Generic::<f64>::with_defaults(read_text(STONE).scene.expect("a scene"));
+        let model = model.expect("valid");
+        let file = folder.join("dispersions.toml");
+        fs::write(&file, FILE).expect("room");
+        let [out, alone] = ["out", "alone"].map(|name| folder.join(name));
+        let told = |words: &[&str]| {
+            let replaced = words.iter().map(|word| match *word {
+                "FILE" => file.clone().into(),
+                "OUT" => out.clone().into(),
+                "ALONE" => alone.clone().into(),
+                word => OsString::from(word),
+            });
+            answer(
+                std::iter::once(OsString::from("stone")).chain(replaced),
+                &model,
+            )
+        };
+        let list = told(&["list"]).expect("a list");
+        assert_eq!(
+            list,
+            "speed = 10 m/s in 1 m/s ..= 30 m/s  How fast it is thrown.\n"
+        );
+        let shard = |shard: &str| told(&["campaign", "FILE", "--out", "OUT", "--shard", shard]);
+        shard("2/2").expect("a shard");
+        assert_eq!(
+            told(&["gather", "OUT", "--shards", "2"])
+                .expect_err("half")
+                .code(),
+            4
+        );
+        shard("1/2").expect("a shard");
+        let gathered = told(&["gather", "OUT"]).expect("all of it");
+        assert!(
+            gathered.contains("shown: top below 7.3000 m in 90 %"),
+            "{gathered}"
+        );
+        let cases = fs::read_to_string(out.join("cases.csv")).expect("cases");
+        let rows: Vec<&str> = cases.lines().skip(1).collect();
+        assert_eq!(rows.len(), 31);
+        for row in &rows {
+            let cells: Vec<&str> = row.split(',').collect();
+            let [speed, top] = [3, 4].map(|at| cells[at].parse::<f64>().expect("a number"));
+            assert!((top - speed * speed / 20.0).abs() < 1e-8, "{row}");
+        }
+        let again = told(&["run", "FILE", "--case", "17", "--out", "ALONE"]).expect("a case");
+        assert!(again.lines().any(|line| line == rows[17]), "{again}");
+        assert!(alone.join("history.csv").is_file());
+        assert_eq!(
+            told(&["run", "FILE", "--case", "31"])
+                .expect_err("the last is 30")
+                .code(),
+            2
+        );
+        let page = told(&["report", "OUT"]).expect("a page");
+        assert!(
+            page.contains("report.html") && out.join("report.html").is_file(),
+            "{page}"
+        );
+        // The largest of all is kept with its history.
+        assert_eq!(
+            fs::read_dir(out.join("histories"))
+                .expect("histories")
+                .count(),
+            3
+        );
+        assert_eq!(told(&["fly"]).expect_err("no such command").code(), 1);
+        let _ = fs::remove_dir_all(&folder);
+    }
+}
