@@ -15,7 +15,7 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use crate::columns;
-use crate::dispersion::{CampaignFile, Dispersions, LaterScene, WrittenMetric, sampling};
+use crate::dispersion::{CampaignFile, Dispersions, LaterScene, WrittenMetric, meant, sampling};
 use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
@@ -124,7 +124,11 @@ impl Campaign {
         let text = fs::read_to_string(file)
             .map_err(|error| Failure::Usage(format!("cannot read {name}: {error}")))?;
         let written: CampaignFile = toml::from_str(&text).map_err(|error| {
-            Failure::Invalid(format!("{name}: {error}{}", belongs_to_the_run(&error)))
+            let mut hint = belongs_to_the_run(&error);
+            if hint.is_empty() {
+                hint = meant(&error);
+            }
+            Failure::Invalid(format!("{name}: {error}{hint}"))
         })?;
         let folder = file.parent().unwrap_or(Path::new(""));
         Campaign::new(&written, folder, first, later)

@@ -662,7 +662,7 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
         (
             "sigma = \"5 %\"",
             "sgima = \"5 %\"",
-            "unknown field `sgima`",
+            "`sgima`; did you mean `sigma`?",
         ),
         ("sigma = \"5 %\"", "sigma = \"5 m\"", "wrong unit"),
         ("sigma = \"5 %\"", "sigma = \"0 kg\"", "must be positive"),
@@ -753,6 +753,27 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
             "[params]",
             "[params]\n\"start.lamp.vx\" = { dist = \"normal\", sigma = \"1 m/s\" }",
             "`start.lamp.vx`: is given twice",
+        ),
+        (
+            "[run]",
+            "[constraint]\nsum = { mass = 1 }\n[run]",
+            "in double brackets, `[[constraint]]`",
+        ),
+        ("[metrics]", "[metric]", "`metric`; did you mean `metrics`"),
+        (
+            "swung = { value",
+            "swung = { vlaue",
+            "`vlaue`; did you mean `value`",
+        ),
+        (
+            "height = { final = \"lamp.z\" }",
+            "height = \"lamp.z\"",
+            "expected a metric in braces, `{ max = \"riser.tension\" }`",
+        ),
+        (
+            "dist = \"normal\", sigma",
+            "sigma",
+            "`mass`: does not say which distribution it has",
         ),
         (
             "block = 6",

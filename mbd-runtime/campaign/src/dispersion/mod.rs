@@ -21,7 +21,7 @@ use correlation::Correlation;
 pub use name::{Dispersible, DispersionTarget, LaterScene};
 pub use written::{
     CampaignFile, WrittenEnvelopes, WrittenFootprint, WrittenHistories, WrittenMetric,
-    WrittenRequirement,
+    WrittenRequirement, meant,
 };
 use written::{WrittenConstraint, WrittenCorrelation};
 

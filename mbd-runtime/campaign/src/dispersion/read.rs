@@ -9,7 +9,7 @@ use mbd_runtime::scene::Unit;
 use toml::{Table, Value};
 
 use super::name::Dispersible;
-use super::written::WrittenDistribution;
+use super::written::{WrittenDistribution, meant};
 use crate::run::names::{PlanError, wrong};
 use crate::run::number::{not_bare, number};
 use crate::sampling::Distribution;
@@ -34,6 +34,12 @@ pub fn is_distribution(table: &Table) -> bool {
     table.contains_key("dist")
 }
 
+/// Whether a key is a setting of a distribution.
+fn is_of_distribution(key: &str) -> bool {
+    let mut settings = WORDS.iter().flat_map(|(_, settings)| *settings);
+    settings.any(|known| *known == key)
+}
+
 /// A distribution that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Read {
@@ -52,9 +58,15 @@ pub fn read(
     known: &Dispersible,
     folder: &Path,
 ) -> Result<Read, PlanError> {
-    let written: WrittenDistribution = Value::Table(table.clone())
-        .try_into()
-        .map_err(|error: toml::de::Error| wrong(setting, error.message()))?;
+    let written: WrittenDistribution =
+        Value::Table(table.clone())
+            .try_into()
+            .map_err(|error: toml::de::Error| {
+                let near = meant(&error);
+                let stop = if near.is_empty() { "" } else { ". " };
+                let told = format!("{}{stop}{}", error.message(), near.trim_end());
+                wrong(setting, told)
+            })?;
     let word = written.dist.as_str();
     let Some((_, allowed)) = WORDS.iter().find(|(known, _)| *known == word) else {
         let words = WORDS.iter().map(|(word, _)| *word);
@@ -316,6 +328,10 @@ pub fn flat(part: &str, table: &Table) -> BTreeMap<String, Result<Table, PlanErr
         let found = match value {
             Value::Table(inner) if is_distribution(inner) => {
                 BTreeMap::from([(full, Ok(inner.clone()))])
+            }
+            Value::Table(inner) if inner.keys().any(|key| is_of_distribution(key)) => {
+                let text = "does not say which distribution it has: dist = \"normal\"";
+                BTreeMap::from([(full.clone(), Err(wrong(full, text)))])
             }
             Value::Table(inner) => flat(&full, inner),
             _ => {

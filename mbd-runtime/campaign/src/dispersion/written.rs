@@ -43,8 +43,42 @@
 
 use std::collections::BTreeMap;
 
+use mbd_runtime::scene::similar::did_you_mean;
 use serde::Deserialize;
 use toml::{Table, Value};
+
+/// What to write where a file cannot be read as one of a campaign; nothing after a mistake that says it.
+pub fn meant(error: &toml::de::Error) -> String {
+    let message = error.message();
+    let what = match message.strip_prefix("invalid type: ") {
+        Some("map, expected a sequence") => {
+            "there can be several of these: write the name in double brackets, `[[constraint]]`"
+        }
+        Some("sequence, expected a map") => {
+            "there is one of these: write the name in single brackets, `[metrics]`"
+        }
+        Some(kind) if kind.ends_with("expected a sequence") => {
+            "write a list in brackets: [\"riser.tension\"]"
+        }
+        Some(kind) if kind.ends_with("expected a map") => {
+            "write names with their values in braces: { peak = 5 }"
+        }
+        Some(_) => return String::new(),
+        None => {
+            let Some(names) = message.strip_prefix("unknown field ") else {
+                return String::new();
+            };
+            let mut names = names.split('`').skip(1).step_by(2);
+            let word = names.next().unwrap_or_default();
+            let near = did_you_mean(word, names);
+            return match near.is_empty() {
+                true => String::new(),
+                false => format!("`{word}`{near}\n"),
+            };
+        }
+    };
+    format!("{what}\n")
+}
 
 /// A campaign file.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
@@ -119,7 +153,10 @@ pub struct WrittenDistribution {
 
 /// Numbers that vary together.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "numbers with their matrix, `[[correlated]]`"
+)]
 pub struct WrittenCorrelation {
     /// Their names, as the columns of the results have them.
     pub names: Vec<String>,
@@ -129,7 +166,10 @@ pub struct WrittenCorrelation {
 
 /// A sum that draws keep within bounds.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a sum with its bounds, `[[constraint]]`"
+)]
 pub struct WrittenConstraint {
     /// Factors of params and dispersed numbers.
     pub sum: BTreeMap<String, f64>,
@@ -141,7 +181,10 @@ pub struct WrittenConstraint {
 
 /// A number that is read from every history.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a metric in braces, `{ max = \"riser.tension\" }`"
+)]
 pub struct WrittenMetric {
     /// The largest value of a column.
     pub max: Option<String>,
@@ -178,7 +221,10 @@ pub struct WrittenMetric {
 
 /// What a metric has to be, in how many of all cases, shown with which confidence.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "what it has to be in braces, `{ below = \"15 kN\", share = 0.99865, confidence = 0.9 }`"
+)]
 pub struct WrittenRequirement {
     /// The largest value that is allowed.
     pub below: Option<Value>,
@@ -192,7 +238,7 @@ pub struct WrittenRequirement {
 
 /// Which cases keep their histories.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table `[histories]`")]
 pub struct WrittenHistories {
     /// So many cases that are nearest to breaking what is required of a metric, or furthest beyond it.
     #[serde(default)]
@@ -215,7 +261,7 @@ pub struct WrittenHistories {
 
 /// What is told of columns over time.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table `[envelopes]`")]
 pub struct WrittenEnvelopes {
     /// The columns, as the header of `history.csv` has them.
     pub columns: Vec<String>,
@@ -225,7 +271,7 @@ pub struct WrittenEnvelopes {
 
 /// Two metrics that are told together.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "two metrics, `[[footprint]]`")]
 pub struct WrittenFootprint {
     /// The metric across.
     pub x: String,
