@@ -155,18 +155,18 @@ impl Manifest {
     /// Another one is there; it cannot be written.
     pub fn claim(&self, folder: &Path) -> Result<(), Failure> {
         let there = folder.join(NAME);
-        let is_new = match fs::metadata(&there) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => true,
-            _ => self.find(folder)?.told != self.told,
-        };
-        if !is_new {
-            return Ok(());
-        }
         let text = serde_json::to_string_pretty(self)
-            .map_err(|error| Failure::Usage(error.to_string()))?;
-        files::write_shared(&there, text + "\n").map_err(|error| Failure::unwritten(&error))?;
-        // Whoever was there at the same moment has written the same, or is found here.
-        self.find(folder).map(drop)
+            .map_err(|error| Failure::Usage(error.to_string()))?
+            + "\n";
+        let is_new = fs::metadata(&there).is_err_and(|it| it.kind() == io::ErrorKind::NotFound);
+        if is_new {
+            files::write_first(&there, &text).map_err(|error| Failure::unwritten(&error))?;
+        }
+        // Whoever was there before, if only by a moment, is found here.
+        if self.find(folder)?.told != self.told {
+            files::write_shared(&there, text).map_err(|error| Failure::unwritten(&error))?;
+        }
+        Ok(())
     }
 
     /// That of a folder, which belongs to the same campaign.

@@ -610,6 +610,36 @@ fn a_folder_of_another_campaign_is_refused_with_both_values() {
     );
 }
 
+/// Both found an empty folder, each wrote its manifest over that of the other, and blocks of both lay under the last.
+#[test]
+fn of_two_campaigns_that_come_to_a_new_folder_at_once_one_has_it() {
+    let folder = Folder::new("at_once");
+    let both = [7, 8].map(|seed| {
+        campaign(
+            &folder,
+            &FILE.replace("seed = 7", &format!("seed = {seed}")),
+        )
+    });
+    let both = both.map(|campaign| campaign.manifest());
+    for round in 0..200 {
+        let out = folder.0.join(format!("out_{round}"));
+        fs::create_dir_all(&out).expect("a folder");
+        let start = std::sync::Barrier::new(2);
+        let claimed = std::thread::scope(|scope| {
+            let both = both.each_ref().map(|manifest| {
+                scope.spawn(|| {
+                    start.wait();
+                    manifest.claim(&out).is_ok()
+                })
+            });
+            both.map(|thread| thread.join().expect("no panic"))
+        });
+        assert_eq!(claimed.iter().filter(|it| **it).count(), 1, "{round}");
+        // No part of the other is left.
+        assert_eq!(fs::read_dir(&out).expect("a folder").count(), 1);
+    }
+}
+
 #[test]
 fn a_block_that_cannot_be_written_is_named_and_the_rest_is_kept() {
     let folder = Folder::new("disk");

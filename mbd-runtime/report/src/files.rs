@@ -59,7 +59,7 @@ pub fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    write_beside(path, ".part", write)
+    write_beside(path, ".part", write, |part| fs::rename(part, path))
 }
 
 /// [`write_whole`] of a text, or of bytes, that other processes may be writing to the same place, on this machine or another: each has a part of its own, the last
@@ -68,22 +68,42 @@ pub fn write_whole(
 /// # Errors
 /// As there.
 pub fn write_shared(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
+    let write = |to: &mut dyn Write| to.write_all(content.as_ref());
+    write_beside(path, &own_ending(), write, |part| fs::rename(part, path))
+}
+
+/// [`write_shared`] where the first to be ready stays. On a file system that cannot tell, one without hard links, it is the last.
+///
+/// # Errors
+/// As there.
+pub fn write_first(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
+    let write = |to: &mut dyn Write| to.write_all(content.as_ref());
+    write_beside(path, &own_ending(), write, |part| {
+        match fs::hard_link(part, path) {
+            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => fs::rename(part, path),
+            _ => fs::remove_file(part),
+        }
+    })
+}
+
+/// That of a part which nobody else writes.
+fn own_ending() -> String {
     let own = RandomState::new().build_hasher().finish();
-    let ending = format!(".{own:016x}.part");
-    write_beside(path, &ending, |to| to.write_all(content.as_ref()))
+    format!(".{own:016x}.part")
 }
 
 fn write_beside(
     path: &Path,
     ending: &str,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    publish: impl FnOnce(&Path) -> io::Result<()>,
 ) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(ending);
     let part = path.with_file_name(name);
     let written = write_part(&part, write)
         .and_then(|()| keep_permissions(&part, path))
-        .and_then(|()| fs::rename(&part, path));
+        .and_then(|()| publish(&part));
     written.map_err(|error| {
         // What matters is told below; a part that cannot even be removed is no other news.
         let _ = fs::remove_file(&part);
