@@ -25,6 +25,7 @@ use crate::metric::Metrics;
 use crate::results::CaseRow;
 use crate::run::always_mapped;
 use crate::run::names::wrong;
+use crate::run::plan::in_state_numbers;
 use crate::run::{
     CampaignMistakes, GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run,
     check_units, go_on,
@@ -169,7 +170,9 @@ impl Campaign {
         let mut content = Content::TIME;
         let mut nominal = plans.remove(0);
         let settings = phases.first().map(|phase| phase.settings.clone());
-        let settings = settings.unwrap_or_default();
+        let mut settings = settings.unwrap_or_default();
+        // By the names that dispersed numbers have, whatever is written: `pin` of `pin.angle`, `bob.velocity` of `bob.vx`.
+        settings.start = in_state_numbers((model.scene(), model.layout()), &settings.start);
         let later: Vec<LaterScene<'_>> = models
             .iter()
             .enumerate()

@@ -14,7 +14,6 @@ use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::number::{not_bare, number};
-use crate::run::plan::in_state_numbers;
 use crate::run::{CampaignMistakes, RunPlan, Settings};
 use crate::sampling::{CaseSampling, Distribution, UnitSamples};
 use correlation::Correlation;
@@ -498,7 +497,7 @@ impl Dispersions {
         }
     }
 
-    /// The plan of a case: that of the nominal with these numbers.
+    /// The plan of a case: that of the nominal with these numbers. What the settings say of the start has the names of the state and of joint coordinates.
     ///
     /// # Errors
     /// A start that cannot be.
@@ -511,15 +510,13 @@ impl Dispersions {
         let (plan, settings) = nominal;
         let mut plan = plan.clone();
         self.set_params(values, &mut plan.params);
-        // By the names that the dispersed numbers have, whatever the settings call what they give: `pin` of `pin.angle`, `bob.velocity` of `bob.vx`.
         let mut start: Option<Table> = None;
         for (varied, value) in self.varied.iter().zip(values) {
             match &varied.known.target {
                 DispersionTarget::Param(_) | DispersionTarget::LaterParam => {}
                 DispersionTarget::Input(at) => plan.inputs[*at] = *value,
                 DispersionTarget::Start(at) => {
-                    let given = || in_state_numbers((scene, layout), &settings.start);
-                    let table = start.get_or_insert_with(given);
+                    let table = start.get_or_insert_with(|| settings.start.clone());
                     let value = name::dispersed(scene, settings, at, *value);
                     table.insert(at.clone(), value);
                 }
