@@ -34,17 +34,15 @@ impl Options {
     /// second one the steps of the first, [`Simulation::refine`](crate::Simulation::refine).
     #[must_use]
     pub fn finer(self) -> Option<Options> {
-        match (self.method.fixed_step(), self.method.tolerance()) {
-            (Some(_), _) => Some(self.tightened(QUARTER)),
-            (None, Some([rtol, _])) if rtol * TENTH >= FINEST => {
-                let finer = self.tightened(TENTH);
-                Some(Options {
-                    max_steps: finer.max_steps.saturating_mul(MORE_STEPS),
-                    ..finer
-                })
-            }
-            (None, _) => None,
-        }
+        let finer = match (self.method.fixed_step(), self.method.tolerance()) {
+            (Some(_), _) => self.tightened(QUARTER),
+            (None, Some([rtol, _])) if rtol * TENTH >= FINEST => self.tightened(TENTH),
+            (None, _) => return None,
+        };
+        Some(Options {
+            max_steps: finer.max_steps.saturating_mul(MORE_STEPS),
+            ..finer
+        })
     }
 
     /// The same with its step, or its tolerance, times a factor. What bounds adaptive steps beside the tolerance changes with it: where that alone
@@ -202,8 +200,8 @@ fn may_be_coarse(failed: &TradeError, before: &Option<TradeError>) -> bool {
 }
 
 impl Trajectory {
-    /// How far this history is from a finer one of the same run at the same times, column by column, with the largest value of the column: what is not
-    /// a number in both is left out.
+    /// How far this history is from a finer one of the same run at the same times, column by column, with the largest value of the column in either: what is
+    /// zero in the finer one may be anything in this. What is not a number in both is left out.
     ///
     /// `rows` are those of this history that the other has; `turn` says how much apart values of a column mean the same [its unit], as those of `atan2`
     /// do that are a turn apart, by its name.
@@ -226,7 +224,8 @@ impl Trajectory {
                 |a: f64, b: f64| turn.map_or(a, |turn| a - turn * ((a - b) / turn).round());
             let (own, other): (Vec<f64>, Vec<f64>) =
                 known.map(|(a, b)| (nearest(*a, *b), *b)).unzip();
-            let size = other.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let values = own.iter().chain(&other);
+            let size = values.fold(0.0_f64, |most, x| most.max(x.abs()));
             (Deviation::between(&own, &other), size)
         });
         columns.collect()

@@ -10,6 +10,7 @@ mod campaign_words;
 mod checks;
 mod compare;
 mod conversion;
+mod errors;
 mod extremes;
 mod files;
 mod first_tries;

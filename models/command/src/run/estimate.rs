@@ -4,13 +4,15 @@ use mbd_campaign::LARGE_ERROR;
 use mbd_campaign::run::RunPlan;
 use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::{Formula, Function, Scene, plain};
-use mbd_runtime::{Deviation, MetricValue, Model, Sampling, Simulation, StepSizes, Trajectory};
+use mbd_runtime::{
+    Deviation, MetricValue, Model, RunError, Sampling, Simulation, StepSizes, Trajectory,
+};
 
 use super::outcome::{CONTENT, RunOutcome};
 
 /// At most so many rows are compared.
 const ROWS: usize = 400;
-/// What is nothing in any unit.
+/// What is nothing in any unit, in a scene that is 1 m long or more; in a smaller one so much smaller.
 const NOTHING: f64 = 1e-9;
 /// A column that never is more than this part of the largest value of its unit, or of a radian, may be what rounding and tolerances leave of zero.
 const SMALL_PART: f64 = 1e-6;
@@ -49,30 +51,36 @@ impl Estimate {
     }
 }
 
-/// Flies the plan again with finer steps, and compares metrics, outputs and lines, or where there are none of these the motion of bodies and points.
+/// Flies the plan again with finer steps, and compares metrics, outputs and lines, or where there are none of these the motion of bodies and points; `None` where
+/// nothing finer is told apart from rounding, or nothing that counts is more than zero.
+///
+/// # Errors
+/// The finer run did not reach the end of the first.
 pub fn estimate(
     model: &dyn Model<f64>,
     plan: &RunPlan,
     first: &Trajectory,
     sizes: &StepSizes,
-) -> Option<Estimate> {
+) -> Result<Option<Estimate>, RunError> {
     let rows = rows(first);
     let times: Vec<f64> = rows
         .iter()
         .filter_map(|row| first.times().get(*row))
         .copied()
         .collect();
-    let last = *times.last()?;
+    let (Some(&last), Some(options)) = (times.last(), plan.options.finer()) else {
+        return Ok(None);
+    };
     let until = if first.end().is_finite() {
         first.end().max(last)
     } else {
         last
     };
     let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT);
-    let mut run = Simulation::new(model, plan.options.finer()?).ok()?;
-    plan.begin(&mut run).ok()?;
+    let mut run = Simulation::new(model, options)?;
+    plan.begin(&mut run)?;
     run.refine(sizes);
-    run.record(until, &mut finer).ok()?;
+    run.record(until, &mut finer)?;
     let outputs = model
         .scene()
         .outputs
@@ -96,7 +104,7 @@ pub fn estimate(
     let told = all.filter(|(name, _)| counts(&name.name));
     let estimates = told.filter_map(|(name, (deviation, size))| {
         let scale = sizes.scale(&name.unit, *size);
-        (scale > NOTHING).then(|| Estimate {
+        (scale > sizes.nothing()).then(|| Estimate {
             column: name.name.clone(),
             is_metric: false,
             unit: name.unit.clone(),
@@ -106,9 +114,8 @@ pub fn estimate(
         })
     });
     let metrics = of_metrics(model.scene(), [first, &finer], &sizes, until);
-    estimates
-        .chain(metrics)
-        .max_by(|a, b| a.relative.total_cmp(&b.relative))
+    let all = estimates.chain(metrics);
+    Ok(all.max_by(|a, b| a.relative.total_cmp(&b.relative)))
 }
 
 /// The errors of metrics: one number each.
@@ -134,7 +141,7 @@ fn of_metrics(
             }
             _ => sizes.scale(&here.unit, value.abs()),
         };
-        (scale > NOTHING).then(|| Estimate {
+        (scale > sizes.nothing()).then(|| Estimate {
             column: here.name.clone(),
             is_metric: true,
             unit: here.unit.clone(),
@@ -177,6 +184,14 @@ impl Sizes {
     fn largest(&self, unit: &str) -> f64 {
         let same = self.0.iter().filter(|(own, _)| own == unit);
         same.map(|(_, size)| *size).fold(0.0, f64::max)
+    }
+
+    /// What is nothing in this scene, in any unit.
+    fn nothing(&self) -> f64 {
+        match self.largest("m") {
+            length if length > 0.0 => NOTHING * length.min(1.0),
+            _ => NOTHING,
+        }
     }
 
     /// What the error of something of a unit is measured by, that is itself never more than `own`.
@@ -244,7 +259,7 @@ fn unresolved(scene: &Scene, run: &Trajectory) -> Option<(MetricValue, f64)> {
     let parts = run.metrics(scene).into_iter().filter_map(|metric| {
         let scale = sizes.scale(&metric.unit, metric.value.ok()?.abs());
         let part = metric.unresolved / scale;
-        (scale > NOTHING && part > LARGE_ERROR).then_some((metric, part))
+        (scale > sizes.nothing() && part > LARGE_ERROR).then_some((metric, part))
     });
     parts.max_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -286,6 +301,9 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
                 it.unit,
                 100.0 * it.relative
             )
+        }),
+        outcome.unestimated.as_ref().map(|error| {
+            format!("how far it is off is not known, because a second, finer run does not reach its end: {error}")
         }),
         outcome.hidden.map(|time| {
             format!(

@@ -48,6 +48,8 @@ pub struct RunOutcome {
     pub coarse_state: Option<CoarseState>,
     /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
     pub estimate: Option<Estimate>,
+    /// Why that run did not.
+    pub unestimated: Option<RunError>,
     /// Metrics of a campaign file that the scene does not declare itself.
     pub besides: Vec<MetricValue>,
     /// What to say of those of them whose window reaches beyond its end.
@@ -101,7 +103,10 @@ pub fn fly_measuring(
     if let Some((run, _)) = run
         && plan.estimate
     {
-        outcome.estimate = estimate(model, plan, &outcome.trajectory, run.step_sizes());
+        match estimate(model, plan, &outcome.trajectory, run.step_sizes()) {
+            Ok(found) => outcome.estimate = found,
+            Err(error) => outcome.unestimated = Some(error),
+        }
     }
     outcome
 }
@@ -207,6 +212,7 @@ pub(super) fn fly_on(
         coarse_state,
         hidden,
         estimate: None,
+        unestimated: None,
         besides: Vec::new(),
         partial: Vec::new(),
         time,
