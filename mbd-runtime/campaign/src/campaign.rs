@@ -9,8 +9,8 @@ use std::sync::Arc;
 use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
 use mbd_runtime::scene::{Packed, fingerprint};
 use mbd_runtime::{
-    Batch, Case, Content, Ended, FailedCase, Finished, Joined, Model, Moved, Onward, RunError,
-    Sampling, Simulation, StepError, Trajectory, switch_names, untold_switch,
+    Batch, Case, Content, Ended, FailedCase, Finished, Joined, Method, Model, Moved, Onward,
+    RunError, Sampling, Simulation, StepError, Trajectory, switch_names, untold_switch,
 };
 use toml::{Table, Value};
 
@@ -371,6 +371,34 @@ impl Campaign {
     #[must_use]
     pub fn phases(&self) -> &[Phase] {
         &self.phases
+    }
+
+    /// How the nominal is integrated.
+    pub(crate) fn method(&self) -> Method {
+        self.nominal.options.method
+    }
+
+    /// The same cases with a quarter of the step, or a tenth of the tolerance; `None` where nothing finer is told apart from rounding, or the settings ask for
+    /// no estimate.
+    pub(crate) fn finer(mut self) -> Option<Campaign> {
+        if !self.nominal.estimate {
+            return None;
+        }
+        for plan in std::iter::once(&mut self.nominal).chain(&mut self.later) {
+            plan.options = plan.options.finer()?;
+        }
+        Some(self)
+    }
+
+    /// When what acts with time alone on the nominal is hidden from its fixed steps [s].
+    pub(crate) fn hidden_from_steps(&self) -> Option<f64> {
+        let model = self.model.with_params(&self.nominal.params).ok()?;
+        let mut run = Simulation::new(&*model, self.nominal.options).ok()?;
+        self.nominal.begin(&mut run).ok()?;
+        // That is known before the first step.
+        let until = self.nominal.until;
+        run.run_while(until, None, &mut |_: f64| false).ok();
+        run.hidden_from_steps()
     }
 
     /// The plan of a case in a scene that its run may come to.

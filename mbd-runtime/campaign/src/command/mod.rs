@@ -1,5 +1,6 @@
 //! The commands of campaigns: what can be typed, for `mbd` and for a user's own model alike.
 
+mod accuracy;
 mod program;
 mod source;
 mod told;
@@ -113,14 +114,19 @@ pub fn campaign(
     );
     match shard {
         Shard::WHOLE => {
-            let gathered = gather(&GatherArgs {
+            let gathered = Gathered::of(&GatherArgs {
                 folder,
                 shards: None,
-            });
-            match gathered {
-                Ok(text) => Ok(told + &text),
-                Err(Failure::NotMet(text)) => Err(Failure::NotMet(told + &text)),
-                Err(other) => Err(other),
+            })?;
+            let accuracy = accuracy::accuracy(campaign, &gathered.results, resources);
+            let (error, is_large) = match accuracy {
+                Some(accuracy) => (format!("\n{}", accuracy.text), accuracy.is_large),
+                None => (String::new(), false),
+            };
+            let told = told + &text(&gathered.results, &gathered.summary) + &error;
+            match is_large {
+                true => Err(Failure::NotMet(told)),
+                false => gathered.end(told),
             }
         }
         _ => Ok(told + "`gather` puts all shards together\n"),

@@ -35,3 +35,39 @@ fn the_error_of_a_run_is_told_whatever_its_size_and_its_budget() {
         assert!((error / 3.4e-5 - 1.0).abs() < 0.2, "{budget}: {error}");
     }
 }
+
+/// An orbit of e = 0.9: a² at a tolerance that keeps nothing of it. A run said so, and a campaign of twenty of them did not.
+#[test]
+fn a_campaign_tells_the_error_of_its_cases() {
+    let folder = Folder::new("campaign_error");
+    let text = "model Orbit { gravity: point_mass { mu: 4e14 m^3/s^2, center: [0, 0, 0] m };
+          param v = 1450 m/s in 1 km/s ..= 5 km/s;
+          point p { mass: 1 kg, start at [-1.9e7, 0, 0] m velocity [0, -v, 0] m/s }
+          metric furthest = max norm(p.position); metric fastest = max norm(p.velocity); }
+        [run]\nuntil = \"10 h\"\nmethod = \"tsit5\"\ntolerance = 1e-2
+        [run.scales]\nlength = \"1e7 m\"\nspeed = \"6.3 km/s\"\n";
+    let cases = "cases = 20\n[params]\nv = { dist = \"normal\", sigma = \"1 m/s\" }\n";
+    let file = folder.file("orbit.mbd", text);
+    let given = folder.file("cases.toml", cases);
+    let out = |name: &str| folder.0.join(name).display().to_string();
+    let error = run(&["campaign", &file, &given, "--out", &out("loose")]).unwrap_err();
+    let told = error.to_string();
+    assert_eq!(error.code(), 3, "{told}");
+    assert!(
+        told.contains("warning: case 0 flown again with finer steps: `f"),
+        "{told}"
+    );
+    assert!(told.contains("take a tighter tolerance"), "{told}");
+    // Where it is right the error is told without a warning, and the furthest place is where it starts: r = a (1 + e).
+    let tight = folder.file("tight.toml", &format!("{cases}[run]\ntolerance = 1e-9\n"));
+    let told = run(&["campaign", &file, &tight, "--out", &out("tight")]).unwrap();
+    assert!(
+        !told.contains("warning") && told.contains("case 0 flown again"),
+        "{told}"
+    );
+    assert!(told.contains("nominal 1.9000e7"), "{told}");
+    // Who asks for no estimate has none.
+    let none = folder.file("none.toml", &format!("{cases}[run]\nestimate = false\n"));
+    let told = run(&["campaign", &file, &none, "--out", &out("none")]).unwrap();
+    assert!(!told.contains("flown again"), "{told}");
+}

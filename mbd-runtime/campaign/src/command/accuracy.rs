@@ -1,0 +1,138 @@
+//! The error of a campaign: a few of its cases flown again with finer steps, metric by metric.
+//!
+//! A case that keeps to its tolerance, or whose fixed step loses little energy, may still be wrong in what is read from it, and ten thousand of them have the
+//! same mistake. So the nominal, and of many cases two more, are flown again with a quarter of the step or a tenth of the tolerance. Rejected: every case twice,
+//! which costs as much again as the campaign.
+
+use std::ops::ControlFlow;
+
+use mbd_runtime::scene::plain;
+
+use crate::campaign::{Campaign, Resources};
+use crate::results::{LARGE_ERROR, Results};
+
+/// One more case is flown again for so many, up to [`MOST`] beside the nominal.
+const EACH: u64 = 100;
+const MOST: u64 = 2;
+/// A metric that never is more than this part of the largest of its unit may be what rounding and tolerances leave of zero.
+const SMALL_PART: f64 = 1e-6;
+/// What is nothing in any unit.
+const NOTHING: f64 = 1e-9;
+
+/// What is known of the error of a campaign.
+pub(super) struct Accuracy {
+    /// A line, or a few.
+    pub text: String,
+    /// Whether it is so large that it is an exit code.
+    pub is_large: bool,
+}
+
+/// Flies a few cases again with finer steps, and compares them with their rows; `None` where nobody asked for it, or nothing finer is told apart from rounding.
+pub(super) fn accuracy(
+    campaign: Campaign,
+    results: &Results,
+    resources: Resources,
+) -> Option<Accuracy> {
+    let (rows, metrics) = (&results.rows, &results.manifest.metrics);
+    let more = (campaign.cases() / EACH).min(MOST);
+    let chosen = (0..=more).map(|number| number * (campaign.cases() / (more + 1)));
+    let chosen: Vec<usize> = chosen
+        .filter_map(|case| usize::try_from(case).ok())
+        .filter(|case| rows.get(*case).is_some_and(|row| row.reached_end()))
+        .collect();
+    let method = campaign.method();
+    let change = match method.fixed_step() {
+        Some(step) => format!("take a shorter step than {step} s"),
+        None => "take a tighter tolerance".to_owned(),
+    };
+    let hidden = campaign.hidden_from_steps();
+    let finer = campaign.finer()?;
+    let mut flown = Vec::new();
+    finer.run(
+        chosen.len(),
+        &|place| chosen.get(place).map_or(0, |case| *case as u64),
+        resources,
+        |case| {
+            flown.push(case.row);
+            ControlFlow::Continue(())
+        },
+    );
+    let size = |at: usize| {
+        let own = rows.iter().chain(&flown);
+        let values = own.filter_map(|row| row.metrics.get(at).copied());
+        values
+            .filter(|x| x.is_finite())
+            .fold(0.0, |most: f64, x| most.max(x.abs()))
+    };
+    let mut worst: Option<(f64, String)> = None;
+    let mut lost = Vec::new();
+    for finer in &flown {
+        let Some(row) = rows.iter().find(|row| row.case == finer.case) else {
+            continue;
+        };
+        if !finer.reached_end() {
+            lost.push(format!(
+                "case {} flown again with finer steps does not reach its end: {}",
+                finer.case, finer.why
+            ));
+        }
+        for (at, metric) in metrics.iter().enumerate() {
+            let (Some(own), Some(other)) = (row.metrics.get(at), finer.metrics.get(at)) else {
+                continue;
+            };
+            // A reaction that is one choice of many says nothing.
+            if !metric.remark.is_empty() || own.is_nan() && other.is_nan() || !finer.reached_end() {
+                continue;
+            }
+            let alike = (0..metrics.len()).filter(|other| metrics[*other].unit == metric.unit);
+            let scale = size(at).max(SMALL_PART * alike.map(size).fold(0.0, f64::max));
+            let error = (own - other).abs();
+            let part = match error.is_nan() {
+                // One of both has no value: an event happened in one alone.
+                true => f64::INFINITY,
+                false if scale <= NOTHING => continue,
+                false => error / scale,
+            };
+            if worst.as_ref().is_none_or(|(most, _)| part > *most) {
+                let off = match error.is_nan() {
+                    true => "has a value in one of both alone".to_owned(),
+                    false => format!(
+                        "is off by about {}, {} % of the largest of all cases",
+                        format!("{} {}", plain(error, 2), metric.unit).trim_end(),
+                        plain(100.0 * part, 2)
+                    ),
+                };
+                worst = Some((
+                    part,
+                    format!("`{}` of case {} {off}", metric.name, finer.case),
+                ));
+            }
+        }
+    }
+    let is_large = worst.as_ref().is_some_and(|(part, _)| *part > LARGE_ERROR);
+    let numbers: Vec<String> = flown.iter().map(|row| row.case.to_string()).collect();
+    let told = worst.map(|(_, worst)| {
+        let remedy = match is_large {
+            true => format!(
+                ": {change}; where that does not help, the motion is chaotic over this time"
+            ),
+            false => String::new(),
+        };
+        let again = match numbers.len() {
+            1 => format!("case {} flown again with finer steps", numbers.join("")),
+            _ => format!("cases {} flown again with finer steps", numbers.join(", ")),
+        };
+        format!("{again}: {worst}{remedy}")
+    });
+    let hidden = hidden.map(|time| {
+        format!(
+            "what acts changes with time alone at {} s in less than a step, and no stage of a step sees it: {change}, or an adaptive method",
+            plain(time, 9)
+        )
+    });
+    let is_large = is_large || hidden.is_some() || !lost.is_empty();
+    let sign = if is_large { "warning: " } else { "" };
+    let lines = hidden.into_iter().chain(lost).chain(told);
+    let text: String = lines.map(|line| format!("{sign}{line}\n")).collect();
+    (!text.is_empty()).then_some(Accuracy { text, is_large })
+}
