@@ -254,7 +254,7 @@ impl<T: Float> Rattle<T> {
             self.next.copy_from_slice(&self.trial);
             add(half, &self.force, &mut self.next);
             system.hold_speeds(time, &mut self.next)?;
-            let change = self.change(half);
+            let (change, moved) = self.change(half);
             self.now.copy_from_slice(&self.next);
             let settled = change <= FOUND * T::EPSILON.to_f64();
             if settled || change <= ROUNDED && change > 0.5 * before {
@@ -264,7 +264,10 @@ impl<T: Float> Rattle<T> {
             // The first changes may be those of numbers that were zero.
             slow = if kept > CONTRACTION { slow + 1 } else { 0 };
             if slow == PATIENCE {
-                break;
+                match self.is_rounding(system, (time, part.since), half, moved)? {
+                    true => return Ok(()),
+                    false => break,
+                }
             }
             before = change;
         }
@@ -278,8 +281,36 @@ impl<T: Float> Rattle<T> {
         })
     }
 
-    /// How far `next` is from now: speeds over the largest of them, a declared state over itself and what a half step changes of it.
-    fn change(&self, half: T) -> f64 {
+    /// Whether speeds that change by so much from one iteration to the next do so because positions are rounded: at rest forces cancel, and what rounding leaves
+    /// of them is much beside the speeds.
+    #[cold]
+    fn is_rounding(
+        &self,
+        system: &mut impl Reversible<T>,
+        (time, since): (f64, f64),
+        half: T,
+        moved: f64,
+    ) -> Result<bool, StepError> {
+        let apart = T::one() + T::from_f64(FOUND) * T::EPSILON;
+        let mut beside = self.now.clone();
+        for position in beside.iter_mut().take(self.speeds.start) {
+            *position *= apart;
+        }
+        let (mut force, mut own) = (self.force.clone(), self.force.clone());
+        system.rates(time, since, &beside, &mut force)?;
+        system.without_turning(&beside, &mut force);
+        // The system stays at the state of now.
+        system.rates(time, since, &self.now, &mut own)?;
+        system.without_turning(&self.now, &mut own);
+        let speeds = self.speeds.clone();
+        let forces = force[speeds.clone()].iter().zip(&own[speeds]);
+        let rounding = forces.map(|(a, b)| (half * (*a - *b)).abs().to_f64());
+        Ok(moved <= rounding.fold(0.0, f64::max))
+    }
+
+    /// How far `next` is from now: speeds over the largest of them, a declared state over itself and what a half step changes of it; and by how much the speeds
+    /// are.
+    fn change(&self, half: T) -> (f64, f64) {
         let (mut moved, mut fastest, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
         let numbers = self.now.iter().zip(&self.next).zip(&self.force);
         let numbers = numbers.take(self.integrals);
@@ -287,7 +318,7 @@ impl<T: Float> Rattle<T> {
             let change = (*next - *now).abs().to_f64();
             let size = next.abs().to_f64() + (half * *force).abs().to_f64();
             if !change.is_finite() {
-                return f64::INFINITY;
+                return (f64::INFINITY, f64::INFINITY);
             }
             if self.speeds.contains(&index) {
                 (moved, fastest) = (moved.max(change), fastest.max(size));
@@ -298,7 +329,7 @@ impl<T: Float> Rattle<T> {
         if moved > 0.0 {
             most = most.max(moved / fastest);
         }
-        most
+        (most, moved)
     }
 
     /// The estimate of the error of the attempt.

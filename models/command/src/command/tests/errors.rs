@@ -71,3 +71,19 @@ fn a_campaign_tells_the_error_of_its_cases() {
     let told = run(&["campaign", &file, &none, "--out", &out("none")]).unwrap();
     assert!(!told.contains("flown again"), "{told}");
 }
+
+/// A mass that comes to rest on a damped stop: forces cancel there, and what rounding leaves of them is no instability of a step of h ω = 0.01.
+#[test]
+fn what_has_come_to_rest_under_rattle_is_not_called_unstable() {
+    let folder = Folder::new("rest");
+    let out = folder.0.join("out").display().to_string();
+    let text = "model Rest { gravity: [0, 0, -9.81] m/s^2;
+        body block { mass: 1000 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint rail: prismatic from world to block.com { axis: z, start: 0 m, stops: [0 m, none], stop_stiffness: 1e9 N/m, stop_damping: 1e5 N*s/m }
+        metric depth = final rail.slide in um; }
+        [run]\nuntil = \"0.6 s\"\nmethod = \"rattle\"\nstep = \"10 us\"\nestimate = false\n";
+    let file = folder.file("rest.mbd", text);
+    let told = run(&["run", &file, "--out", &out]).unwrap_or_else(|error| panic!("{error}"));
+    // m g / K = 9.81 µm.
+    assert!(told.contains("-9.81"), "{told}");
+}
