@@ -49,6 +49,7 @@ mod space;
 mod stability;
 pub(crate) mod start;
 mod stiffness;
+mod unseen;
 
 pub use act::Acted;
 use act::Changes;
@@ -132,7 +133,7 @@ pub struct ModelRun<T: Float> {
     pub(crate) attempted: f64,
     /// Start and size of an attempt that was made beside those of other runs, until it is used [s].
     received: Option<[f64; 2]>,
-    /// When what acts with time alone is hidden from fixed steps [s].
+    /// When what acts is hidden from fixed steps [s].
     hidden: Option<f64>,
     /// Whether the attempted step was one of those, and whether the last accepted one was, and nothing was changed since.
     pub(crate) beside: bool,

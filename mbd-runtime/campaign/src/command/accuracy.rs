@@ -126,7 +126,7 @@ pub(super) fn accuracy(
     });
     let hidden = hidden.map(|time| {
         format!(
-            "what acts changes with time alone at {} s in less than a step, and no stage of a step sees it: {change}, or an adaptive method",
+            "what acts changes at {} s in less than a step, and no stage of a step sees it: {change}, or an adaptive method",
             plain(time, 9)
         )
     });

@@ -171,7 +171,10 @@ impl<T: Float> ModelRun<T> {
         if !self.is_adaptive() {
             return match tried {
                 Ok(()) if swept > PI => Err(self.unstable(step, Instability::Turn(swept))),
-                Ok(()) => Ok(true),
+                Ok(()) => {
+                    self.look_between_stages(step);
+                    Ok(true)
+                }
                 Err(cause) => Err(self
                     .past_jump(step)
                     .unwrap_or_else(|| self.blame(step, cause))),

@@ -150,7 +150,7 @@ impl<T: Float> ModelRun<T> {
     }
 
     /// A declared state, by number, at a time of the step, and its rate.
-    fn course(&self, step: f64, state: usize, time: f64) -> [f64; 2] {
+    pub(super) fn course(&self, step: f64, state: usize, time: f64) -> [f64; 2] {
         let place = self.system.model.layout().states() + state;
         let lists = [&self.state[..], self.method.next(), self.method.first()];
         let own = |list: &[T]| list.get(place).map_or(f64::NAN, |x| x.to_f64());
@@ -197,7 +197,7 @@ impl<T: Float> ModelRun<T> {
     }
 
     /// Puts the declared states of a part of the step into the state inside.
-    fn states_inside(&mut self, part: f64, step: f64) {
+    pub(super) fn states_inside(&mut self, part: f64, step: f64) {
         let (first, count) = {
             let layout = self.system.model.layout();
             (layout.states(), layout.ns)

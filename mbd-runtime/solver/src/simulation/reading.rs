@@ -103,7 +103,8 @@ impl<T: Float> Simulation<T> {
     }
 
     /// A time at which what acts with time alone does so between the stages of fixed steps, and none of them sees it, in the calls so far [s]: a pulse shorter
-    /// than a step, a swing as fast as the steps. Adaptive steps end there.
+    /// than a step, a swing as fast as the steps. Adaptive steps end there. Of RK4 also one at which what follows an angle that turns by more than half a turn in a
+    /// step, or a declared state, does so, as far as the first step, the second, the fourth and so on show it.
     #[must_use]
     pub fn hidden_from_steps(&self) -> Option<f64> {
         self.run.hidden

@@ -38,7 +38,7 @@ pub struct RunOutcome {
     pub imbalance: Option<Imbalance>,
     /// Momentum that the run made or lost; `None` where the ground holds something, or nothing moved.
     pub momentum: Option<MomentumImbalance>,
-    /// When what acts with time alone is hidden from fixed steps [s].
+    /// When what acts is hidden from fixed steps [s].
     pub hidden: Option<f64>,
     /// The most that rounding of positions made of forces.
     pub rounding: f64,

@@ -87,3 +87,72 @@ fn what_has_come_to_rest_under_rattle_is_not_called_unstable() {
     // m g / K = 9.81 µm.
     assert!(told.contains("-9.81"), "{told}");
 }
+
+/// A rotor whose angle a force along a rail follows: v = sin(ω t)/ω, and the rail knows no more of the rotor.
+fn rotor(turns_a_second: u32) -> String {
+    format!(
+        "model Rotor {{ gravity: none; coordinates: relative;
+           body wheel {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+           body sled {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+           joint pin: hinge from world to wheel.com {{ axis: z, start_rate: 2 * pi * {turns_a_second} rad/s }}
+           joint rail: prismatic from world to sled.com {{ axis: x }}
+           load push on sled = [1 N * cos(pin.angle), 0, 0];
+           output speed = rail.slide_rate; }}
+         [run]\nuntil = \"0.2 s\"\nevery = \"10 ms\"\n"
+    )
+}
+
+/// At 1000 turns a second a step of 1 ms sees the angles 0, π and 2π: a force of −1/3 N that pushes for ever, where there is none; one of a quarter sees none. At
+/// 8000 both see a force of 1 N.
+#[test]
+fn a_fixed_step_that_turns_a_rotor_from_stage_to_stage_is_told() {
+    let folder = Folder::new("rotor");
+    let out = folder.0.join("out").display().to_string();
+    for turns in [1000, 8000] {
+        let file = folder.file("rotor.mbd", &rotor(turns));
+        let error = run(&["run", &file, "--out", &out, "--dt", "1 ms"]).unwrap_err();
+        let told = error.to_string();
+        assert_eq!(error.code(), 3, "{told}");
+        let what = match turns {
+            1000 => "`speed` is off by about",
+            _ => "no stage of a step sees it",
+        };
+        assert!(told.contains(what), "{turns}: {told}");
+    }
+    // A wheel in balance turns by any angle in a step.
+    let balanced = rotor(8000).replace("1 N * cos(pin.angle)", "1 N");
+    let file = folder.file("balanced.mbd", &balanced);
+    let told = run(&["run", &file, "--out", &out, "--dt", "1 ms"]);
+    assert!(
+        told.as_ref().is_ok_and(|told| !told.contains("warning")),
+        "{told:?}"
+    );
+}
+
+/// A phase that is a declared state, on what the ground holds, where no momentum tells: the same.
+#[test]
+fn a_fixed_step_that_turns_a_declared_phase_from_stage_to_stage_is_told() {
+    let folder = Folder::new("phase");
+    let out = folder.0.join("out").display().to_string();
+    let text = "model Phase { gravity: none;
+        body sled { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        joint rail: prismatic from world to sled.com { axis: x, force: 1 N * cos(phase) }
+        state phase: angle = 0 { rate: 2 * pi * 8000 rad/s }
+        output speed = rail.slide_rate; }
+        [run]\nuntil = \"0.2 s\"\n";
+    let file = folder.file("phase.mbd", text);
+    let error = run(&["run", &file, "--out", &out, "--dt", "1 ms"]).unwrap_err();
+    let told = error.to_string();
+    assert!(
+        error.code() == 3 && told.contains("no stage of a step sees it"),
+        "{told}"
+    );
+    // Steps that see it are not warned of it: 40 of them a turn.
+    let slow = text.replace("8000", "25");
+    let file = folder.file("slow.mbd", &slow);
+    let told = run(&["run", &file, "--out", &out, "--dt", "1 ms"]);
+    assert!(
+        told.as_ref().is_ok_and(|told| !told.contains("warning")),
+        "{told:?}"
+    );
+}
