@@ -48,6 +48,7 @@ mod snapshot;
 mod space;
 mod stability;
 pub(crate) mod start;
+mod steep_states;
 mod stiffness;
 mod unseen;
 

@@ -173,7 +173,7 @@ impl<T: Float> ModelRun<T> {
                 Ok(()) if swept > PI => Err(self.unstable(step, Instability::Turn(swept))),
                 Ok(()) => {
                     self.look_between_stages(step);
-                    Ok(true)
+                    self.watch_states(step).map(|()| true)
                 }
                 Err(cause) => Err(self
                     .past_jump(step)

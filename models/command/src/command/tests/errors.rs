@@ -156,3 +156,32 @@ fn a_fixed_step_that_turns_a_declared_phase_from_stage_to_stage_is_told() {
         "{told:?}"
     );
 }
+
+/// A filter of 0.1 ms under steps of 1 ms: the factor of a step is 1 − 10 + 50 − 167 + 417, and no energy tells.
+#[test]
+fn a_fixed_step_that_is_too_long_for_a_declared_state_is_found_before_the_damage() {
+    let folder = Folder::new("filter");
+    let out = folder.0.join("out").display().to_string();
+    let text = "model Filter { gravity: none; point p { mass: 1 kg, start at [0, 0, 0] m velocity [1, 0, 0] m/s }
+        state seen = 0 m { rate: (p.position.x - seen) / (0.1 ms) }
+        output late = seen in mm; }
+        [run]\nuntil = \"20 ms\"\nestimate = false\n";
+    let file = folder.file("filter.mbd", text);
+    let error = run(&["run", &file, "--out", &out, "--dt", "1 ms"]).unwrap_err();
+    let told = error.to_string();
+    assert_eq!(error.code(), 4, "{told}");
+    for part in ["too long: step times rate is 10.0", "went back to 0 s"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    // It lags by its time, 0.1 ms at 1 m/s.
+    let told = run(&["run", &file, "--out", &out, "--dt", "0.1 ms", "--json"]).unwrap();
+    assert!(told.contains("\"late\": 19.9"), "{told}");
+    // The integral of what swings has turning points, and nothing that grows: 20 steps a period.
+    let swing = "model Swing { gravity: none; point p { mass: 1 kg, start at [1.1, 0, 0] m }
+        spring s from world to p { free_length: 1 m, stiffness: 100 N/m, damping: 0 N*s/m }
+        state missed: m*s = 0 { rate: p.position.x - 1 m }
+        output sum = 1e3 * missed; }
+        [run]\nuntil = \"10 s\"\nestimate = false\n";
+    let file = folder.file("swing.mbd", swing);
+    run(&["run", &file, "--out", &out, "--dt", "30 ms"]).unwrap_or_else(|error| panic!("{error}"));
+}
