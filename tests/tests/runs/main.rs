@@ -4,6 +4,7 @@
 
 mod accuracy;
 mod actions;
+mod closed_forms;
 mod conservation;
 mod everywhere;
 mod far_away;
