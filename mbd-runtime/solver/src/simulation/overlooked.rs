@@ -15,11 +15,12 @@
 //! *Analysis of error control strategies for continuous Runge–Kutta methods*, SIAM J. Numer. Anal. 26 (1989).
 
 use mbd_scene::laws::of_time::TimeFunctions;
-use mbd_scene::{Float, Formula, Function, Scene};
+use mbd_scene::{Float, Formula, Function, Layout, Scene};
 
 use super::{ModelRun, Pace};
 use crate::error::StepError;
 use crate::integrate::Rates;
+use crate::moving::moving;
 
 /// An error, in tolerances, that says nothing about what lies between the stages, and one that says little: a stage may have been at the foot of something.
 const QUIET: f64 = 1e-3;
@@ -43,6 +44,9 @@ const PART: f64 = 0.125;
 pub(super) struct Overlooked<T> {
     /// Whether what acts has places at which it changes quickly.
     is_local: bool,
+    /// Whether there are angles that are coordinates, or declared states, and whether there are these.
+    pub(super) turns: bool,
+    pub(super) has_states: bool,
     /// From when until when each number of time alone rises, falls or stays [s].
     monotone: Vec<[f64; 2]>,
     /// Rates at the last five looks, in turn.
@@ -52,9 +56,13 @@ pub(super) struct Overlooked<T> {
 
 impl<T: Float> Overlooked<T> {
     /// Room for states of a length and so many numbers of time alone.
-    pub(super) fn new(scene: &Scene, length: usize, of_time: usize) -> Self {
+    pub(super) fn new((scene, layout): (&Scene, &Layout), length: usize, of_time: usize) -> Self {
         let room = || vec![T::zero(); length];
+        let mut angles = moving(layout).filter(|part| !part.has_quaternion());
+        let has_states = layout.ns > 0;
         Overlooked {
+            turns: has_states || angles.any(|part| !part.attitude.is_empty()),
+            has_states,
             is_local: scene
                 .acting_formulas()
                 .any(|formula| is_local(scene, formula)),

@@ -118,7 +118,11 @@ impl<T: Float> ModelRun<T> {
         }
         system.remember_starts(&[], (0.0, &state));
         let straight = stepwise(&*model).is_some();
-        let overlooked = Overlooked::new(model.scene(), length, system.of_time.acting());
+        let overlooked = Overlooked::new(
+            (model.scene(), model.layout()),
+            length,
+            system.of_time.acting(),
+        );
         let changes = Changes {
             settable: model.scene().set_by_events(),
             own: model.params().to_vec(),

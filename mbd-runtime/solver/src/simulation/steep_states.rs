@@ -28,7 +28,7 @@ impl<T: Float> ModelRun<T> {
     pub(super) fn watch_states(&mut self, step: f64) -> Result<(), StepError> {
         let number = self.steps_of_run().wrapping_add(1);
         let is_due = number.is_power_of_two() || number.is_multiple_of(OFTEN);
-        match is_due && self.watched && self.system.model.layout().ns > 0 {
+        match self.overlooked.has_states && is_due && self.watched {
             true => self.look_at_states(step),
             false => Ok(()),
         }

@@ -30,7 +30,11 @@ impl<T: Float> ModelRun<T> {
     #[inline]
     pub(super) fn look_between_stages(&mut self, step: f64) {
         let number = self.steps_of_run().wrapping_add(1);
-        if self.options.watch && self.hidden.is_none() && number.is_power_of_two() {
+        if self.overlooked.turns
+            && self.options.watch
+            && self.hidden.is_none()
+            && number.is_power_of_two()
+        {
             self.find_between_stages(step);
         }
     }
