@@ -64,6 +64,11 @@ pub(super) fn accuracy(
             .filter(|x| x.is_finite())
             .fold(0.0, |most: f64, x| most.max(x.abs()))
     };
+    let sizes: Vec<(&str, f64)> = metrics
+        .iter()
+        .enumerate()
+        .map(|(at, metric)| (metric.unit.as_str(), size(at)))
+        .collect();
     let mut worst: Option<(f64, String)> = None;
     let mut lost = Vec::new();
     for finer in &flown {
@@ -76,16 +81,15 @@ pub(super) fn accuracy(
                 finer.case, finer.why
             ));
         }
-        for (at, metric) in metrics.iter().enumerate() {
-            let (Some(own), Some(other)) = (row.metrics.get(at), finer.metrics.get(at)) else {
-                continue;
-            };
+        let pairs = row.metrics.iter().zip(&finer.metrics);
+        for ((metric, (unit, size)), (own, other)) in metrics.iter().zip(&sizes).zip(pairs) {
             // A reaction that is one choice of many says nothing.
             if !metric.remark.is_empty() || own.is_nan() && other.is_nan() || !finer.reached_end() {
                 continue;
             }
-            let alike = (0..metrics.len()).filter(|other| metrics[*other].unit == metric.unit);
-            let scale = size(at).max(SMALL_PART * alike.map(size).fold(0.0, f64::max));
+            let alike = sizes.iter().filter(|(other, _)| other == unit);
+            let largest = alike.fold(0.0, |most: f64, (_, size)| most.max(*size));
+            let scale = size.max(SMALL_PART * largest);
             let error = (own - other).abs();
             let part = match error.is_nan() {
                 // One of both has no value: an event happened in one alone.
