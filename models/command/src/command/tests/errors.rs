@@ -185,3 +185,41 @@ fn a_fixed_step_that_is_too_long_for_a_declared_state_is_found_before_the_damage
     let file = folder.file("swing.mbd", swing);
     run(&["run", &file, "--out", &out, "--dt", "30 ms"]).unwrap_or_else(|error| panic!("{error}"));
 }
+
+/// A point of 1 µg between a mass of 1 kg and the wall, on dampers: λ = 2c/m = 2e7 1/s, and steps of 3.5/λ whatever the tolerance. More steps are no remedy.
+#[test]
+fn a_light_point_beside_a_heavy_one_is_called_stiff_and_fast_swings_are_not() {
+    let folder = Folder::new("light");
+    let out = folder.0.join("out").display().to_string();
+    let text = "model Light { gravity: none; point a { mass: 1 kg, start at [1, 0, 0] m } point m { mass: 1e-9 kg, start at [0.5, 0, 0] m }
+        spring s from world to m { free_length: 0.45 m, stiffness: 200 N/m, damping: 0.01 N*s/m }
+        spring r from m to a { free_length: 0.45 m, stiffness: 200 N/m, damping: 0.01 N*s/m }
+        output x = a.position.x; }
+        [run]\nuntil = \"3 s\"\nmax_steps = 5000\nestimate = false\n";
+    let file = folder.file("light.mbd", text);
+    for (method, tolerance) in [
+        ("tsit5", "1e-3"),
+        ("tsit5", "1e-6"),
+        ("tsit5", "1e-9"),
+        ("vern7", "1e-6"),
+        ("vern7", "1e-9"),
+    ] {
+        let arguments = [
+            "run", &file, "--out", &out, "--method", method, "--tol", tolerance,
+        ];
+        let told = run(&arguments).unwrap_err().to_string();
+        for part in ["stiff", "velocity of m", "rodas5p"] {
+            assert!(told.contains(part), "{method} {tolerance}: {part}: {told}");
+        }
+    }
+    // 2c/m = 0: it swings at 6.3e5 rad/s, and steps follow that.
+    let swings = text
+        .replace("0.01 N*s/m", "0 N*s/m")
+        .replace("[0.5, 0, 0]", "[0.55, 0, 0]");
+    let file = folder.file("swings.mbd", &swings);
+    let told = run(&[
+        "run", &file, "--out", &out, "--method", "tsit5", "--tol", "1e-6",
+    ]);
+    let told = told.unwrap_err().to_string();
+    assert!(!told.contains("stiff"), "{told}");
+}
