@@ -224,7 +224,7 @@ impl<T: Float> ModelRun<T> {
             return Ok(stopped.or(Some(Stop::Reached)));
         }
         if course.trials >= self.options.max_steps {
-            let stiff = self.stiff();
+            let stiff = self.stiff(course.trials);
             return Err(StepError::TooManySteps {
                 steps: course.trials,
                 stiff,

@@ -44,8 +44,8 @@ const PART: f64 = 0.125;
 pub(super) struct Overlooked<T> {
     /// Whether what acts has places at which it changes quickly.
     is_local: bool,
-    /// Whether there are angles that are coordinates, or declared states, and whether there are these.
-    pub(super) turns: bool,
+    /// The angles that are coordinates, in the state, unless all of them are prescribed, and whether there are declared states.
+    pub(super) angles: Vec<usize>,
     pub(super) has_states: bool,
     /// From when until when each number of time alone rises, falls or stays [s].
     monotone: Vec<[f64; 2]>,
@@ -58,11 +58,12 @@ impl<T: Float> Overlooked<T> {
     /// Room for states of a length and so many numbers of time alone.
     pub(super) fn new((scene, layout): (&Scene, &Layout), length: usize, of_time: usize) -> Self {
         let room = || vec![T::zero(); length];
-        let mut angles = moving(layout).filter(|part| !part.has_quaternion());
-        let has_states = layout.ns > 0;
+        // What is prescribed altogether is where it has to be, however long its steps.
+        let is_free = layout.freedoms_at_start() > 0;
+        let angles = moving(layout).filter(|part| is_free && !part.has_quaternion());
         Overlooked {
-            turns: has_states || angles.any(|part| !part.attitude.is_empty()),
-            has_states,
+            angles: angles.flat_map(|part| part.attitude).collect(),
+            has_states: layout.ns > 0,
             is_local: scene
                 .acting_formulas()
                 .any(|formula| is_local(scene, formula)),

@@ -47,14 +47,13 @@ impl<T: Float> ModelRun<T> {
         }
     }
 
-    /// What makes the steps of an explicit method small, if it is stiffness.
+    /// What makes the steps of an explicit method small, if it is stiffness, after so many of them.
     #[cold]
-    pub(super) fn stiff(&mut self) -> Option<Box<Stiff>> {
+    pub(super) fn stiff(&mut self, steps: u64) -> Option<Box<Stiff>> {
         let Pace::Adaptive(control, norm) = &self.pace else {
             return None;
         };
-        // The first steps are those of the start.
-        if self.method.is_stiff() || self.steps_of_run() < FEW {
+        if self.method.is_stiff() {
             return None;
         }
         let (step, limit) = (control.step, self.method.limit());
@@ -64,6 +63,7 @@ impl<T: Float> ModelRun<T> {
                 let block = norm.heaviest(&self.watch_weights, self.method.differences());
                 (part, block)
             }
+            false if steps < FEW => return None,
             false => {
                 let (rate, fastest) = self.fastest_by_powers(step)?;
                 let part = step * rate / limit;

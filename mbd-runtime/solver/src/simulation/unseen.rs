@@ -16,7 +16,6 @@ use mbd_scene::Float;
 use super::{ModelRun, Pace};
 use crate::error::StepError;
 use crate::integrate::Rates;
-use crate::moving::moving;
 
 /// Where stages of fixed steps are, in parts of the step, and where it is looked at besides: at no two places that are a turn apart.
 const SEEN: [f64; 3] = [0.0, 0.5, 1.0];
@@ -30,26 +29,20 @@ impl<T: Float> ModelRun<T> {
     #[inline]
     pub(super) fn look_between_stages(&mut self, step: f64) {
         let number = self.steps_of_run().wrapping_add(1);
-        if self.overlooked.turns
-            && self.options.watch
-            && self.hidden.is_none()
-            && number.is_power_of_two()
-        {
+        let looked = self.overlooked.has_states || !self.overlooked.angles.is_empty();
+        if looked && self.options.watch && self.hidden.is_none() && number.is_power_of_two() {
             self.find_between_stages(step);
         }
     }
 
     #[cold]
     fn find_between_stages(&mut self, step: f64) {
-        let model = self.system.model.clone();
-        let (scene, layout) = (model.scene(), model.layout());
-        // What is prescribed altogether is where it has to be, however long its steps.
-        let is_prescribed = layout.nv > 0 && layout.freedoms_at_start() == 0;
-        if !matches!(self.pace, Pace::Fixed(_)) || is_prescribed {
+        if !matches!(self.pace, Pace::Fixed(_)) {
             return;
         }
-        let angles = moving(layout).filter(|part| !part.has_quaternion());
-        let turned = angles.flat_map(|part| part.attitude).filter_map(|at| {
+        let model = self.system.model.clone();
+        let scene = model.scene();
+        let turned = self.overlooked.angles.iter().filter_map(|&at| {
             let [from, to] = [&self.state[..], self.method.next()].map(|state| state.get(at));
             Some((to?.to_f64() - from?.to_f64()).abs())
         });
