@@ -44,12 +44,18 @@ impl<T: Float> ModelRun<T> {
         }
         let layout = self.system.model.layout();
         let own = layout.states()..layout.nx();
-        let mut weights = vec![T::zero(); layout.nx()];
-        for (at, weight) in weights.iter_mut().enumerate().skip(own.start) {
-            let size = self.size_of_state(at, step);
-            *weight = T::from_f64(size.powi(-2));
+        // The room for a state takes the weights: nothing is allocated on the way.
+        for at in 0..self.inside.len() {
+            let weight = match own.contains(&at) {
+                true => self.size_of_state(at, step).powi(-2),
+                false => 0.0,
+            };
+            if let Some(slot) = self.inside.get_mut(at) {
+                *slot = T::from_f64(weight);
+            }
         }
-        if self.method.stiffness(&weights, [NEGLIGIBLE, LIMIT]) <= LIMIT {
+        let limits = [NEGLIGIBLE, LIMIT];
+        if self.method.stiffness(&self.inside, limits) <= LIMIT {
             return Ok(());
         }
         // What is evaluated here is none of the work of the run.

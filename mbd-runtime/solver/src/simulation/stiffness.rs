@@ -112,8 +112,8 @@ impl<T: Float> ModelRun<T> {
         rates.ok()?;
         // As far as a part of a step: what is moved so far is not bent.
         let apart = NEAR * step * size(&begun);
-        let mut way = begun.clone();
-        for (index, (x, weight)) in way.iter_mut().zip(&weights).enumerate() {
+        let mut direction = begun.clone();
+        for (index, (x, weight)) in direction.iter_mut().zip(&weights).enumerate() {
             // No direction is left out.
             let own = T::from_f64(1.0 + 0.3 * (index as f64).sin());
             *x = match *weight > T::zero() {
@@ -123,18 +123,22 @@ impl<T: Float> ModelRun<T> {
         }
         let (mut moved, mut logarithm) = (begun.clone(), 0.0);
         for power in 0..POWERS {
-            let scale = T::from_f64(apart / size(&way));
-            for (inside, (state, x)) in self.inside.iter_mut().zip(self.state.iter().zip(&way)) {
+            let scale = T::from_f64(apart / size(&direction));
+            for (inside, (state, x)) in self
+                .inside
+                .iter_mut()
+                .zip(self.state.iter().zip(&direction))
+            {
                 *inside = *state + scale * *x;
             }
             let rates = self
                 .system
                 .rates_inside(time, 0.0, &self.inside, &mut moved);
             rates.ok()?;
-            for (x, (now, before)) in way.iter_mut().zip(moved.iter().zip(&begun)) {
+            for (x, (now, before)) in direction.iter_mut().zip(moved.iter().zip(&begun)) {
                 *x = *now - *before;
             }
-            let rate = size(&way) / apart;
+            let rate = size(&direction) / apart;
             if !(rate.is_finite() && rate > 0.0) {
                 return None;
             }
@@ -143,7 +147,7 @@ impl<T: Float> ModelRun<T> {
             }
         }
         let rate = (logarithm / f64::from(POWERS - BLIND)).exp();
-        Some((rate, way))
+        Some((rate, direction))
     }
 }
 

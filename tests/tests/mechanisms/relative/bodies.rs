@@ -83,7 +83,10 @@ fn what_a_joint_forbids_is_left_out_of_where_bodies_are_put() {
     bodies[2] += 0.1;
     let mut found = ArmState::at_origin();
     arm.set_bodies(&mut found, &ArmInputs::default(), &bodies);
-    assert!((found.turntable().coordinates[0] - 0.5).abs() < 1e-6, "{found:?}");
+    assert!(
+        (found.turntable().coordinates[0] - 0.5).abs() < 1e-6,
+        "{found:?}"
+    );
     let placed = arm.bodies(&found);
     assert!((placed[2] + 0.1 - bodies[2]).abs() < 1e-6);
 }
