@@ -109,6 +109,8 @@ pub struct Done {
     pub failed: u64,
     /// Those that did, where a metric or an output is no finite number.
     pub not_finite: u64,
+    /// Those that did, but whose run made or lost too much energy.
+    pub unbalanced: u64,
     /// Those that did, where a metric is not resolved.
     pub unresolved: u64,
     /// Those that did inside the window of a metric.
@@ -238,6 +240,7 @@ impl Done {
         self.cases += 1;
         self.failed += u64::from(!flown.row.reached_end());
         self.not_finite += u64::from(flown.row.status == CaseRow::NOT_FINITE);
+        self.unbalanced += u64::from(flown.row.status == CaseRow::UNBALANCED);
         self.unresolved += u64::from(flown.row.status == CaseRow::UNRESOLVED);
         self.partial += u64::from(flown.row.status == CaseRow::PARTIAL);
         self.steps += steps;

@@ -22,7 +22,7 @@ use crate::footprint::Footprint;
 use crate::histories::Choice;
 use crate::manifest::{Manifest, OWN_VERSION, ResultColumn, ResultOptions, target};
 use crate::metric::Metrics;
-use crate::results::CaseRow;
+use crate::results::{CaseRow, LARGE_ERROR};
 use crate::run::always_mapped;
 use crate::run::names::wrong;
 use crate::run::plan::in_state_numbers;
@@ -71,6 +71,8 @@ struct Judged {
     metrics: Vec<f64>,
     /// What is no finite number where it has to be one.
     not_finite: Vec<String>,
+    /// What its run made or lost of the energy that moved.
+    unbalanced: Vec<String>,
     /// Which metrics are not resolved.
     unresolved: Vec<String>,
     /// Which metrics are those of a part of their window.
@@ -516,6 +518,7 @@ impl Campaign {
             end,
             metrics: self.metrics.read(history),
             not_finite,
+            unbalanced: Vec::new(),
             unresolved: self.metrics.unresolved(history),
             partial: self.metrics.partial(history),
             unreached: self.metrics.unreached(history),
@@ -528,12 +531,15 @@ impl Campaign {
             result,
             seconds,
             statistics,
+            imbalance,
             beside,
             ..
         } = finished;
         let (result, numbers) = match result {
             Ok(mut judged) => {
                 let numbers = std::mem::take(&mut judged.numbers);
+                let lost = imbalance.filter(|part| *part > LARGE_ERROR);
+                judged.unbalanced.extend(lost.map(made_or_lost));
                 (Ok(judged), Some(numbers))
             }
             Err(failed) => (Err(failed), None),
@@ -563,7 +569,12 @@ impl Campaign {
         let values = self.dispersions.in_units(&values);
         match result {
             Ok(judged) => {
-                let said = [judged.not_finite, judged.unresolved, judged.partial];
+                let said = [
+                    judged.not_finite,
+                    judged.unbalanced,
+                    judged.unresolved,
+                    judged.partial,
+                ];
                 let mut statuses = CaseRow::DOUBTFUL.into_iter().zip(&said);
                 let doubtful = statuses.find(|(_, told)| !told.is_empty());
                 let status = doubtful.map_or(CaseRow::OK, |(status, _)| status);
@@ -586,6 +597,14 @@ impl Campaign {
             },
         }
     }
+}
+
+/// That a run made or lost this part of the energy that moved.
+fn made_or_lost(part: f64) -> String {
+    format!(
+        "its steps made or lost {:.1} % of the energy that moved",
+        100.0 * part
+    )
 }
 
 /// What the start of a run as planned moves so that joints hold; nothing where it cannot begin, which the run itself tells.

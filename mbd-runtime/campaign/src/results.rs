@@ -86,8 +86,16 @@ impl CaseRow {
     /// The status of one that did inside the window of a metric: its value is that of the part that was flown.
     pub const PARTIAL: &str = "metric_partial";
 
+    /// The status of one that did, whose run made or lost more than a hundredth of the energy that moved: its steps are too long, or rounding decides.
+    pub const UNBALANCED: &str = "energy_unbalanced";
+
     /// The statuses of cases that reached their end with something to say of it, the weightiest first.
-    pub const DOUBTFUL: [&str; 3] = [CaseRow::NOT_FINITE, CaseRow::UNRESOLVED, CaseRow::PARTIAL];
+    pub const DOUBTFUL: [&str; 4] = [
+        CaseRow::NOT_FINITE,
+        CaseRow::UNBALANCED,
+        CaseRow::UNRESOLVED,
+        CaseRow::PARTIAL,
+    ];
 
     /// Whether its run came to its end.
     #[must_use]

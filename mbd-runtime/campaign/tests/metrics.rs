@@ -705,3 +705,51 @@ fn a_case_whose_metric_is_not_resolved_says_so_by_its_status_and_keeps_its_value
         "{told}"
     );
 }
+
+/// A mass on a spring, pulled out by half a metre.
+const SWING: &str = "model Swing {
+    gravity: none;
+    param stiffness = 1 N/m in 0.1 N/m ..= 1e6 N/m;
+    world { frame wall at [0.0, 0.0, 0.0] m }
+    point bob { mass: 1 kg, start at [1.5, 0.0, 0.0] m }
+    spring coil from world.wall to bob { free_length: 1 m, stiffness: stiffness }
+    metric out = final bob.position.x;
+}";
+
+#[test]
+fn a_case_whose_steps_make_or_lose_energy_says_so_by_its_status() {
+    let scene = read_text(SWING).scene.expect("a scene");
+    let model = Interpreted::<f64>::new(scene, &[1.0]).expect("defaults");
+    let folder = Folder::new("metrics_unbalanced");
+    // RK4 loses (ωh)⁶/72 of the energy of an oscillation in a step, here 1.25 % of it in 300 steps of the second case.
+    let text = "sampling = \"grid\"\n[params]\nstiffness = { dist = \"grid\", values = [\"4 N/m\", \"1444 N/m\"] }\n[run]\nuntil = \"3 s\"\nmethod = \"rk4\"\nstep = \"10 ms\"\n";
+    let campaign = campaign_of(&folder, model.share(), text).expect("valid");
+    let mut tables = Vec::new();
+    for lanes in [None, Some(4)] {
+        let out = folder.0.join(format!("out_{}", lanes.unwrap_or(1)));
+        let done = blocks::run(
+            &campaign,
+            &out,
+            (blocks::Shard::WHOLE, false),
+            Resources { threads: 1, lanes },
+            &mut ProgressLine::silent(),
+        );
+        let done = done.expect("it runs");
+        assert_eq!((done.failed, done.unbalanced), (0, 1));
+        blocks::gather(&out, None).expect("all blocks");
+        tables.push(fs::read_to_string(out.join("cases.csv")).expect("cases"));
+        let results = Results::read(&out).expect("gathered");
+        let statuses: Vec<&str> = results.rows.iter().map(|row| row.status.as_str()).collect();
+        assert_eq!(statuses, ["ok", "ok", "energy_unbalanced"]);
+        assert_eq!(
+            results.rows[2].why,
+            "its steps made or lost 1.2 % of the energy that moved"
+        );
+        // x = 1 + ½ cos ωt
+        assert!((results.rows[1].metrics[0] - 1.0 - 0.5 * 6.0_f64.cos()).abs() < 1e-6);
+        let told = mbd_campaign::text(&results, &CampaignSummary::of(&results));
+        let says = "1 × energy_unbalanced: case 2: its steps made or lost 1.2 %";
+        assert!(told.contains(says), "{told}");
+    }
+    assert_eq!(tables[0], tables[1]);
+}

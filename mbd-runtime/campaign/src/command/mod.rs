@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::histories::{self, Chosen};
 use crate::page::Page;
 use crate::progress::ProgressLine;
-use crate::results::Results;
+use crate::results::{CaseRow, Results};
 use crate::run::Phase;
 use crate::summary::CampaignSummary;
 use crate::table::counted;
@@ -145,6 +145,10 @@ fn doubtful(done: &Done) -> String {
             "a metric or an output that is no finite number",
         ),
         (
+            done.unbalanced,
+            "energy made or lost by its steps (`why` in cases.csv)",
+        ),
+        (
             done.unresolved,
             "a metric that is not resolved (`why` in cases.csv)",
         ),
@@ -203,9 +207,11 @@ impl Gathered {
         })
     }
 
-    /// A text, as the requirements have it.
+    /// A text, as the requirements have it; nothing is shown by steps that make or lose energy.
     fn end(&self, told: String) -> Result<String, Failure> {
-        match self.summary.passes() {
+        let mut rows = self.results.rows.iter();
+        let is_kept = !rows.any(|row| row.status == CaseRow::UNBALANCED);
+        match self.summary.passes() && is_kept {
             true => Ok(told),
             false => Err(Failure::NotMet(told)),
         }

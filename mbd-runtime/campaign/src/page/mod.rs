@@ -162,6 +162,7 @@ fn opening(summary: &CampaignSummary) -> String {
     };
     let said = [
         "a metric or an output is no finite number",
+        "the steps made or lost energy",
         "a metric is not resolved",
         "a metric is that of a part of its window only",
     ];

@@ -103,6 +103,9 @@ pub struct Finished<R, T = f64> {
     pub result: Result<R, Failed<T>>,
     /// What the run cost.
     pub statistics: Statistics,
+    /// Energy that it made or lost over the energy that moved, as [`Simulation::imbalance`](crate::Simulation::imbalance) tells it; of several runs that go
+    /// on from each other the most. `None` where none can tell it.
+    pub imbalance: Option<f64>,
     /// Steps that were tried in lanes beside those of other cases; what is in the result does not depend on it.
     pub beside: u64,
     /// Time from its begin to its end on the clock [s], during which others may have been under way beside it. This and `beside` are the only numbers here

@@ -83,6 +83,8 @@ struct FlyingCase<T: Scalar> {
     /// The histories of the runs that this one goes on from, with their models, and what these cost.
     earlier: Vec<(usize, Trajectory)>,
     cost: Statistics,
+    /// Energy that these made or lost, over the energy that moved: the most of them.
+    unbalanced: Option<f64>,
     began: Instant,
     /// Steps that were tried beside those of other cases.
     beside: u64,
@@ -180,6 +182,7 @@ impl<T: Scalar> Flights<'_, T> {
             history,
             earlier: Vec::new(),
             cost: Statistics::default(),
+            unbalanced: None,
             began: Instant::now(),
             beside: 0,
         }
@@ -241,7 +244,7 @@ impl<T: Scalar> Flights<'_, T> {
         else {
             return Ok(false);
         };
-        let statistics = run.statistics();
+        let (statistics, imbalance) = (run.statistics(), imbalance(run));
         let ended = Ended {
             run,
             model: flight.model,
@@ -256,6 +259,7 @@ impl<T: Scalar> Flights<'_, T> {
         let history = std::mem::replace(&mut flight.history, onward.history);
         flight.earlier.push((flight.model, history));
         flight.cost = flight.cost.and(statistics);
+        flight.unbalanced = larger(flight.unbalanced, imbalance);
         flight.model = onward.model;
         flight.run = Some((run, course));
         Ok(true)
@@ -317,6 +321,7 @@ impl<T: Scalar> FlyingCase<T> {
             history,
             mut earlier,
             cost,
+            unbalanced,
             began,
             beside,
         } = self;
@@ -340,6 +345,7 @@ impl<T: Scalar> FlyingCase<T> {
         let finished = Finished {
             case: case.number,
             statistics: cost.and(run.map_or(Statistics::default(), Simulation::statistics)),
+            imbalance: larger(unbalanced, run.and_then(imbalance)),
             result: result.map_err(|why| Failed {
                 why,
                 time: run.map_or(f64::NAN, Simulation::time),
@@ -350,6 +356,16 @@ impl<T: Scalar> FlyingCase<T> {
         };
         (Some(finished), history)
     }
+}
+
+/// Energy that a run made or lost over the energy that moved, where it can tell.
+fn imbalance<T: Float>(run: &Simulation<T>) -> Option<f64> {
+    run.imbalance().map(|it| it.relative())
+}
+
+/// The larger of what is known.
+fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+    one.into_iter().chain(other).reduce(f64::max)
 }
 
 /// A run that is given up before it begins.
