@@ -94,7 +94,7 @@ class Browser:
         scheme = "dark" if dark else "light"
         self.page("Emulation.setEmulatedMedia", media="screen", features=[{"name": "prefers-color-scheme", "value": scheme}])
         self.page("Emulation.setScriptExecutionDisabled", value=not script)
-        served = path.startswith("http://127.0.0.1:")
+        served = path.startswith(("http://127.0.0.1:", "about:"))
         self.allowed = ("file:", "data:", "about:") + ((path,) if served else ())
         self.page("Page.navigate", url=path if served else "file://" + os.path.abspath(path))
         while "Page.loadEventFired" not in self.events:
