@@ -20,7 +20,7 @@ use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
 use crate::histories::Choice;
-use crate::manifest::{Manifest, OWN_VERSION, ResultColumn, ResultOptions, target};
+use crate::manifest::{Manifest, OWN_VERSION, ResultColumn, ResultOptions, build, target};
 use crate::metric::Metrics;
 use crate::results::{CaseRow, LARGE_ERROR};
 use crate::run::always_mapped;
@@ -301,6 +301,7 @@ impl Campaign {
             dispersions: hash(format!("{:?} {:?}", self.dispersions, self.metrics)),
             settings: hash(settings),
             version: OWN_VERSION.to_owned(),
+            build: build(),
             target: target(),
             sampling: self.dispersions.sampling,
             seed: self.dispersions.seed,

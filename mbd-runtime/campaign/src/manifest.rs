@@ -5,6 +5,7 @@ use std::fs;
 use std::io;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -16,7 +17,7 @@ use crate::histories::Choice;
 use crate::metric::Requirement;
 use crate::sampling::CaseSampling;
 use mbd_report::files;
-use mbd_runtime::scene::FUSES;
+use mbd_runtime::scene::{FUSES, fingerprint};
 
 /// The name of its file.
 const NAME: &str = "manifest.json";
@@ -63,6 +64,9 @@ pub struct Manifest {
     pub settings: String,
     /// The version of this program.
     pub version: String,
+    /// What tells this build of it from others: controllers are code, and a mended law draws or flies otherwise.
+    #[serde(default)]
+    pub build: String,
     /// The kind of machine that the program is for, and whether it fuses products and sums: sines and sums may differ in the last bit on another.
     pub target: String,
     /// How the cases are spread: a grid is no random sample.
@@ -104,6 +108,19 @@ pub struct ResultOptions {
 pub(crate) fn target() -> String {
     let fuses = if FUSES { "-fma" } else { "" };
     format!("{}-{}{fuses}", std::env::consts::ARCH, std::env::consts::OS)
+}
+
+/// What tells the program that runs from other builds of it: a hash of its file. Empty where that cannot be read.
+pub(crate) fn build() -> String {
+    static BUILD: OnceLock<String> = OnceLock::new();
+    let read = || {
+        let bytes = std::env::current_exe().and_then(fs::read);
+        bytes.map_or_else(
+            |_| String::new(),
+            |bytes| format!("{:016x}", fingerprint(bytes)),
+        )
+    };
+    BUILD.get_or_init(read).clone()
 }
 
 impl Manifest {
@@ -218,6 +235,7 @@ fn difference(name: &str, there: &Value, here: &Value) -> String {
             "declaration" => " (the text of the scene)",
             "dispersions" => " (distributions, constraints, metrics, numbers of tables)",
             "settings" => " (how runs are set)",
+            "build" => " (the program was built anew)",
             _ => "",
         };
         return format!("{name}: {there} there, {here} here{what}");

@@ -153,6 +153,7 @@ fn a_folder_of_an_older_version_is_refused_with_what_differs_and_what_to_do() {
     with(&[
         (&version, "\"version\": \"0.0.7\""),
         ("\"name\": \"far\"", "\"name\": \"near\""),
+        ("\"build\": \"", "\"build\": \"0"),
     ]);
     let (code, told) = resumed();
     assert_eq!(code, 2);
@@ -166,6 +167,8 @@ fn a_folder_of_an_older_version_is_refused_with_what_differs_and_what_to_do() {
         "delete this one",
         &here,
         "metrics: \"near\" there alone; \"far\" here alone",
+        "build: \"0",
+        "(the program was built anew)",
     ] {
         assert!(told.contains(words), "{words}: {told}");
     }

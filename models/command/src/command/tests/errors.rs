@@ -66,10 +66,16 @@ fn a_campaign_tells_the_error_of_its_cases() {
         "{told}"
     );
     assert!(told.contains("nominal 1.9000e7"), "{told}");
-    // Who asks for no estimate has none.
+    // Who asks for no estimate has none; what the steps made of the energy is told all the same.
     let none = folder.file("none.toml", &format!("{cases}[run]\nestimate = false\n"));
-    let told = run(&["campaign", &file, &none, "--out", &out("none")]).unwrap();
+    let error = run(&["campaign", &file, &none, "--out", &out("none")]).unwrap_err();
+    let told = error.to_string();
+    assert_eq!(error.code(), 3, "{told}");
     assert!(!told.contains("flown again"), "{told}");
+    assert!(
+        told.contains("21 × energy_unbalanced: case 0: its steps made or lost 60"),
+        "{told}"
+    );
 }
 
 /// A mass that comes to rest on a damped stop: forces cancel there, and what rounding leaves of them is no instability of a step of h ω = 0.01.
