@@ -96,6 +96,17 @@ fn text_and_toml_choose_alike_and_toml_is_written_with_the_choice() {
     assert_eq!(toml.notes, text.notes);
 }
 
+/// How rods are joined.
+const KINDS: [&str; 7] = [
+    "parallel",
+    "crossed",
+    "skew",
+    "spherical",
+    "universal",
+    "cylindrical",
+    "floating",
+];
+
 /// Rods on joints of a kind, each on the last one or (`branched`) on one before; `tip` is where a rod carries the next.
 fn tree(rods: usize, kind: &str, tip: &str, branched: bool) -> Scene {
     let mut text =
@@ -147,17 +158,8 @@ fn operations(scene: &Scene, layout: Layout) -> usize {
 #[test]
 fn a_tree_is_accelerated_by_the_factor_of_its_mass_matrix_or_by_articulated_bodies_whichever_takes_fewer_operations()
  {
-    let kinds = [
-        "parallel",
-        "crossed",
-        "skew",
-        "spherical",
-        "universal",
-        "cylindrical",
-        "floating",
-    ];
     let (mut trees, mut by_articulated_bodies, mut estimated) = (0, 0, 0.0);
-    for kind in kinds {
+    for kind in KINDS {
         for rods in [2, 3, 5, 7, 9, 12] {
             let tip = ["[0.0, 0.0, -0.5]", "[0.1, 0.2, -0.5]"][rods % 2];
             let scene = tree(rods, kind, tip, rods == 7);
@@ -199,15 +201,7 @@ fn derivatives_of_a_tree_are_solved_by_the_factor_of_fewer_operations() {
         cost(Quantity::Factor) + solutions * cost(Quantity::Solve)
     };
     let mut of_other = 0;
-    for kind in [
-        "parallel",
-        "crossed",
-        "skew",
-        "spherical",
-        "universal",
-        "cylindrical",
-        "floating",
-    ] {
+    for kind in KINDS {
         for rods in [4, 9, 14] {
             let scene = tree(rods, kind, "[0.0, 0.0, -0.5]", rods == 9);
             let layout = Layout::new(&scene);

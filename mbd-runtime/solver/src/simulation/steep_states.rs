@@ -26,9 +26,11 @@ impl<T: Float> ModelRun<T> {
     /// It is.
     #[inline]
     pub(super) fn watch_states(&mut self, step: f64) -> Result<(), StepError> {
+        if !(self.overlooked.has_states && self.watched) {
+            return Ok(());
+        }
         let number = self.steps_of_run().wrapping_add(1);
-        let is_due = number.is_power_of_two() || number.is_multiple_of(OFTEN);
-        match self.overlooked.has_states && is_due && self.watched {
+        match number.is_power_of_two() || number.is_multiple_of(OFTEN) {
             true => self.look_at_states(step),
             false => Ok(()),
         }
