@@ -23,7 +23,7 @@ impl Span {
     /// What is new in a row of size 1 or less, and what of the kept rows was taken out of it.
     fn rest(&self, row: &DVector<f64>) -> (DVector<f64>, Vec<f64>) {
         let (mut rest, mut made) = (row.clone(), vec![0.0; self.units.len()]);
-        let units = self.units.iter().map(|(unit, _)| unit.as_slice());
+        let units = self.units.iter().map(|(unit, _)| (0, unit.as_slice()));
         take_out(rest.as_mut_slice(), units, |index, along| {
             subtract(&mut made, along, &self.units[index].1);
         });

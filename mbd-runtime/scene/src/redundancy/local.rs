@@ -62,7 +62,7 @@ impl Hold {
             let whole = dot(&rest, &rest).sqrt();
             let mut mix = [0.0; 6];
             *mix.get_mut(index)? = 1.0;
-            let fixed = hold.fixed.iter().map(|fixed| &fixed[..]);
+            let fixed = hold.fixed.iter().map(|fixed| (0, &fixed[..]));
             take_out(&mut rest, fixed, |index, along| {
                 subtract(&mut mix, along, &hold.mix[index]);
             });
@@ -78,7 +78,7 @@ impl Hold {
             let rest = |k: usize| {
                 let mut rest: PartMotion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
                 let known = hold.fixed.iter().chain(&hold.free);
-                take_out(&mut rest, known.map(|known| &known[..]), |_, _| ());
+                take_out(&mut rest, known.map(|known| (0, &known[..])), |_, _| ());
                 rest
             };
             let longest = speeds

@@ -236,7 +236,7 @@ fn counting(
 /// What of a row is new against orthonormal ones.
 fn beyond(span: &[Pair], row: &Pair) -> Pair {
     let mut rest = *row;
-    let units = span.iter().map(|unit| unit.as_slice());
+    let units = span.iter().map(|unit| (0, unit.as_slice()));
     take_out(rest.as_mut_slice(), units, |_, _| ());
     rest
 }

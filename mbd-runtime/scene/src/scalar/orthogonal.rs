@@ -1,14 +1,15 @@
 //! Gram–Schmidt: what of a vector is new against orthonormal ones.
 
-/// Takes out of `rest` what the orthonormal `units` have of it, and reports each part with the number of its unit. Twice: once leaves the
-/// rounding of the vector, twice nothing but the new part.
+/// Takes out of `rest` what the orthonormal `units` have of it, and reports each part with the number of its unit. Of a unit those numbers are
+/// told that are not zero, with the place of the first. Twice: once leaves the rounding of the vector, twice nothing but the new part.
 pub fn take_out<'u>(
     rest: &mut [f64],
-    units: impl Iterator<Item = &'u [f64]> + Clone,
+    units: impl Iterator<Item = (usize, &'u [f64])> + Clone,
     mut part: impl FnMut(usize, f64),
 ) {
     for _ in 0..2 {
-        for (index, unit) in units.clone().enumerate() {
+        for (index, (first, unit)) in units.clone().enumerate() {
+            let rest = rest.get_mut(first..).unwrap_or_default();
             let along = dot(rest, unit);
             subtract(rest, along, unit);
             part(index, along);

@@ -61,8 +61,12 @@ pub(crate) struct Dense {
     begins: Vec<usize>,
     /// Q, a row a chosen row.
     units: Vec<f64>,
+    /// Where the numbers of each row of Q lie that are not zero (n_c).
+    spans: Vec<Range<usize>>,
     /// R, row by row (n_c × n_c).
     mix: Vec<f64>,
+    /// Where each row of a factor in `mix` begins (n_c).
+    mix_begins: Vec<usize>,
     /// R⁻¹ γ; what is left of rows.
     along: Vec<f64>,
     rest: Vec<f64>,
@@ -98,7 +102,9 @@ impl Dense {
             lower: vec![0.0; nv * nv],
             begins: vec![0; nv],
             units: vec![0.0; nc * nv],
+            spans: vec![0..nv; nc],
             mix: vec![0.0; nc * nc],
+            mix_begins: vec![0; nc],
             along: vec![0.0; nc],
             rest: vec![0.0; nv],
             news: vec![0.0; nc * nv],
@@ -150,19 +156,25 @@ impl Dense {
 
     /// L in place; a row of it begins where the row of the matrix does.
     fn factor_lower(&mut self) {
-        let rows = self.lower.chunks_exact(self.nv.max(1));
-        for (at, (begin, row)) in self.begins.iter_mut().zip(rows).enumerate() {
-            *begin = row.iter().take(at).position(|x| *x != 0.0).unwrap_or(at);
-        }
-        Self::factor_square(&mut self.lower, self.nv);
+        Self::begins(&mut self.begins, &self.lower, self.nv);
+        Self::factor_square(&mut self.lower, &self.begins, self.nv);
     }
 
-    /// Cholesky of a symmetric matrix in place, from its lower half.
-    fn factor_square(lower: &mut [f64], n: usize) {
+    /// Where each row of the lower half of a matrix begins: what stands before is zero, in its factor, too.
+    fn begins(begins: &mut [usize], lower: &[f64], n: usize) {
+        let rows = lower.chunks_exact(n.max(1));
+        for (at, (begin, row)) in begins.iter_mut().zip(rows).enumerate() {
+            *begin = row.iter().take(at).position(|x| *x != 0.0).unwrap_or(at);
+        }
+    }
+
+    /// Cholesky of a symmetric matrix in place, from its lower half, of which each row is zero before it `begins`, where that is told.
+    fn factor_square(lower: &mut [f64], begins: &[usize], n: usize) {
+        let begin = |row: usize| begins.get(row).copied().unwrap_or(0);
         for i in 0..n {
-            for j in 0..=i {
+            for j in begin(i)..=i {
                 let mut total = lower[i * n + j];
-                for k in 0..j {
+                for k in begin(i).max(begin(j))..j {
                     total -= lower[i * n + k] * lower[j * n + k];
                 }
                 lower[i * n + j] = if i == j {
@@ -196,14 +208,14 @@ impl Dense {
 
     /// Writes y of a row less what rows so far have of it into `rest`, its parts into line `at` of R; the sizes before and after.
     fn reduce(&mut self, row: usize, at: usize) -> [f64; 2] {
-        let (n, nc) = (self.nv, self.nc);
+        let nc = self.nc;
         let mut rest = std::mem::take(&mut self.rest);
         rest.copy_from_slice(self.row(row));
         Self::forward(&self.lower, &self.begins, &mut rest);
         let before = dot(&rest, &rest).sqrt();
         let line = &mut self.mix[at * nc..at * nc + at];
         line.fill(0.0);
-        let units = self.units.chunks_exact(n).take(at);
+        let units = units(&self.units, self.nv, &self.spans[..at]);
         take_out(&mut rest, units, |known, along| line[known] += along);
         let after = dot(&rest, &rest).sqrt();
         self.rest = rest;
@@ -214,8 +226,10 @@ impl Dense {
     fn add(&mut self, at: usize, size: f64) {
         let (n, nc) = (self.nv, self.nc);
         self.mix[at * nc + at] = size;
-        let unit = self.units[at * n..(at + 1) * n].iter_mut();
-        unit.zip(&self.rest).for_each(|(u, x)| *u = x / size);
+        let unit = &mut self.units[at * n..(at + 1) * n];
+        let numbers = unit.iter_mut().zip(&self.rest);
+        numbers.for_each(|(u, x)| *u = x / size);
+        self.spans[at] = span(unit);
     }
 
     /// Chooses rows: the one with most that is new first, until nothing is. From `mass`, `weights` and `jacobian`; (1) is to be factorised.
@@ -320,10 +334,11 @@ impl Dense {
         self.rest.copy_from_slice(&self.force);
         Self::backward(&self.lower, &mut self.rest);
         self.free = largest(&self.rest);
-        let units = self.units.chunks_exact(self.nv);
-        for (unit, along) in units.zip(&mut self.along).take(chosen.len()) {
-            *along -= dot(unit, &self.force);
-            subtract(&mut self.force, -*along, unit);
+        let units = units(&self.units, self.nv, &self.spans[..chosen.len()]);
+        for ((first, unit), along) in units.zip(&mut self.along) {
+            let force = &mut self.force[first..];
+            *along -= dot(unit, force);
+            subtract(force, -*along, unit);
         }
         Self::backward(&self.lower, &mut self.force);
         self.multipliers.fill(0.0);
@@ -358,9 +373,9 @@ impl Dense {
     pub(crate) fn correct(&mut self, chosen: &[usize]) {
         self.find_along(chosen);
         self.force.fill(0.0);
-        let units = self.units.chunks_exact(self.nv).zip(&self.along);
-        for (unit, along) in units.take(chosen.len()) {
-            subtract(&mut self.force, *along, unit);
+        let units = units(&self.units, self.nv, &self.spans[..chosen.len()]);
+        for ((first, unit), along) in units.zip(&self.along) {
+            subtract(&mut self.force[first..], *along, unit);
         }
         Self::backward(&self.lower, &mut self.force);
     }
@@ -466,6 +481,25 @@ impl Dense {
             x[i] = (x[i] - known) / whole[i * size + i];
         }
     }
+}
+
+/// Where the numbers of a list lie that are not zero.
+fn span(list: &[f64]) -> Range<usize> {
+    let first = list.iter().position(|x| *x != 0.0);
+    let last = list.iter().rposition(|x| *x != 0.0);
+    first
+        .zip(last)
+        .map_or(0..0, |(first, last)| first..last + 1)
+}
+
+/// Rows of Q as far as they are not zero, each with the place of its first number.
+fn units<'a>(
+    numbers: &'a [f64],
+    nv: usize,
+    spans: &'a [Range<usize>],
+) -> impl Iterator<Item = (usize, &'a [f64])> + Clone {
+    let rows = numbers.chunks_exact(nv.max(1)).zip(spans);
+    rows.map(|(row, span)| (span.start, &row[span.clone()]))
 }
 
 /// The largest size; NaN where a number is.

@@ -40,7 +40,7 @@ pub(crate) fn dependent<T: Float>(
             *own = 1.0;
         }
         let whole = dot(&rest, &rest).sqrt();
-        let units = directions.iter().map(|known| &known.unit[..]);
+        let units = directions.iter().map(|known| (0, &known.unit[..]));
         take_out(&mut rest, units, |known, along| {
             subtract(&mut made, along, &directions[known].made);
         });

@@ -14,7 +14,7 @@
 
 use mbd_scene::orthogonal::{dot, subtract};
 
-use super::{Dense, largest};
+use super::{Dense, largest, span, units};
 use crate::fallback::limits::{GIVE, LEAST, ROUNDS};
 
 impl Dense {
@@ -36,24 +36,23 @@ impl Dense {
                 unit.iter_mut().for_each(|x| *x /= size);
                 self.right[row] /= size;
             }
+            self.spans[row] = span(unit);
         }
         for i in 0..nc {
             for j in 0..=i {
-                let shared = dot(
-                    &self.units[i * n..(i + 1) * n],
-                    &self.units[j * n..(j + 1) * n],
-                );
+                let shared = self.shared(i, j);
                 self.mix[i * nc + j] = if i == j { shared + give } else { shared };
             }
         }
-        Self::factor_square(&mut self.mix, nc);
+        Self::begins(&mut self.mix_begins, &self.mix, nc);
+        Self::factor_square(&mut self.mix, &self.mix_begins, nc);
         let scale = largest(&self.right) + dot(&self.force, &self.force).sqrt();
         self.multipliers.fill(0.0);
         let mut before = f64::INFINITY;
         for round in 0..ROUNDS {
-            for (row, left) in self.along.iter_mut().enumerate() {
-                let unit = &self.units[row * n..(row + 1) * n];
-                *left = self.right[row] - dot(unit, &self.force);
+            let rows = units(&self.units, n, &self.spans).zip(&self.right);
+            for (((first, unit), right), left) in rows.zip(&mut self.along) {
+                *left = right - dot(unit, &self.force[first..]);
             }
             let left = largest(&self.along);
             let stalls = round >= LEAST && left > 0.5 * before;
@@ -61,18 +60,30 @@ impl Dense {
             if stalls || left <= epsilon * scale || left.is_nan() {
                 break;
             }
-            Self::forward(&self.mix, &[], &mut self.along);
+            Self::forward(&self.mix, &self.mix_begins, &mut self.along);
             Self::backward(&self.mix, &mut self.along);
             let news = self.multipliers.iter_mut().zip(&self.along);
             for ((multiplier, more), size) in news.zip(&self.spare) {
                 *multiplier += more / size;
             }
-            for (unit, more) in self.units.chunks_exact(n).zip(&self.along) {
-                subtract(&mut self.force, -more, unit);
+            let rows = units(&self.units, n, &self.spans);
+            for ((first, unit), more) in rows.zip(&self.along) {
+                subtract(&mut self.force[first..], -more, unit);
             }
         }
         Self::backward(&self.lower, &mut self.force);
         if before == 0.0 { 0.0 } else { before / scale }
+    }
+
+    /// The inner product of two rows of Y.
+    fn shared(&self, i: usize, j: usize) -> f64 {
+        let (a, b) = (&self.spans[i], &self.spans[j]);
+        let both = a.start.max(b.start)..a.end.min(b.end);
+        if both.is_empty() {
+            return 0.0;
+        }
+        let part = |row: usize| &self.units[row * self.nv..][both.clone()];
+        dot(part(i), part(j))
     }
 }
 
