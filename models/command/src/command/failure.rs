@@ -12,7 +12,7 @@ pub enum CommandFailure {
     /// The scene or its params are invalid.
     Invalid(String),
     /// A scene file has mistakes.
-    Mistakes(Mistakes),
+    Mistakes(Box<Mistakes>),
     /// The scene is invalid; that is told on the standard output, for a program.
     Told(String),
     /// The run is less accurate than it should be, or a campaign does not show what is required: the whole result, for the standard output.

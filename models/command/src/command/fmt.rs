@@ -162,12 +162,13 @@ fn formatted(
         (text, left.collect())
     };
     result.map(told).map_err(|errors| {
-        CommandFailure::Mistakes(Mistakes {
+        CommandFailure::Mistakes(Box::new(Mistakes {
             file: name.to_owned(),
             source: text.to_owned(),
             errors,
             settings: None,
-        })
+            notes: Vec::new(),
+        }))
     })
 }
 

@@ -47,10 +47,12 @@ pub struct Mistakes {
     pub errors: Vec<Message>,
     /// What is wrong with the settings of its run.
     pub settings: Option<SettingsError>,
+    /// How words were read that may be read otherwise: a mistake may come of it.
+    pub notes: Vec<String>,
 }
 
 impl Mistakes {
-    /// Every mistake as `file:line:column: text`, with the line and a caret; their number at the end.
+    /// Every mistake as `file:line:column: text`, with the line and a caret; the notes, and the number of mistakes at the end.
     pub fn text(&self, paint: Paint) -> String {
         let shown = |message: &Message| {
             let places = message
@@ -70,7 +72,9 @@ impl Mistakes {
             1 => "1 error".to_owned(),
             count => format!("{count} errors"),
         };
-        format!("{}\n{}", all.join("\n"), paint.with(RED, &count))
+        let notes = self.notes.iter().map(|note| format!("note: {note}\n"));
+        let notes: String = notes.collect();
+        format!("{}\n{notes}{}", all.join("\n"), paint.with(RED, &count))
     }
 
     /// What is wrong with a setting that stands in the file, at the key or the table on its line.

@@ -271,10 +271,11 @@ fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> CommandFail
 }
 
 fn mistakes(file: &SceneFile, errors: Vec<Message>) -> CommandFailure {
-    CommandFailure::Mistakes(Mistakes {
+    CommandFailure::Mistakes(Box::new(Mistakes {
         file: file.name.clone(),
         source: file.source.clone(),
         errors,
         settings: None,
-    })
+        notes: Vec::new(),
+    }))
 }

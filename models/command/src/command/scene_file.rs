@@ -209,12 +209,13 @@ impl SceneFile {
 
     /// A mistake in the settings of its run.
     fn mistake(&self, settings: SettingsError) -> CommandFailure {
-        CommandFailure::Mistakes(Mistakes {
+        CommandFailure::Mistakes(Box::new(Mistakes {
             file: self.name.clone(),
             source: self.source.clone(),
             errors: Vec::new(),
             settings: Some(settings),
-        })
+            notes: Vec::new(),
+        }))
     }
 
     /// What a run says of its start where it is not as it was asked to be; `None` also where something else keeps it from beginning.
@@ -363,12 +364,13 @@ impl SceneFile {
                     compiled: None,
                 })
             }
-            (_, settings) => Err(CommandFailure::Mistakes(Mistakes {
+            (_, settings) => Err(CommandFailure::Mistakes(Box::new(Mistakes {
                 file: name.to_owned(),
                 source: text.to_owned(),
                 errors,
                 settings: settings.err(),
-            })),
+                notes: reading.notes,
+            }))),
         }
     }
 }

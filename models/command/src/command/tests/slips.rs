@@ -396,6 +396,20 @@ fn a_number_without_a_unit_in_the_settings_is_told_with_its_line_where_it_is_sel
 }
 
 #[test]
+fn a_word_that_was_read_as_a_unit_is_told_beside_the_mistake_that_comes_of_it() {
+    let folder = Folder::new("slips_hour");
+    let text = "model M { gravity: none; const J = 1 kg*m^2; point p { mass: 1 kg }
+        let h = 3 mm; let turn = 2 kg * 9.81 m/s^2 * h / (J + J); output err = 1 - turn * time^2; }";
+    let file = folder.file("m.mbd", text);
+    for command in ["check", "run"] {
+        let error = run(&[command, &file]).unwrap_err().to_string();
+        assert!(error.contains("only like quantities"), "{error}");
+        let note = "\nnote: `h` in `m/s^2*h` is the unit, not the let `h`\n1 error";
+        assert!(error.ends_with(note), "{error}");
+    }
+}
+
+#[test]
 fn an_output_that_is_no_number_is_told_and_the_run_goes_on() {
     let folder = Folder::new("no_number");
     let out = folder.0.join("out").display().to_string();
