@@ -70,7 +70,7 @@ impl<'a> Compared<'a> {
                 .fold(over, |figure, (label, times, values)| {
                     let series = Series::new(*label, times, values);
                     figure.series(match period(unit, values) {
-                        Some(period) => series.wraps(period),
+                        Some(period) => series.periodic(period),
                         None => series,
                     })
                 });
@@ -132,7 +132,7 @@ fn curves<'a>(name: &'a Name, runs: &[(&'a str, Run<'a>)]) -> Option<ComparedCur
     let [(_, times, first), others @ ..] = runs.as_slice() else {
         return None;
     };
-    let wraps = others
+    let shared_period = others
         .iter()
         .chain([&runs[0]])
         .find_map(|(.., values)| period(&name.unit, values));
@@ -140,7 +140,7 @@ fn curves<'a>(name: &'a Name, runs: &[(&'a str, Run<'a>)]) -> Option<ComparedCur
         let common = times.iter().zip(*first).filter_map(|(time, reference)| {
             let mut apart = at(own, values, *time)? - reference;
             // Of angles the shorter way.
-            if let Some(period) = wraps {
+            if let Some(period) = shared_period {
                 apart -= period * (apart / period).round();
             }
             Some((*time, apart))

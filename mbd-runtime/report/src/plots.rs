@@ -83,7 +83,7 @@ impl<'a> PlotGroup<'a> {
             };
             let series = Series::new(name, times, values);
             figure.series(match period(&self.unit, values) {
-                Some(period) => series.wraps(period),
+                Some(period) => series.periodic(period),
                 None => series,
             })
         })

@@ -32,7 +32,7 @@ impl<'a> Series<'a> {
 
     /// Values this far apart are the same, as 360° and 0° are: no line is drawn where the curve jumps by more than half of it.
     #[must_use]
-    pub fn wraps(mut self, period: f64) -> Self {
+    pub fn periodic(mut self, period: f64) -> Self {
         self.period = Some(period);
         self
     }

@@ -93,10 +93,10 @@ pub fn declared_parts(
             let (declared, own) = (&absolute.scene, &absolute.layout);
             let mut placed = absolute.state((scene, layout), from, state);
             declared_parts(declared, own, from, &mut placed);
-            let mut hung = placed.clone();
+            let mut tried = placed.clone();
             // What does not fit is told where the coordinates that are given, too, are placed.
-            if place_near(declared, own, from, (&[], &[]), &parts, &mut hung).is_ok() {
-                placed = hung;
+            if place_near(declared, own, from, (&[], &[]), &parts, &mut tried).is_ok() {
+                placed = tried;
             }
             absolute.relative((scene, layout), &placed, from, state);
         }

@@ -32,7 +32,7 @@ pub(crate) fn find<T: Float>(
     given: &[(&str, f64)],
 ) -> Result<Efforts, LinearisationError> {
     let mut moment = SceneMoment::new(model, at)?;
-    moment.settle(None)?;
+    moment.balance_nodes(None)?;
     let names: Vec<&str> = given.iter().map(|(name, _)| *name).collect();
     let chart = Chart::choose(&mut moment, &names, ChartOrder::Places)?;
     check_given(given.iter().copied())?;

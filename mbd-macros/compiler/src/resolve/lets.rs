@@ -40,7 +40,7 @@ impl Resolver<'_> {
     /// Resolves every `let`.
     pub fn lets(&mut self) {
         for index in 0..self.lets.len() {
-            self.settle(index);
+            self.resolve_let(index);
         }
     }
 
@@ -53,11 +53,11 @@ impl Resolver<'_> {
         if self.nested == 0 {
             // In their order, so that a long row of lets each naming the one before is no deep recursion.
             for earlier in 0..index {
-                self.settle(earlier);
+                self.resolve_let(earlier);
             }
             self.too_early = None;
         }
-        self.settle(index);
+        self.resolve_let(index);
         if let Some(on) = &self.too_early {
             let on = on.clone();
             if self.nested == 0 {
@@ -106,7 +106,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves a `let` unless that has been done.
-    fn settle(&mut self, index: usize) {
+    fn resolve_let(&mut self, index: usize) {
         let state = self.lets.get(index).map(|progress| progress.state);
         let instances = self.instances.get("let");
         let instance = instances.and_then(|all| all.get(index)).cloned();

@@ -1,7 +1,7 @@
 //! Rows that repeat others, found once: joints that close a loop can forbid what the loop forbids anyway. Four parallel hinges of a planar
 //! four-bar have 20 rows of rank 17.
 //!
-//! The rank is found at random consistent states: parts are hung on a spanning tree of the joints at random joint coordinates, the loops
+//! The rank is found at random consistent states: parts are placed along a spanning tree of the joints at random joint coordinates, the loops
 //! are closed by damped least squares, which does not mind a lost rank, and joints on a wrong branch are thrown away. In the speeds u that
 //! the tree leaves (v = B u), every row of a closing joint is one row of
 //!

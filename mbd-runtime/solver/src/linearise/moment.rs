@@ -102,7 +102,7 @@ impl SceneMoment {
         let layout = (*self.model.layout).clone();
         let mut beside = Self::with_layout(&*self.model, layout, (self.time, &state, &inputs))?;
         beside.recall(&self.remembered());
-        beside.settle(Some(&self.node_positions()))?;
+        beside.balance_nodes(Some(&self.node_positions()))?;
         Ok(beside)
     }
 
@@ -123,7 +123,10 @@ impl SceneMoment {
     }
 
     /// Puts the nodes in balance at the state as it is now; `guess` has their positions, of `rate` nodes those that they keep.
-    pub(crate) fn settle(&mut self, guess: Option<&[f64]>) -> Result<(), LinearisationError> {
+    pub(crate) fn balance_nodes(
+        &mut self,
+        guess: Option<&[f64]>,
+    ) -> Result<(), LinearisationError> {
         self.system.hold(&self.inputs);
         let started = self.system.start(self.time, &mut self.state, guess);
         started.map_err(|cause| LinearisationError::Nodes(Box::new(cause)))

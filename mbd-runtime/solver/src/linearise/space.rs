@@ -109,7 +109,7 @@ impl StateSpace {
         if let Some(node) = moment.damped_by_steps.first().cloned() {
             return Err(LinearisationError::Stepwise { node });
         }
-        moment.settle(known.map(|(nodes, _)| nodes))?;
+        moment.balance_nodes(known.map(|(nodes, _)| nodes))?;
         if let Some(spring) = moment.without_direction()?.pop() {
             return Err(LinearisationError::NoDirection { spring });
         }

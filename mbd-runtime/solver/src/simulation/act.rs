@@ -112,7 +112,7 @@ impl<T: Float> ModelRun<T> {
             return Err(self.acts_at_once(event));
         }
         let speeds = self.apply(acting)?;
-        self.settle(acting, &speeds)?;
+        self.make_consistent(acting, &speeds)?;
         self.rearm(acting, &rates)?;
         let after = self.energies();
         let jump = |(before, after): ([f64; 3], [f64; 3])| [0, 1, 2].map(|k| after[k] - before[k]);
@@ -281,7 +281,7 @@ impl<T: Float> ModelRun<T> {
 
     /// Makes the changed run consistent: joints hold, speeds that are set jump, nodes in balance from where they are, every element in its mode, the first
     /// stage anew.
-    fn settle(
+    fn make_consistent(
         &mut self,
         acting: &[usize],
         speeds: &[(usize, Settable, f64)],

@@ -4,9 +4,9 @@
 //! detached. Positions and velocities are those of centres of mass. What the next model has not is dropped; what it has besides starts where it
 //! is given, or declared.
 
-mod hung;
 mod map;
 mod owned;
+mod placed;
 mod unkept;
 
 use std::f64::consts::TAU;
@@ -24,10 +24,10 @@ use crate::error::{RunError, StepError};
 use crate::laws::params_of;
 use crate::origin::{MeasuredFrom, MovingOrigin};
 use crate::unilateral::Mode;
-use hung::hang;
 pub(super) use map::HandedBefore;
 use map::HandoverMap;
 use owned::{Owned, OwnerKind, owned};
+use placed::place_held;
 use unkept::{alike, detachables, unkept};
 
 /// Coordinates of a joint that differ by less are those that it had [m or rad, or of the size of the coordinate].
@@ -268,9 +268,9 @@ impl<T: Float> ModelRun<T> {
         let mut placed: Vec<f64> = own.map(|(at, x)| x + measured.of(at, origin)).collect();
         let params = params_of(model.params());
         let from = StartFrom::new(&params, time);
-        let hung = hang(scene, layout, from, &bodies, &mut placed)?;
+        let held = place_held(scene, layout, from, &bodies, &mut placed)?;
         for new in nowhere {
-            if body_of(new).is_none_or(|body| !hung.contains(&body)) {
+            if body_of(new).is_none_or(|body| !held.contains(&body)) {
                 let (name, model) = (new.name.clone(), scene.name.clone());
                 return Err(StepError::StartsNowhere { name, model });
             }

@@ -326,7 +326,7 @@ impl Search {
 
     /// What accelerates: of every coordinate, then the rates behind the speeds; and the largest term of one, to compare with.
     fn residual(&mut self, guess: Option<&[f64]>) -> Result<DVector<f64>, TrimError> {
-        self.moment.settle(guess)?;
+        self.moment.balance_nodes(guess)?;
         let rates = self.moment.rates()?;
         let (nq, nv) = (self.moment.layout().nq, self.moment.layout().nv);
         let own = self

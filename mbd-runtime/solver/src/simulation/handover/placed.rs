@@ -21,7 +21,7 @@ fn says_all(scene: &Scene, layout: &Layout, joint: usize) -> bool {
 
 /// Of bodies that nothing else places those that joints hold to what is placed, or to each other; and these joints.
 fn held(scene: &Scene, layout: &Layout, mut nowhere: Vec<usize>) -> (Vec<usize>, Vec<usize>) {
-    let (mut hung, mut by) = (Vec::new(), Vec::new());
+    let (mut found, mut by) = (Vec::new(), Vec::new());
     loop {
         let body_at = |place: Place| match place {
             Place::Body(body, _) => nowhere.iter().position(|own| *own == body),
@@ -37,9 +37,9 @@ fn held(scene: &Scene, layout: &Layout, mut nowhere: Vec<usize>) -> (Vec<usize>,
             says_all(scene, layout, joint).then_some((joint, at))
         });
         let Some((joint, at)) = next else {
-            return (hung, by);
+            return (found, by);
         };
-        hung.push(nowhere.remove(at));
+        found.push(nowhere.remove(at));
         by.push(joint);
     }
 }
@@ -48,16 +48,16 @@ fn held(scene: &Scene, layout: &Layout, mut nowhere: Vec<usize>) -> (Vec<usize>,
 ///
 /// # Errors
 /// [`StepError::Unplaced`] where the joints do not fit to what is placed.
-pub fn hang(
+pub fn place_held(
     scene: &Scene,
     layout: &Layout,
     from: StartFrom<'_>,
     nowhere: &[usize],
     state: &mut [f64],
 ) -> Result<Vec<usize>, StepError> {
-    let (hung, by) = held(scene, layout, nowhere.to_vec());
-    if hung.is_empty() {
-        return Ok(hung);
+    let (bodies, by) = held(scene, layout, nowhere.to_vec());
+    if bodies.is_empty() {
+        return Ok(bodies);
     }
     let number = |formula: &Option<Formula>| {
         let formula = formula.as_ref();
@@ -82,11 +82,11 @@ pub fn hang(
             });
         }
     }
-    let is_hung = |part: &Part| hung.iter().any(|body| *part == Part::Body(*body));
-    let bodies = layout.own_bodies().map(|(body, _)| Part::Body(body));
+    let is_placed = |part: &Part| bodies.iter().any(|body| *part == Part::Body(*body));
+    let own = layout.own_bodies().map(|(body, _)| Part::Body(body));
     let points = (0..layout.points.len()).map(Part::Point);
-    let stay: Vec<Part> = bodies.chain(points).filter(|it| !is_hung(it)).collect();
+    let stay: Vec<Part> = own.chain(points).filter(|it| !is_placed(it)).collect();
     let placed = place(scene, layout, from, &given, &stay, state);
     placed.map_err(|error| misplaced(scene, error))?;
-    Ok(hung)
+    Ok(bodies)
 }
