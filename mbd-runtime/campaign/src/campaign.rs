@@ -9,8 +9,8 @@ use std::sync::Arc;
 use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
 use mbd_runtime::scene::{Packed, fingerprint};
 use mbd_runtime::{
-    Batch, Case, Content, Ended, FailedCase, Finished, Joined, Method, Model, Moved, Onward,
-    RunError, Sampling, Simulation, StepError, Trajectory, switch_names, untold_switch,
+    Batch, Case, Content, FailedCase, Finished, Joined, Method, Model, Moved, Onward, Options,
+    RunError, Sampling, Simulation, StepError, StepSizes, Trajectory, switch_names, untold_switch,
 };
 use toml::{Table, Value};
 
@@ -27,8 +27,7 @@ use crate::run::always_mapped;
 use crate::run::names::wrong;
 use crate::run::plan::in_state_numbers;
 use crate::run::{
-    CampaignMistakes, GoingRun, Phase, PlanError, RunPlan, Settings, belongs_to_the_run,
-    check_units, go_on,
+    CampaignMistakes, Phase, PlanError, RunPlan, Settings, belongs_to_the_run, check_units, go_on,
 };
 use settled::{given, planned, settings_of};
 
@@ -62,6 +61,8 @@ pub struct Campaign {
     envelopes: Option<Envelopes>,
     asked: ResultOptions,
     block: u64,
+    /// Per case and scene that it comes to the steps that its own have to stay below.
+    below: BTreeMap<u64, Vec<StepSizes>>,
 }
 
 /// What the judge of a case hands back.
@@ -226,6 +227,7 @@ impl Campaign {
             envelopes,
             asked,
             block,
+            below: BTreeMap::new(),
             columns,
             phases,
             model,
@@ -381,16 +383,33 @@ impl Campaign {
         self.nominal.options.method
     }
 
-    /// The same cases with a quarter of the step, or a tenth of the tolerance; `None` where nothing finer is told apart from rounding, or the settings ask for
-    /// no estimate.
-    pub(crate) fn finer(mut self) -> Option<Campaign> {
-        if !self.nominal.estimate {
-            return None;
+    /// Whether its settings ask for an estimate of the error.
+    pub(crate) fn estimates(&self) -> bool {
+        self.nominal.estimate
+    }
+
+    /// The same for some of its cases with a quarter of the step, or a tenth of the tolerance and steps below those that they have here, as a run is flown
+    /// again; `None` where nothing finer is told apart from rounding.
+    pub(crate) fn finer(mut self, cases: &[u64]) -> Option<Campaign> {
+        let plans = || std::iter::once(&self.nominal).chain(&self.later);
+        let is_adaptive = plans().any(|plan| plan.options.method.fixed_step().is_none());
+        let finer: Option<Vec<Options>> = plans().map(|plan| plan.options.finer()).collect();
+        let finer = finer?;
+        if is_adaptive {
+            let sizes = cases.iter().map(|case| (*case, self.step_sizes(*case)));
+            self.below = sizes.collect();
         }
-        for plan in std::iter::once(&mut self.nominal).chain(&mut self.later) {
-            plan.options = plan.options.finer()?;
-        }
+        let plans = std::iter::once(&mut self.nominal).chain(&mut self.later);
+        plans
+            .zip(finer)
+            .for_each(|(plan, options)| plan.options = options);
         Some(self)
+    }
+
+    /// Keeps a part of a case below the steps that it has to stay below.
+    fn refine(&self, case: u64, part: usize, run: &mut Simulation<f64>) {
+        let sizes = self.below.get(&case).and_then(|parts| parts.get(part));
+        sizes.into_iter().for_each(|sizes| run.refine(sizes));
     }
 
     /// When what acts with time alone on the nominal is hidden from its fixed steps [s].
@@ -417,11 +436,6 @@ impl Campaign {
         let scene = (own.model.scene(), own.model.layout());
         self.dispersions
             .plan_later((nominal, &own.settings), scene, &values)
-    }
-
-    /// The run that goes on after an event ended one of a case.
-    fn go_on(&self, case: u64, ended: Ended<'_>) -> Result<Option<GoingRun>, RunError> {
-        go_on(&self.phases, ended, &|phase| self.plan_in(case, phase))
     }
 
     /// Runs so many cases, whose numbers `number` says by their place, and hands them to `deliver`, in order.
@@ -457,8 +471,10 @@ impl Campaign {
         }
         if let Some(columns) = &self.columns {
             batch = batch.then(columns, |case, ended| {
-                let goes = self.go_on(number(case.number()), ended)?;
-                Ok(goes.map(|goes| {
+                let (case, part) = (number(case.number()), ended.before + 1);
+                let goes = go_on(&self.phases, ended, &|phase| self.plan_in(case, phase))?;
+                Ok(goes.map(|mut goes| {
+                    self.refine(case, part, &mut goes.run);
                     let model = goes.run.model().clone();
                     let sampling = self.sampling().from_time(goes.run.time());
                     let history = Trajectory::new(&*model, sampling, self.metrics.content);
@@ -501,7 +517,9 @@ impl Campaign {
             },
             progress: Box::default(),
         })?;
-        plan.begin(run)
+        plan.begin(run)?;
+        self.refine(number, 0, run);
+        Ok(())
     }
 
     /// Metrics need no rows: histories have those that envelopes are read from.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{
-    Content, Ended, Handover, MetricValue, MissingMetric, Model, RunError, Sampling, Simulation,
-    Stop, Trajectory,
+    Content, Handover, MetricValue, MissingMetric, Model, RunError, Sampling, Simulation,
+    StepSizes, Stop, Trajectory,
 };
 
 use super::{Campaign, Resources};
@@ -14,7 +14,7 @@ use crate::columns;
 use crate::phases::FlownPart;
 use crate::results::CaseRow;
 use crate::run::names::wrong;
-use crate::run::{PlanError, RunPlan};
+use crate::run::{GoingRun, PlanError, RunPlan, fly_in_turn};
 
 /// What one case takes.
 const ALONE: Resources = Resources {
@@ -86,7 +86,37 @@ impl Campaign {
         }
     }
 
+    /// How long the steps of a case are, in each scene that it comes to; of one that stops early as far as it came.
+    pub(super) fn step_sizes(&self, case: u64) -> Vec<StepSizes> {
+        let mut sizes = Vec::new();
+        // What stops the run is told with its row.
+        let _ = self.fly_parts(case, &mut |going| {
+            let stop = going.run.run(self.nominal.until);
+            sizes.push(going.run.step_sizes().clone());
+            stop
+        });
+        sizes
+    }
+
     fn fly(&self, case: u64, parts: &mut Vec<CasePart>) -> Result<(), RunError> {
+        self.fly_parts(case, &mut |going| {
+            let mut part = CasePart::new(going);
+            let stop = going.run.record(self.nominal.until, &mut part.history);
+            part.until = going.run.time();
+            if let Ok(Stop::Event(event)) = stop {
+                part.ended_by = Some(event);
+            }
+            parts.push(part);
+            stop
+        })
+    }
+
+    /// Flies a case, each scene that it comes to by `fly`; one that cannot begin is not flown.
+    fn fly_parts(
+        &self,
+        case: u64,
+        fly: &mut dyn FnMut(&mut GoingRun) -> Result<Stop, RunError>,
+    ) -> Result<(), RunError> {
         let begun = self.plan(case).ok().and_then(|plan| {
             let model = self.model.with_params(&plan.params).ok()?;
             Some((model, plan))
@@ -96,30 +126,13 @@ impl Campaign {
         };
         let mut run = Simulation::new(&*model, plan.options)?;
         plan.begin(&mut run)?;
-        let mut next = Some(CasePart::new(0, plan, &run));
-        while let Some(mut part) = next.take() {
-            let stop = run.record(self.nominal.until, &mut part.history);
-            part.until = run.time();
-            let Ok(Stop::Event(event)) = stop else {
-                parts.push(part);
-                return stop.map(drop);
-            };
-            part.ended_by = Some(event);
-            let ended = Ended {
-                run: &mut run,
-                model: part.phase,
-                event,
-                before: parts.len(),
-            };
-            parts.push(part);
-            if let Some(goes) = self.go_on(case, ended)? {
-                run = goes.run;
-                let mut part = CasePart::new(goes.phase, goes.plan, &run);
-                part.handover = Some(goes.handover);
-                next = Some(part);
-            }
-        }
-        Ok(())
+        let first = GoingRun {
+            phase: 0,
+            plan,
+            run,
+            handover: None,
+        };
+        fly_in_turn(&self.phases, first, &|phase| self.plan_in(case, phase), fly)
     }
 }
 
@@ -144,17 +157,18 @@ pub(crate) struct CasePart {
 
 impl CasePart {
     /// A part that begins where its run stands.
-    fn new(phase: usize, plan: RunPlan, run: &Simulation<f64>) -> Self {
+    fn new(going: &GoingRun) -> Self {
+        let GoingRun { plan, run, .. } = going;
         let model = run.model().clone();
         let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
         CasePart {
-            phase,
+            phase: going.phase,
             history: Trajectory::new(&*model, sampling, Content::ALL),
-            plan,
+            plan: plan.clone(),
             model,
             from: run.time(),
             until: run.time(),
-            handover: None,
+            handover: going.handover.clone(),
             ended_by: None,
         }
     }

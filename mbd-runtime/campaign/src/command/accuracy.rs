@@ -27,12 +27,20 @@ pub(super) struct Accuracy {
     pub is_large: bool,
 }
 
-/// Flies a few cases again with finer steps, and compares them with their rows; `None` where nobody asked for it, or nothing finer is told apart from rounding.
-pub(super) fn accuracy(
-    campaign: Campaign,
-    results: &Results,
-    resources: Resources,
-) -> Option<Accuracy> {
+/// What is said where no case is flown again, and why.
+pub(super) fn unestimated(why: &str) -> String {
+    format!("the error of the cases is not estimated: {why}\n")
+}
+
+/// Flies a few cases again with finer steps, and compares them with their rows; where none is flown again, why not.
+pub(super) fn accuracy(campaign: Campaign, results: &Results, resources: Resources) -> Accuracy {
+    let none = |why: &str| Accuracy {
+        text: unestimated(why),
+        is_large: false,
+    };
+    if !campaign.estimates() {
+        return none("the settings ask for none (`estimate = false`)");
+    }
     let (rows, metrics) = (&results.rows, &results.manifest.metrics);
     let more = (campaign.cases() / EACH).min(MOST);
     let chosen = (0..=more).map(|number| number * (campaign.cases() / (more + 1)));
@@ -46,11 +54,17 @@ pub(super) fn accuracy(
         None => "take a tighter tolerance".to_owned(),
     };
     let hidden = campaign.hidden_from_steps();
-    let finer = campaign.finer()?;
+    let numbers: Vec<u64> = chosen.iter().map(|case| *case as u64).collect();
+    if numbers.is_empty() {
+        return none("none of those that are flown again reached its end");
+    }
+    let Some(finer) = campaign.finer(&numbers) else {
+        return none("nothing finer than the tolerance is told apart from rounding");
+    };
     let mut flown = Vec::new();
     finer.run(
-        chosen.len(),
-        &|place| chosen.get(place).map_or(0, |case| *case as u64),
+        numbers.len(),
+        &|place| numbers.get(place).copied().unwrap_or(0),
         resources,
         |case| {
             flown.push(case.row);
@@ -138,5 +152,8 @@ pub(super) fn accuracy(
     let sign = if is_large { "warning: " } else { "" };
     let lines = hidden.into_iter().chain(lost).chain(told);
     let text: String = lines.map(|line| format!("{sign}{line}\n")).collect();
-    (!text.is_empty()).then_some(Accuracy { text, is_large })
+    match text.is_empty() {
+        true => none("no metric is ever more than zero"),
+        false => Accuracy { text, is_large },
+    }
 }

@@ -119,12 +119,12 @@ pub fn campaign(
                 shards: None,
             })?;
             let accuracy = accuracy::accuracy(campaign, &gathered.results, resources);
-            let (error, is_large) = match accuracy {
-                Some(accuracy) => (format!("\n{}", accuracy.text), accuracy.is_large),
-                None => (String::new(), false),
-            };
-            let told = told + &text(&gathered.results, &gathered.summary) + &error;
-            match is_large {
+            let told = format!(
+                "{told}{}\n{}",
+                text(&gathered.results, &gathered.summary),
+                accuracy.text
+            );
+            match accuracy.is_large {
                 true => Err(Failure::NotMet(told)),
                 false => gathered.end(told),
             }
@@ -132,6 +132,10 @@ pub fn campaign(
         _ => Ok(told + "`gather` puts all shards together\n"),
     }
 }
+
+/// Who estimates the error of cases that are there already.
+const ELSEWHERE: &str =
+    "`campaign` with this folder and `--resume` flies a few of them again and tells it";
 
 fn all_cores() -> usize {
     available_parallelism().map_or(1, usize::from)
@@ -224,7 +228,8 @@ impl Gathered {
 /// Blocks are missing; requirements that are not shown.
 pub fn gather(args: &GatherArgs) -> Result<String, Failure> {
     let gathered = Gathered::of(args)?;
-    gathered.end(text(&gathered.results, &gathered.summary))
+    let told = text(&gathered.results, &gathered.summary);
+    gathered.end(format!("{told}\n{}", accuracy::unestimated(ELSEWHERE)))
 }
 
 /// Puts the results of a folder together, keeps the histories that the campaign file chooses, and writes the page: `report.html`. `reopen` gives the
@@ -263,12 +268,13 @@ pub fn report(
     let pictures = written.map_err(|error| Failure::unwritten(&error))?;
     let told = text(results, &gathered.summary);
     let told = format!(
-        "{told}\nwritten to {}: report.html{}\n",
+        "{told}\nwritten to {}: report.html{}\n{}",
         folder.display(),
         pictures
             .iter()
             .map(|name| format!(", {name}"))
-            .collect::<String>()
+            .collect::<String>(),
+        accuracy::unestimated(ELSEWHERE)
     );
     match kept {
         Err(Failure::Aborted(why)) => Err(Failure::Aborted(format!("{told}{why}\n"))),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Ended, Handover, Model, Progress, RunError, Simulation, StepError};
+use mbd_runtime::{Ended, Handover, Model, Progress, RunError, Simulation, StepError, Stop};
 
 use super::names::PlanError;
 use super::plan::{RunPlan, repeated};
@@ -50,7 +50,7 @@ pub struct GivenSettings {
     pub inputs: Vec<String>,
 }
 
-/// A run that goes on from another one.
+/// A run that begins, or goes on from another one.
 pub struct GoingRun {
     /// Which phase it is of, by index.
     pub phase: usize,
@@ -58,8 +58,8 @@ pub struct GoingRun {
     pub plan: RunPlan,
     /// It, begun.
     pub run: Simulation<f64>,
-    /// What it took over.
-    pub handover: Handover,
+    /// What it took over; `None` of the first.
+    pub handover: Option<Handover>,
 }
 
 /// How each scene is run whose first one has settings with what was given in them: as its own settings say, until the end of the first; method and tolerance
@@ -209,8 +209,36 @@ pub fn go_on(
         phase: index,
         plan,
         run,
-        handover,
+        handover: Some(handover),
     }))
+}
+
+/// Flies a run that has begun, and those that go on from it; `plan_of` says how a phase is flown, by its index, and `fly` flies one of them and tells why it stopped.
+///
+/// # Errors
+/// Those of `fly`, and of [`go_on`].
+pub fn fly_in_turn(
+    phases: &[Phase],
+    mut going: GoingRun,
+    plan_of: &dyn Fn(usize) -> Result<RunPlan, PlanError>,
+    fly: &mut dyn FnMut(&mut GoingRun) -> Result<Stop, RunError>,
+) -> Result<(), RunError> {
+    for before in 0.. {
+        let Stop::Event(event) = fly(&mut going)? else {
+            break;
+        };
+        let ended = Ended {
+            run: &mut going.run,
+            model: going.phase,
+            event,
+            before,
+        };
+        match go_on(phases, ended, plan_of)? {
+            Some(next) => going = next,
+            None => break,
+        }
+    }
+    Ok(())
 }
 
 /// The names that every event maps after which a phase goes on: what they are there is never what is planned.

@@ -203,21 +203,22 @@ impl Trajectory {
     /// How far this history is from a finer one of the same run at the same times, column by column, with the largest value of the column in either: what is
     /// zero in the finer one may be anything in this. What is not a number in both is left out.
     ///
-    /// `rows` are those of this history that the other has; `turn` says how much apart values of a column mean the same [its unit], as those of `atan2`
+    /// `rows` are pairs of a row of this history and the one of the other at the same time; `turn` says how much apart values of a column mean the same [its unit], as those of `atan2`
     /// do that are a turn apart, by its name.
     #[must_use]
     pub fn deviations(
         &self,
-        rows: &[usize],
         finer: &Trajectory,
+        rows: &[[usize; 2]],
         turn: impl Fn(&str) -> Option<f64>,
     ) -> Vec<(Deviation, f64)> {
         let names = self.names().iter();
         let columns = names.map(|name| {
-            let [own, other] = [self, finer].map(|history| history.column(&name.name));
-            let own = own.unwrap_or_default();
-            let picked = rows.iter().filter_map(|row| own.get(*row));
-            let pairs = picked.zip(other.unwrap_or_default());
+            let [own, other] =
+                [self, finer].map(|history| history.column(&name.name).unwrap_or_default());
+            let pairs = rows
+                .iter()
+                .filter_map(|[row, same]| Some((own.get(*row)?, other.get(*same)?)));
             let known = pairs.filter(|(a, b)| !(a.is_nan() && b.is_nan()));
             let turn = turn(&name.name);
             let nearest =

@@ -18,8 +18,8 @@ use super::scene_file::SceneFile;
 use crate::describe::warnings_of_reactions;
 use crate::run::{
     CampaignMistakes, Phase, RunOutcome, RunPlan, Segment, Settings, cut_of_campaign, cut_windows,
-    cut_windows_of_all, doubt, fly_measuring, fly_phases, not_finite, phases_json, publish,
-    publish_gltf, publish_phases, regularised, short_of_digits, summary_json, warning,
+    cut_windows_of_all, doubt, doubt_of_all, fly_measuring, fly_phases, not_finite, phases_json,
+    publish, publish_gltf, publish_phases, regularised, short_of_digits, summary_json, warning,
     warning_of_handover, warnings_of_unkept,
 };
 
@@ -195,11 +195,14 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
             next: next.clone(),
         });
     }
-    let segments = fly_phases(&all, &plans, &mut ProgressLine::new());
+    let run = fly_phases(&all, &plans, &mut ProgressLine::new());
+    let segments = &run.segments;
     let folder = args.folder();
-    let flown = (all.as_slice(), segments.as_slice());
+    let flown = (all.as_slice(), &run);
     let tables = publish_phases(flown, &besides, &folder).map_err(|error| unwritten(&error))?;
-    let mut doubtful = false;
+    let off = doubt_of_all(&all, &run);
+    let mut doubtful = off.is_some();
+    warnings.extend(off);
     for (segment, phase) in segments
         .iter()
         .filter_map(|segment| Some((segment, all.get(segment.phase)?)))
@@ -223,7 +226,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         ));
         warnings.extend(doubt);
     }
-    warnings.extend(cut_windows_of_all(&all, &segments));
+    warnings.extend(cut_windows_of_all(&all, segments));
     warnings.extend(partial.iter().map(|text| cut_of_campaign(text)));
     if let Some((last, first)) = segments.last().zip(segments.first())
         && last.outcome.error.is_none()
@@ -240,7 +243,7 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, CommandFailure> {
         let files = "report.html, history.csv, summary.json, and a folder a phase";
         let tables: Vec<String> = tables.iter().map(ReportTable::text).collect();
         format!(
-            "{remarks}{}\nwritten to {}: {files}; the error by a finer run is told of scenes that fly alone\n",
+            "{remarks}{}\nwritten to {}: {files}\n",
             tables.join("\n"),
             folder.display()
         )

@@ -1,7 +1,9 @@
 //! The error of a run: by a second, finer one, and by the energy that it made or lost.
 
+use std::fmt;
+
 use mbd_campaign::LARGE_ERROR;
-use mbd_campaign::run::RunPlan;
+use mbd_campaign::run::{GoingRun, Phase, RunPlan, fly_in_turn};
 use mbd_runtime::scene::metrics::Take;
 use mbd_runtime::scene::{Formula, Function, Scene, plain};
 use mbd_runtime::{
@@ -9,6 +11,8 @@ use mbd_runtime::{
 };
 
 use super::outcome::{CONTENT, RunOutcome};
+use super::phases::{PhasedRun, Segment};
+use super::publish_phases::joined;
 
 /// At most so many rows are compared.
 const ROWS: usize = 400;
@@ -51,25 +55,68 @@ impl Estimate {
     }
 }
 
-/// Flies the plan again with finer steps, and compares metrics, outputs and lines, or where there are none of these the motion of bodies and points; `None` where
-/// nothing finer is told apart from rounding, or nothing that counts is more than zero.
+/// Why the error of a run is not estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unestimated {
+    /// Its settings ask for no estimate.
+    NotAsked,
+    /// It did not reach its end.
+    Stopped,
+    /// It is a part of a run through several scenes, which is estimated as a whole.
+    OfWhole,
+    /// A second, finer run does not reach its end.
+    Finer(Box<RunError>),
+    /// A second, finer run goes through other scenes.
+    OtherScenes,
+    /// Nothing finer than its tolerance is told apart from rounding.
+    Finest,
+    /// Nothing that counts is ever more than zero.
+    Nothing,
+}
+
+impl fmt::Display for Unestimated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Unestimated::NotAsked => f.write_str("the settings ask for no second, finer run"),
+            Unestimated::Stopped => f.write_str("the run did not reach its end"),
+            Unestimated::OfWhole => f.write_str("told of the whole run through all scenes"),
+            Unestimated::Finer(error) => {
+                write!(f, "a second, finer run does not reach its end: {error}")
+            }
+            Unestimated::OtherScenes => {
+                f.write_str("a second, finer run goes on in other scenes: whether an event happens hangs on the steps")
+            }
+            Unestimated::Finest => {
+                f.write_str("nothing finer than the tolerance is told apart from rounding")
+            }
+            Unestimated::Nothing => {
+                f.write_str("nothing that is asked for is ever more than zero")
+            }
+        }
+    }
+}
+
+impl From<RunError> for Unestimated {
+    fn from(error: RunError) -> Self {
+        Unestimated::Finer(Box::new(error))
+    }
+}
+
+/// Flies the plan again with finer steps, and compares metrics, outputs and lines, or where there are none of these the motion of bodies and points.
 ///
 /// # Errors
-/// The finer run did not reach the end of the first.
+/// The finer run did not reach the end of the first; nothing finer is told apart from rounding, or nothing that counts is more than zero.
 pub fn estimate(
     model: &dyn Model<f64>,
     plan: &RunPlan,
     first: &Trajectory,
     sizes: &StepSizes,
-) -> Result<Option<Estimate>, RunError> {
+) -> Result<Estimate, Unestimated> {
+    let options = plan.options.finer().ok_or(Unestimated::Finest)?;
     let rows = rows(first);
-    let times: Vec<f64> = rows
-        .iter()
-        .filter_map(|row| first.times().get(*row))
-        .copied()
-        .collect();
-    let (Some(&last), Some(options)) = (times.last(), plan.options.finer()) else {
-        return Ok(None);
+    let times = times(first, &rows);
+    let Some(&last) = times.last() else {
+        return Err(Unestimated::Nothing);
     };
     let until = if first.end().is_finite() {
         first.end().max(last)
@@ -81,24 +128,131 @@ pub fn estimate(
     plan.begin(&mut run)?;
     run.refine(sizes);
     run.record(until, &mut finer)?;
-    let outputs = model
-        .scene()
-        .outputs
+    let scene = model.scene();
+    let pairs: Vec<[usize; 2]> = rows
+        .into_iter()
+        .zip(0..)
+        .map(|(own, other)| [own, other])
+        .collect();
+    let metrics = [first, &finer].map(|history| history.metrics(scene));
+    worst(&[scene], [first, &finer], &pairs, (metrics, until))
+}
+
+/// Flies a run through several scenes again with finer steps, and compares it as one.
+///
+/// # Errors
+/// As [`estimate`]; the finer run goes through other scenes.
+pub fn estimate_phases(
+    phases: &[Phase],
+    plans: &[RunPlan],
+    segments: &[Segment],
+) -> Result<Estimate, Unestimated> {
+    let finer: Option<Vec<RunPlan>> = plans
         .iter()
-        .map(|output| output.name.as_str());
-    let lines = model.scene().lines.iter().map(|line| line.name.as_str());
-    let bodies = model.scene().bodies.iter().map(|body| body.name.as_str());
-    let points = model.scene().points.iter().map(|point| point.name.as_str());
-    let mut asked: Vec<&str> = outputs.chain(lines).collect();
+        .map(|plan| {
+            let options = plan.options.finer()?;
+            Some(RunPlan {
+                options,
+                ..plan.clone()
+            })
+        })
+        .collect();
+    let plans = finer.ok_or(Unestimated::Finest)?;
+    let (Some(first), Some(plan)) = (phases.first(), plans.first()) else {
+        return Err(Unestimated::Nothing);
+    };
+    let parts = segments.iter();
+    let parts = parts.map(|segment| (segment.phase, &segment.outcome.trajectory));
+    let parts: Vec<(usize, &Trajectory)> = parts.collect();
+    let (one, metrics) = joined(phases, &parts, false);
+    let rows = rows(&one);
+    let sampling = Sampling::At(times(&one, &rows));
+    let until = segments.last().map_or(0.0, |last| last.outcome.time);
+    let mut run = Simulation::new(&*first.model, plan.options)?;
+    plan.begin(&mut run)?;
+    let begun = GoingRun {
+        phase: 0,
+        plan: plan.clone(),
+        run,
+        handover: None,
+    };
+    let mut flown: Vec<(usize, Trajectory)> = Vec::new();
+    let of = |index: usize| Ok(plans.get(index).unwrap_or(plan).clone());
+    fly_in_turn(phases, begun, &of, &mut |going| {
+        if let Some(segment) = segments.get(flown.len()) {
+            going.run.refine(&segment.sizes);
+        }
+        let model = going.run.model().clone();
+        let sampling = sampling.clone().from_time(going.run.time());
+        let mut history = Trajectory::new(&*model, sampling, CONTENT);
+        let stop = going.run.record(until, &mut history);
+        flown.push((going.phase, history));
+        stop
+    })?;
+    let finer: Vec<(usize, &Trajectory)> = flown.iter().map(|(phase, it)| (*phase, it)).collect();
+    let scenes = |parts: &[(usize, &Trajectory)]| -> Vec<usize> {
+        parts.iter().map(|(phase, _)| *phase).collect()
+    };
+    if scenes(&finer) != scenes(&parts) {
+        return Err(Unestimated::OtherScenes);
+    }
+    let (other, finer_metrics) = joined(phases, &finer, false);
+    // Near a switch one of both may be in the scene before it yet.
+    let place = |history: &Trajectory, row: usize| {
+        let phase = history.column("phase").and_then(|phase| phase.get(row));
+        Some((*phase?, *history.times().get(row)?))
+    };
+    let mut pairs = Vec::new();
+    let mut next = 0;
+    for row in rows {
+        let own = place(&one, row);
+        let mut others = next..other.len();
+        if let Some(found) = others.find(|at| own.is_some() && place(&other, *at) == own) {
+            pairs.push([row, found]);
+            next = found + 1;
+        }
+    }
+    let scenes: Vec<&Scene> = phases.iter().map(|phase| phase.model.scene()).collect();
+    let metrics = [metrics, finer_metrics].map(|all| {
+        all.into_iter()
+            .map(|(metric, _)| metric)
+            .collect::<Vec<_>>()
+    });
+    worst(&scenes, [&one, &other], &pairs, (metrics, until))
+}
+
+/// The times of rows [s].
+fn times(history: &Trajectory, rows: &[usize]) -> Vec<f64> {
+    let times = rows.iter().filter_map(|row| history.times().get(*row));
+    times.copied().collect()
+}
+
+/// What two runs differ in most, over pairs of rows at the same times.
+fn worst(
+    scenes: &[&Scene],
+    [first, finer]: [&Trajectory; 2],
+    pairs: &[[usize; 2]],
+    (metrics, until): ([Vec<MetricValue>; 2], f64),
+) -> Result<Estimate, Unestimated> {
+    let mut asked: Vec<&str> = Vec::new();
+    for scene in scenes {
+        asked.extend(scene.outputs.iter().map(|output| output.name.as_str()));
+        asked.extend(scene.lines.iter().map(|line| line.name.as_str()));
+    }
     if asked.is_empty() {
-        asked.extend(bodies.chain(points));
+        for scene in scenes {
+            asked.extend(scene.bodies.iter().map(|body| body.name.as_str()));
+            asked.extend(scene.points.iter().map(|point| point.name.as_str()));
+        }
     }
     let counts = |name: &str| {
-        // An output or one of its components, or a line.
+        // An output or one of its components, or a line; of several scenes with the number of its own.
+        let name = name.split(' ').next().unwrap_or(name);
         let owner = name.split('.').next().unwrap_or(name);
         asked.contains(&name) || asked.contains(&owner)
     };
-    let deviations = first.deviations(&rows, &finer, |column| turn(model.scene(), column));
+    let turn = |column: &str| scenes.iter().find_map(|scene| turn(scene, column));
+    let deviations = first.deviations(finer, pairs, turn);
     let sizes = Sizes::of(first, &deviations);
     let all = first.names().iter().zip(&deviations);
     let told = all.filter(|(name, _)| counts(&name.name));
@@ -113,21 +267,14 @@ pub fn estimate(
             over: (scale > *size).then_some(scale),
         })
     });
-    let metrics = of_metrics(model.scene(), [first, &finer], &sizes, until);
-    let all = estimates.chain(metrics);
-    Ok(all.max_by(|a, b| a.relative.total_cmp(&b.relative)))
+    let all = estimates.chain(of_metrics(metrics, &sizes, until));
+    let worst = all.max_by(|a, b| a.relative.total_cmp(&b.relative));
+    worst.ok_or(Unestimated::Nothing)
 }
 
 /// The errors of metrics: one number each.
-fn of_metrics(
-    scene: &Scene,
-    [first, finer]: [&Trajectory; 2],
-    sizes: &Sizes,
-    until: f64,
-) -> Vec<Estimate> {
-    let metrics = first.metrics(scene);
-    let metrics = metrics.iter().zip(finer.metrics(scene));
-    let told = metrics.filter_map(|(here, finer)| {
+fn of_metrics([first, finer]: [Vec<MetricValue>; 2], sizes: &Sizes, until: f64) -> Vec<Estimate> {
+    let told = first.iter().zip(finer).filter_map(|(here, finer)| {
         let (here_value, value) = (here.value.ok()?, finer.value.ok()?);
         let error = (value - here_value).abs();
         // What is taken over time is measured by the time, times what it is taken of, where that is known.
@@ -264,13 +411,57 @@ fn unresolved(scene: &Scene, run: &Trajectory) -> Option<(MetricValue, f64)> {
     parts.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// What makes steps finer, in words.
+fn change(plan: &RunPlan) -> String {
+    match plan.options.method.fixed_step() {
+        Some(step) => format!("take a shorter step than {step} s"),
+        None => "take a tighter tolerance".to_owned(),
+    }
+}
+
+/// What a second, finer run says against a run of a scene, or of several one after the other, and what to change; `None` where it says nothing.
+fn off(
+    scenes: &[&Scene],
+    plan: &RunPlan,
+    estimate: &Result<Estimate, Unestimated>,
+) -> Option<String> {
+    let it = match estimate {
+        Ok(it) if it.relative > LARGE_ERROR => it,
+        Err(why @ (Unestimated::Finer(_) | Unestimated::OtherScenes)) => {
+            return Some(format!("how far it is off is not known, because {why}"));
+        }
+        _ => return None,
+    };
+    let jumps = match scenes.iter().any(|scene| scene.jumps_with_motion()) {
+        true => {
+            "a force that an `if` lets jump is where the motion stays (let it be zero there), or "
+        }
+        false => "",
+    };
+    Some(format!(
+        "`{}` is off by about {}, {:.1} % of {}: {}; where that does not help, {jumps}the motion is chaotic over this time",
+        it.column,
+        format!("{} {}", plain(it.error, 2), it.unit).trim_end(),
+        100.0 * it.relative,
+        it.measure(),
+        change(plan)
+    ))
+}
+
+/// The same of a run through several scenes.
+#[must_use]
+pub fn doubt_of_all(phases: &[Phase], run: &PhasedRun) -> Option<String> {
+    let scenes: Vec<&Scene> = phases.iter().map(|phase| phase.model.scene()).collect();
+    let first = run.segments.first()?;
+    let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let doubt = off(&scenes, &first.plan, &run.estimate)?;
+    Some(format!("warning: {}: {doubt}", names.join(" → ")))
+}
+
 /// What makes a run less accurate than it should be, and what to change; `None` where nothing does.
 #[must_use]
 pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<String> {
-    let change = match plan.options.method.fixed_step() {
-        Some(step) => format!("take a shorter step than {step} s"),
-        None => "take a tighter tolerance".to_owned(),
-    };
+    let change = change(plan);
     let by_energy = outcome
         .imbalance
         .map(|it| it.relative())
@@ -279,32 +470,12 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         .momentum
         .map(|it| it.relative())
         .filter(|part| *part > LARGE_ERROR);
-    let by_estimate = outcome
-        .estimate
-        .as_ref()
-        .filter(|it| it.relative > LARGE_ERROR);
     let rough = unresolved(scene, &outcome.trajectory);
     let of_state = outcome.coarse_state.as_ref();
     let told = of_state.map_or(1e-3, |state| state.share.max(1e-3));
     let by_rounding = Some(outcome.rounding).filter(|part| *part > told);
     let doubts = [
-        by_estimate.map(|it| {
-            let of = it.measure();
-            let jumps = match scene.jumps_with_motion() {
-                true => "a force that an `if` lets jump is where the motion stays (let it be zero there), or ",
-                false => "",
-            };
-            format!(
-                "`{}` is off by about {} {}, {:.1} % of {of}: {change}; where that does not help, {jumps}the motion is chaotic over this time",
-                it.column,
-                plain(it.error, 2),
-                it.unit,
-                100.0 * it.relative
-            )
-        }),
-        outcome.unestimated.as_ref().map(|error| {
-            format!("how far it is off is not known, because a second, finer run does not reach its end: {error}")
-        }),
+        off(&[scene], plan, &outcome.estimate),
         outcome.hidden.map(|time| {
             format!(
                 "what acts changes at {} s in less than a step, and no stage of a step sees it: {change}, or an adaptive method",
@@ -316,9 +487,9 @@ pub fn doubt(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> Option<Stri
         }),
         by_energy.map(|part| {
             let lost = format!("the run made or lost {:.1} % of the energy that moved", 100.0 * part);
-            match outcome.estimate.as_ref() {
+            match &outcome.estimate {
                 // Steps that get so much of the energy wrong get the motion wrong.
-                Some(estimate) if estimate.relative < UNEXPLAINED * part => format!(
+                Ok(estimate) if estimate.relative < UNEXPLAINED * part => format!(
                     "{lost}, and a second, finer run comes to the same motion: no step or tolerance changes that, what the forces of the scene do and what its energy counts disagree; compare it in the other `coordinates`, and report it"
                 ),
                 _ => format!("{lost}: {change}"),

@@ -11,14 +11,14 @@ mod singular;
 mod start;
 mod summary;
 
-pub use estimate::{Estimate, doubt, short_of_digits};
+pub use estimate::{Estimate, Unestimated, doubt, doubt_of_all, short_of_digits};
 pub use mbd_campaign::run::{
     CampaignMistakes, Phase, PlanError, RunPlan, Settings, SettingsError, line_of, misnamed_table,
     split,
 };
 pub use metrics::{cut_of_campaign, cut_windows, metrics, windows};
 pub use outcome::{RunOutcome, fly, fly_measuring, fly_model};
-pub use phases::{Segment, fly_phases};
+pub use phases::{PhasedRun, Segment, fly_phases};
 pub use publish::{publish, publish_gltf, shown};
 pub use publish_phases::{cut_windows_of_all, publish_phases, summary as phases_json};
 pub use quality::{Quality, not_finite};

@@ -12,7 +12,7 @@ use mbd_runtime::{
     Options, ParamError, PassedStop, RunError, Sampling, Simulation, Stop, Trajectory,
 };
 
-use super::estimate::{Estimate, estimate};
+use super::estimate::{Estimate, Unestimated, estimate};
 
 /// What a history holds.
 pub(super) const CONTENT: Content = Content::ALL;
@@ -46,10 +46,8 @@ pub struct RunOutcome {
     pub coarse: Option<CoarsePositions>,
     /// The angle or the declared state that has few digits left of what is read of it.
     pub coarse_state: Option<CoarseState>,
-    /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
-    pub estimate: Option<Estimate>,
-    /// Why that run did not.
-    pub unestimated: Option<RunError>,
+    /// The quantity that is off most, by a second, finer run, or why that is not told.
+    pub estimate: Result<Estimate, Unestimated>,
     /// Metrics of a campaign file that the scene does not declare itself.
     pub besides: Vec<MetricValue>,
     /// What to say of those of them whose window reaches beyond its end.
@@ -93,21 +91,19 @@ pub fn fly_measuring(
         Some(metrics) => history(model, plan).measure(model, &metrics.readers()),
         None => history(model, plan),
     };
-    let FlownPhase { mut outcome, run } =
-        fly_on(begun(model, plan), model, (plan, history), progress);
+    let mut run = begun(model, plan);
+    let begun = run.as_mut().map_err(|error| error.clone());
+    let mut outcome = fly_on(begun, model, (plan, history), progress).outcome;
     if let Some(metrics) = metrics {
         let scene = [model.scene()];
         outcome.besides = metrics.besides(&scene, &outcome.trajectory);
         outcome.partial = metrics.partial_besides(&scene, &outcome.trajectory);
     }
-    if let Some((run, _)) = run
-        && plan.estimate
-    {
-        match estimate(model, plan, &outcome.trajectory, run.step_sizes()) {
-            Ok(found) => outcome.estimate = found,
-            Err(error) => outcome.unestimated = Some(error),
-        }
-    }
+    outcome.estimate = match (run, &outcome.error, plan.estimate) {
+        (Ok(run), None, true) => estimate(model, plan, &outcome.trajectory, run.step_sizes()),
+        (Ok(_), None, false) => Err(Unestimated::NotAsked),
+        _ => Err(Unestimated::Stopped),
+    };
     outcome
 }
 
@@ -115,8 +111,8 @@ pub fn fly_measuring(
 pub(super) struct FlownPhase {
     /// What it gave; nothing is estimated.
     pub outcome: RunOutcome,
-    /// The run where it stands, and why it stands there; `None` after an error.
-    pub run: Option<(Simulation<f64>, Stop)>,
+    /// Why it stands where it does.
+    pub stop: Result<Stop, RunError>,
 }
 
 /// A run where its plan begins, which tells of its momentum.
@@ -159,7 +155,7 @@ fn out_of_reach(name: &str, plan: &RunPlan, steps: u64, now: f64) -> Option<Stri
 
 /// Flies a run of a model that has begun, until the end of its plan, into a history.
 pub(super) fn fly_on(
-    run: Result<Simulation<f64>, RunError>,
+    run: Result<&mut Simulation<f64>, RunError>,
     model: &dyn Model<f64>,
     (plan, mut trajectory): (&RunPlan, Trajectory),
     progress: &mut ProgressLine,
@@ -169,7 +165,7 @@ pub(super) fn fly_on(
     let mut passed_stops = Vec::new();
     let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
     let (mut hidden, mut coarse, mut coarse_state) = (None, None, None);
-    let mut fly = |mut simulation: Simulation<f64>| {
+    let mut fly = |simulation: &mut Simulation<f64>| {
         let mut steps = 0;
         let mut watch = |now: f64| {
             steps += 1;
@@ -192,15 +188,12 @@ pub(super) fn fly_on(
         coarse = simulation.coarse_positions();
         coarse_state = simulation.coarse_state();
         momentum = simulation.momentum_imbalance();
-        stop.map(|stop| (simulation, stop))
+        stop
     };
-    let (run, error) = match run.and_then(&mut fly) {
-        Ok(run) => (Some(run), None),
-        Err(error) => (None, Some(error)),
-    };
+    let stop = run.and_then(&mut fly);
     progress.clear();
-    let ended_by = match &run {
-        Some((_, Stop::Event(event))) => model.scene().events.get(*event),
+    let ended_by = match &stop {
+        Ok(Stop::Event(event)) => model.scene().events.get(*event),
         _ => None,
     };
     let outcome = RunOutcome {
@@ -211,19 +204,18 @@ pub(super) fn fly_on(
         coarse,
         coarse_state,
         hidden,
-        estimate: None,
-        unestimated: None,
+        estimate: Err(Unestimated::OfWhole),
         besides: Vec::new(),
         partial: Vec::new(),
         time,
-        error,
+        error: stop.as_ref().err().cloned(),
         moved,
         passed_stops,
         singular_start,
         wall_s: started.elapsed().as_secs_f64(),
         trajectory,
     };
-    FlownPhase { outcome, run }
+    FlownPhase { outcome, stop }
 }
 
 #[cfg(test)]

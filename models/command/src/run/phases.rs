@@ -2,9 +2,10 @@
 
 use mbd_campaign::phases::FlownPart;
 use mbd_campaign::progress::ProgressLine;
-use mbd_campaign::run::{Phase, RunPlan, go_on};
-use mbd_runtime::{Ended, Handover, Options, Stop};
+use mbd_campaign::run::{GoingRun, Phase, RunPlan, fly_in_turn};
+use mbd_runtime::{Handover, Options, StepSizes, Stop};
 
+use super::estimate::{Estimate, Unestimated, estimate_phases};
 use super::outcome::{RunOutcome, begun, fly_on, history};
 
 /// A part of a run, flown in one phase.
@@ -20,6 +21,8 @@ pub struct Segment {
     pub handover: Option<Handover>,
     /// The event that ended it, by index in its scene.
     pub ended_by: Option<usize>,
+    /// How long its steps were.
+    pub sizes: StepSizes,
     /// What came out.
     pub outcome: RunOutcome,
 }
@@ -38,13 +41,32 @@ impl Segment {
     }
 }
 
-/// Flies the first phase, whose model has the params of its plan, and what goes on from it, until the end that the first one plans.
+/// A run through several scenes.
+#[derive(Clone, Debug)]
+pub struct PhasedRun {
+    /// Its parts, in order.
+    pub segments: Vec<Segment>,
+    /// The quantity of all of it that is off most, by a second, finer run, or why that is not told.
+    pub estimate: Result<Estimate, Unestimated>,
+}
+
+/// Flies the first phase, whose model has the params of its plan, and what goes on from it, until the end that the first one plans, and again with finer steps.
 #[must_use]
-pub fn fly_phases(
-    phases: &[Phase],
-    plans: &[RunPlan],
-    progress: &mut ProgressLine,
-) -> Vec<Segment> {
+pub fn fly_phases(phases: &[Phase], plans: &[RunPlan], progress: &mut ProgressLine) -> PhasedRun {
+    let segments = fly_segments(phases, plans, progress);
+    let stopped = segments.last().is_none_or(|it| it.outcome.error.is_some());
+    let asked = plans.first().is_some_and(|plan| plan.estimate);
+    PhasedRun {
+        estimate: match (stopped, asked) {
+            (true, _) => Err(Unestimated::Stopped),
+            (false, false) => Err(Unestimated::NotAsked),
+            (false, true) => estimate_phases(phases, plans, &segments),
+        },
+        segments,
+    }
+}
+
+fn fly_segments(phases: &[Phase], plans: &[RunPlan], progress: &mut ProgressLine) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();
     let (Some(first), Some(plan)) = (phases.first(), plans.first()) else {
         return segments;
@@ -57,49 +79,54 @@ pub fn fly_phases(
         },
         ..plan.clone()
     };
-    let until = plan.until;
-    let (mut phase, mut plan, mut handover) = (0, told(plan), None);
-    let mut next = begun(&*first.model, &plan);
-    let mut from = 0.0;
-    loop {
-        let model = &phases.get(phase).unwrap_or(first).model;
-        plan.until = until;
-        let flown = fly_on(next, &**model, (&plan, history(&**model, &plan)), progress);
-        let (mut run, ended_by) = match flown.run {
-            Some((run, Stop::Event(event))) => (Some(run), Some(event)),
-            _ => (None, None),
-        };
-        segments.push(Segment {
-            phase,
-            from,
-            handover,
-            ended_by,
-            outcome: flown.outcome,
-            plan,
-        });
-        let (Some(run), Some(event)) = (&mut run, ended_by) else {
-            return segments;
-        };
-        let ended = Ended {
+    let (until, plan) = (plan.until, told(plan));
+    let of = |index: usize| Ok(told(plans.get(index).unwrap_or(&plan)));
+    let flown = begun(&*first.model, &plan).and_then(|run| {
+        let begun = GoingRun {
+            phase: 0,
+            plan: plan.clone(),
             run,
-            model: phase,
-            event,
-            before: segments.len() - 1,
+            handover: None,
         };
-        let of = |index: usize| Ok(told(plans.get(index).unwrap_or(&segments[0].plan)));
-        match go_on(phases, ended, &of) {
-            Ok(None) => return segments,
-            Ok(Some(goes)) => {
-                from = goes.run.time();
-                (phase, plan, handover) = (goes.phase, goes.plan, Some(goes.handover));
-                next = Ok(goes.run);
-            }
-            Err(error) => {
-                if let Some(segment) = segments.last_mut() {
-                    segment.outcome.error = Some(error);
-                }
-                return segments;
-            }
+        fly_in_turn(phases, begun, &of, &mut |going| {
+            let model = &phases.get(going.phase).unwrap_or(first).model;
+            let plan = RunPlan {
+                until,
+                ..going.plan.clone()
+            };
+            let (from, history) = (going.run.time(), history(&**model, &plan));
+            let flown = fly_on(Ok(&mut going.run), &**model, (&plan, history), progress);
+            segments.push(Segment {
+                phase: going.phase,
+                plan,
+                from,
+                handover: going.handover.clone(),
+                ended_by: match flown.stop {
+                    Ok(Stop::Event(event)) => Some(event),
+                    _ => None,
+                },
+                sizes: going.run.step_sizes().clone(),
+                outcome: flown.outcome,
+            });
+            flown.stop
+        })
+    });
+    match (flown, segments.last_mut()) {
+        (Ok(()), _) => {}
+        (Err(error), Some(segment)) => segment.outcome.error = Some(error),
+        (Err(error), None) => {
+            let history = history(&*first.model, &plan);
+            let unflown = fly_on(Err(error), &*first.model, (&plan, history), progress);
+            segments.push(Segment {
+                phase: 0,
+                plan,
+                from: 0.0,
+                handover: None,
+                ended_by: None,
+                sizes: StepSizes::default(),
+                outcome: unflown.outcome,
+            });
         }
     }
+    segments
 }

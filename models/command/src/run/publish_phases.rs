@@ -16,9 +16,9 @@ use serde_json::Value;
 use super::Phase;
 use super::metrics::WindowOfMetric;
 use super::outcome::CONTENT;
-use super::phases::Segment;
+use super::phases::{PhasedRun, Segment};
 use super::publish::{publish, shown};
-use super::summary::summary_json;
+use super::summary::{ErrorEstimate, rows_of_estimate, summary_json};
 
 /// A part of the run, for programs.
 #[derive(Serialize)]
@@ -54,15 +54,24 @@ fn together(
     phases: &[Phase],
     segments: &[Segment],
 ) -> (Trajectory, Vec<(MetricValue, WindowOfMetric)>) {
-    let empty = |phase: &Phase| Trajectory::new(&*phase.model, Sampling::Steps, CONTENT);
-    let empty: Vec<Trajectory> = phases.iter().map(empty).collect();
-    let columns = Joined::new(&empty.iter().collect::<Vec<_>>());
     let parts = segments.iter();
     let parts = parts.map(|segment| (segment.phase, &segment.outcome.trajectory));
-    let joined = columns.join(&parts.collect::<Vec<_>>());
     let stopped = segments
         .iter()
         .any(|segment| segment.outcome.error.is_some());
+    joined(phases, &parts.collect::<Vec<_>>(), stopped)
+}
+
+/// The same of parts of a run, each the history of a phase by its index; one that stopped early has no metrics.
+pub(super) fn joined(
+    phases: &[Phase],
+    parts: &[(usize, &Trajectory)],
+    stopped: bool,
+) -> (Trajectory, Vec<(MetricValue, WindowOfMetric)>) {
+    let empty = |phase: &Phase| Trajectory::new(&*phase.model, Sampling::Steps, CONTENT);
+    let empty: Vec<Trajectory> = phases.iter().map(empty).collect();
+    let columns = Joined::new(&empty.iter().collect::<Vec<_>>());
+    let joined = columns.join(parts);
     let scenes: Vec<&Scene> = phases.iter().map(|phase| phase.model.scene()).collect();
     let mut told: Vec<(MetricValue, WindowOfMetric)> = Vec::new();
     for shared in shared_metrics(&scenes) {
@@ -109,9 +118,10 @@ pub fn cut_windows_of_all(phases: &[Phase], segments: &[Segment]) -> Vec<String>
 /// # Errors
 /// Numbers that JSON cannot hold.
 pub fn summary(
-    (phases, segments): (&[Phase], &[Segment]),
+    (phases, run): (&[Phase], &PhasedRun),
     besides: &[MetricValue],
 ) -> io::Result<String> {
+    let segments = run.segments.as_slice();
     let mut parts = Vec::with_capacity(segments.len());
     for (_, phase, segment) in told(phases, segments) {
         let run = summary_json(phase.model.scene(), &segment.plan, &segment.outcome)?;
@@ -141,6 +151,8 @@ pub fn summary(
         "status": status.map_or("ok", |error| error.cause.status()),
         "reached_s": segments.last().map(|segment| segment.outcome.time),
         "metrics": metrics,
+        "error_estimate": run.estimate.as_ref().ok().map(ErrorEstimate::from),
+        "error_not_estimated": run.estimate.as_ref().err().map(ToString::to_string),
         "phases": parts,
     });
     Ok(serde_json::to_string_pretty(&whole)? + "\n")
@@ -151,10 +163,11 @@ pub fn summary(
 /// # Errors
 /// The folder or a file cannot be written; the error names it. The summary is only there if all others are.
 pub fn publish_phases(
-    (phases, segments): (&[Phase], &[Segment]),
+    (phases, run): (&[Phase], &PhasedRun),
     besides: &[MetricValue],
     folder: &Path,
 ) -> io::Result<Vec<ReportTable>> {
+    let segments = run.segments.as_slice();
     files::make_folder(folder)?;
     let file = folder.join("summary.json");
     files::remove(&file)?;
@@ -168,10 +181,16 @@ pub fn publish_phases(
     files::write_whole(&folder.join("history.csv"), |to| joined.to_csv(to))?;
     let parts = told(phases, segments).map(|(_, phase, segment)| segment.told(phase));
     let parts: Vec<FlownPart<'_>> = parts.collect();
-    let tables = [table(&parts), metrics_table(&metrics)].into_iter();
+    let mut error = ReportTable::new("Error")
+        .column("what", "")
+        .column("value", "");
+    for (what, value) in rows_of_estimate(&run.estimate) {
+        error.push([what.into(), value]);
+    }
+    let tables = [table(&parts), metrics_table(&metrics), error].into_iter();
     let tables: Vec<ReportTable> = tables.filter(|table| !table.is_empty()).collect();
     page(phases, segments, &tables, (&parts, &joined)).write(folder.join("report.html"))?;
-    files::write_text(&file, &summary((phases, segments), besides)?)?;
+    files::write_text(&file, &summary((phases, run), besides)?)?;
     Ok(tables)
 }
 

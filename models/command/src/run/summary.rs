@@ -9,6 +9,7 @@ use mbd_runtime::scene::{Plane, Scene, plain};
 use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
 
+use super::estimate::{Estimate, Unestimated};
 use super::metrics::metrics;
 use super::outcome::RunOutcome;
 use super::quality::Quality;
@@ -51,6 +52,7 @@ struct RunNumbers<'a> {
     momentum_imbalance_relative: Option<f64>,
     momentum_undefined: Option<String>,
     error_estimate: Option<ErrorEstimate<'a>>,
+    error_not_estimated: Option<String>,
     rounding_relative: f64,
     freedoms: usize,
     freedoms_held: usize,
@@ -80,10 +82,20 @@ struct NotFiniteColumn<'a> {
 
 /// The quantity that is off most, by a second, finer run.
 #[derive(Debug, Serialize)]
-struct ErrorEstimate<'a> {
+pub(super) struct ErrorEstimate<'a> {
     column: &'a str,
     rms: f64,
     relative: f64,
+}
+
+impl<'a> From<&'a Estimate> for ErrorEstimate<'a> {
+    fn from(it: &'a Estimate) -> Self {
+        ErrorEstimate {
+            column: &it.column,
+            rms: it.error,
+            relative: it.relative,
+        }
+    }
 }
 
 /// Of the bodies that the settings place the one that the start moved furthest.
@@ -198,11 +210,8 @@ pub fn summary_json(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> io::
         momentum_imbalance: outcome.momentum,
         momentum_imbalance_relative: outcome.momentum.map(|it| it.relative()),
         momentum_undefined: held(scene),
-        error_estimate: outcome.estimate.as_ref().map(|it| ErrorEstimate {
-            column: &it.column,
-            rms: it.error,
-            relative: it.relative,
-        }),
+        error_estimate: outcome.estimate.as_ref().ok().map(ErrorEstimate::from),
+        error_not_estimated: outcome.estimate.as_ref().err().map(ToString::to_string),
         rounding_relative: outcome.rounding,
         freedoms: layout.freedoms_at_start(),
         freedoms_held: layout.freedoms(),
@@ -261,8 +270,6 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         true => "located",
         false => "not located",
     };
-    let estimate = outcome.estimate.as_ref();
-    let told = estimate.map(|it| (it, format!("the same over {}", it.measure())));
     let mut rows: Vec<(&str, Cell)> = vec![
         ("method", method.into()),
         ("slack/taut switches and events", switches.into()),
@@ -393,20 +400,12 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
     if let Some(why) = held(scene) {
         rows.push(("momentum balance", why.into()));
     }
-    if let Some((estimate, over)) = &told {
-        let unit = match estimate.unit.as_str() {
-            "" => String::new(),
-            unit => format!(" {unit}"),
-        };
-        let how = if estimate.is_metric { "" } else { " (rms)" };
-        let off = format!(
-            "`{}`, {}{unit}{how}",
-            estimate.column,
-            plain(estimate.error, 2)
-        );
-        rows.push(("off most, by a second, finer run", off.into()));
-        rows.push((over, estimate.relative.into()));
-    }
+    let estimated = rows_of_estimate(&outcome.estimate);
+    rows.extend(
+        estimated
+            .iter()
+            .map(|(what, value)| (what.as_str(), value.clone())),
+    );
     let mut table = ReportTable::new("Run")
         .column("what", "")
         .column("value", "");
@@ -414,6 +413,36 @@ pub fn table(scene: &Scene, plan: &RunPlan, outcome: &RunOutcome) -> ReportTable
         table.push([what.into(), value]);
     }
     table
+}
+
+/// What a run is off by, or why that is not told, as rows of a table.
+pub(super) fn rows_of_estimate(found: &Result<Estimate, Unestimated>) -> Vec<(String, Cell)> {
+    let estimate = match found {
+        Ok(estimate) => estimate,
+        // What stopped the run stands in its place.
+        Err(Unestimated::Stopped | Unestimated::OfWhole) => return Vec::new(),
+        Err(why) => {
+            let why = format!("not estimated: {why}");
+            return vec![("error".to_owned(), why.as_str().into())];
+        }
+    };
+    let unit = match estimate.unit.as_str() {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    let how = if estimate.is_metric { "" } else { " (rms)" };
+    let off = format!(
+        "`{}`, {}{unit}{how}",
+        estimate.column,
+        plain(estimate.error, 2)
+    );
+    vec![
+        ("off most, by a second, finer run".to_owned(), off.into()),
+        (
+            format!("the same over {}", estimate.measure()),
+            estimate.relative.into(),
+        ),
+    ]
 }
 
 /// The family of coordinates and the plane that a scene was compiled for, whether it was declared or found.

@@ -437,7 +437,7 @@ fn energy_that_no_step_explains_is_not_answered_with_a_shorter_one() {
         "{told}"
     );
     // Without a second run nothing tells the steps from the forces.
-    outcome.estimate = None;
+    outcome.estimate = Err(Unestimated::NotAsked);
     let told = doubt(&scene, &plan, &outcome).expect("a doubt");
     assert!(told.contains("tighter tolerance"), "{told}");
 }

@@ -829,3 +829,67 @@ fn a_body_that_joints_of_the_next_scene_hold_elsewhere_is_told_in_both_families(
         assert!(warned("[0.8, 0, 0.1]"), "{family}: 0.1 m beside it");
     }
 }
+
+/// An oscillator whose spring becomes four times as stiff where it passes zero: x = x₀ cos(ω t), then a quarter of a period on -x₀ ω/(2 ω) sin(2 ω t').
+/// RK4 is late by (h ω)⁵/120 a step and loses (h ω)⁶/144 of it. The error is told of the whole run, within three times of what it is.
+#[test]
+fn the_error_of_a_run_through_several_scenes_is_told_of_all_of_it() {
+    let folder = Folder::new("phases_error");
+    let scene = |name: &str, k: f64, more: &str| {
+        format!(
+            "model {name} {{ gravity: none;
+               point bob {{ mass: 1 kg, start at [0.1, 0, 0] m }}
+               load pull on bob = -{k} N/m * bob.position; {more}
+               metric last = final bob.position.x; }}
+             [run]\nuntil = \"30 s\"\n"
+        )
+    };
+    let passes = "event passes = bob.position.x falls 0 m { then: scene \"stiff.mbd\" }";
+    let soft = folder.file("soft.mbd", &scene("Soft", 1.0, passes));
+    folder.file("stiff.mbd", &scene("Stiff", 4.0, ""));
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let exact = -0.05 * (2.0 * (30.0 - quarter)).sin();
+    for given in [["--dt", "0.1"], ["--tol", "1e-6"], ["--tol", "1e-9"]] {
+        let summary = flown(&folder, &soft, &given);
+        let error = (last(&summary, 1, "bob.x") - exact).abs();
+        let told = &summary["error_estimate"];
+        assert_eq!(told["column"], "last", "{told}");
+        let told = told["rms"].as_f64().unwrap_or(f64::NAN);
+        assert!(
+            told < 3.0 * error && error < 3.0 * told && error < 1e-2,
+            "{given:?}: {told} {error}"
+        );
+        assert_eq!(summary["error_not_estimated"], Value::Null);
+        // Its parts say where it stands.
+        let part = &summary["phases"][0]["run"];
+        assert_eq!(part["error_estimate"], Value::Null);
+        assert!(
+            part["error_not_estimated"]
+                .as_str()
+                .is_some_and(|why| why.contains("whole run"))
+        );
+    }
+    // Where it is large it is an exit code.
+    let out = folder.0.join("out").display().to_string();
+    let error = run(&["run", &soft, "--out", &out, "--dt", "0.25"]).unwrap_err();
+    let text = error.to_string();
+    assert_eq!(error.code(), 3, "{text}");
+    assert!(
+        text.contains("warning: Soft → Stiff: `last` is off by")
+            && text.contains("take a shorter step"),
+        "{text}"
+    );
+    // Who asks for none is told so, in words and in numbers.
+    let none = flown(&folder, &soft, &["--no-estimate"]);
+    assert_eq!(none["error_estimate"], Value::Null);
+    assert!(
+        none["error_not_estimated"]
+            .as_str()
+            .is_some_and(|why| why.contains("ask for no"))
+    );
+    let text = run(&["run", &soft, "--out", &out, "--no-estimate"]).unwrap();
+    assert!(
+        text.contains("not estimated: the settings ask for no"),
+        "{text}"
+    );
+}
