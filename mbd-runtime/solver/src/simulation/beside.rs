@@ -8,7 +8,7 @@
 
 use mbd_scene::Float;
 
-use super::stability::{Meter, OFTEN};
+use super::stability::Meter;
 use super::{Course, ModelRun};
 use crate::error::StepError;
 use crate::integrate::{Explicit, StiffCount};
@@ -137,7 +137,7 @@ impl<T: Float> ModelRun<T> {
         if !is_this || inside || !held || !nodes || recorded {
             return 0;
         }
-        let counted = OFTEN - 1 - self.steps_of_run() % OFTEN;
+        let counted = self.unwatched_steps();
         let tried = self.options.max_steps.saturating_sub(course.trials);
         // The step before the last that ends before the next instant that counts does so by more than rounding.
         let row = history.due().unwrap_or(f64::INFINITY);

@@ -16,7 +16,7 @@ use crate::watch::{ENERGY, Instability, LIMIT, NEGLIGIBLE, Watch};
 
 /// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
 pub(super) const OFTEN: u64 = 10;
-const SELDOM: u64 = 50;
+pub(super) const SELDOM: u64 = 50;
 /// Step times largest rate that is suggested: what decays so fast is followed, and not only kept from growing.
 const STABLE: f64 = 0.5;
 
@@ -445,6 +445,8 @@ impl<T: Float> ModelRun<T> {
             let rate = self.system.fastest_rate(self.time, &self.state)?;
             Instability::beyond(rate * step)
         });
+        // Energy knows nothing of declared states.
+        let growth = growth.or_else(|| self.growing_states(step));
         match growth {
             Some(what) => self.unstable(step, what),
             None => cause,

@@ -5,17 +5,16 @@
 //! h |λ|,  λ the largest eigenvalue of ∂ṡ/∂s by differences, where (1) is above the limit    (2)
 //! ```
 //!
-//! (1) alone would call a turning point unstable: where a state is the integral of what swings, k₂ − k₁ passes zero there. (2) alone would refuse what stays where it is.
+//! A step behind which a state is remembered as good is looked at, so that the run goes back to before the growth. (1) alone would call a turning point unstable: where a state is the integral of what swings, k₂ − k₁ passes zero there. (2) alone would refuse what stays where it is.
 
 use mbd_scene::Float;
 
+use super::stability::OFTEN;
 use super::{ModelRun, Pace};
 use crate::error::StepError;
 use crate::integrate::{Rates, fastest};
 use crate::watch::{Instability, LIMIT, NEGLIGIBLE};
 
-/// How many steps lie between two looks, after the first ones.
-const OFTEN: u64 = 16;
 /// The part of a state, and of what a step changes of it, by which it is moved.
 const MOVED: f64 = 1e-6;
 
@@ -26,7 +25,7 @@ impl<T: Float> ModelRun<T> {
     /// It is.
     #[inline]
     pub(super) fn watch_states(&mut self, step: f64) -> Result<(), StepError> {
-        if !(self.overlooked.has_states && self.watched) {
+        if !self.watches_states() {
             return Ok(());
         }
         let number = self.steps_of_run().wrapping_add(1);
@@ -34,6 +33,21 @@ impl<T: Float> ModelRun<T> {
             true => self.look_at_states(step),
             false => Ok(()),
         }
+    }
+
+    /// Whether there are declared states to look at.
+    pub(super) fn watches_states(&self) -> bool {
+        self.overlooked.has_states && self.watched
+    }
+
+    /// Where a step could not be made: whether it is too long for the declared states where it begins.
+    pub(super) fn growing_states(&mut self, step: f64) -> Option<Instability> {
+        if !self.watches_states() || self.method.explicit().is_none() {
+            return None;
+        }
+        let layout = self.system.model.layout();
+        let own = layout.states()..layout.nx();
+        Instability::beyond(step * self.fastest_state(own, step).ok()?)
     }
 
     #[cold]

@@ -6,13 +6,15 @@
 //!                                                  or where something of declared states is unseen
 //! ```
 //!
-//! The first step is looked at, the second, the fourth and so on: what repeats itself with the steps does so in all of them. Rejected: to refuse such a step, as
-//! where turns are counted; a wheel that is in balance turns by any angle in it, and nothing follows.
+//! The first step is looked at, the second, the fourth and so on, and every fiftieth: what repeats itself with the steps does so in all of them, and what spins up
+//! begins to in any. A look takes eight evaluations, where fifty steps take two hundred. Rejected: to refuse such a step, as where turns are counted; a wheel that
+//! is in balance turns by any angle in it, and nothing follows.
 
 use std::f64::consts::PI;
 
 use mbd_scene::Float;
 
+use super::stability::{OFTEN, SELDOM};
 use super::{ModelRun, Pace};
 use crate::error::StepError;
 use crate::integrate::Rates;
@@ -29,10 +31,24 @@ impl<T: Float> ModelRun<T> {
     #[inline]
     pub(super) fn look_between_stages(&mut self, step: f64) {
         let number = self.steps_of_run().wrapping_add(1);
-        let looked = self.overlooked.has_states || !self.overlooked.angles.is_empty();
-        if looked && self.options.watch && self.hidden.is_none() && number.is_power_of_two() {
+        if self.may_hide() && (number.is_power_of_two() || number.is_multiple_of(SELDOM)) {
             self.find_between_stages(step);
         }
+    }
+
+    /// Whether something of the run may be hidden from its steps that is not known to be.
+    fn may_hide(&self) -> bool {
+        let turns = self.overlooked.has_states || !self.overlooked.angles.is_empty();
+        turns && self.options.watch && self.hidden.is_none()
+    }
+
+    /// After how many steps from here on one is looked into, [`OFTEN`] at most.
+    pub(super) fn unwatched_steps(&self) -> u64 {
+        let made = self.steps_of_run();
+        let ahead = OFTEN - 1 - made % OFTEN;
+        let looks = self.may_hide() || self.watches_states();
+        let mut early = (0..ahead).filter(|more| looks && (made + more + 1).is_power_of_two());
+        early.next().unwrap_or(ahead)
     }
 
     #[cold]
