@@ -468,7 +468,7 @@ step_errors! {
     },
     match joints.is_empty() {
         true => "where the mechanism passes a position in which its rows repeat each other (bars in one line), take `tsit5` or `vern7`, which pass it; else bring the masses closer together, or measure lengths in a unit of the size of the mechanism",
-        false => "replace one of these joints by one that forbids less (a hinge by a spherical joint, a weld by nothing), or start away from this configuration",
+        false => "replace one of these joints by one that forbids less (a hinge by a spherical joint, a weld by nothing), or start away from this configuration; where the mechanism only passes it (bars in one line), take `tsit5`, `vern7` or `auto`, which pass it: `rodas5p` follows how forces in joints change beside their motion, and there that has no bound",
     };
 
     /// Masses so uneven that no way of solving the rows keeps three digits of the accelerations.
