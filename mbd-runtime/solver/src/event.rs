@@ -37,13 +37,12 @@ pub struct Occurrence {
 /// What is looked at inside a step.
 #[derive(Clone, Copy, Debug)]
 enum WatchedGuard {
-    /// A unilateral element; 1/K [m/N, for an angle 1/(N m)], whether it ends at a `rate` node, and how far its margin must be passed at least to
-    /// count [m or rad].
+    /// A unilateral element; 1/K [m/N, for an angle 1/(N m)], whether it ends at a `rate` node, and what of its margin counts.
     Element {
         element: usize,
         softness: f64,
         at_node: bool,
-        floor: f64,
+        counts: Passing,
     },
     /// A declared event: its index and its place in the guards.
     Declared {
@@ -118,6 +117,16 @@ fn longest_delay<T: Float>(lines: &[LineNumbers<T>]) -> f64 {
     delays.fold(0.0, f64::max)
 }
 
+/// What of the margin of an element counts as passed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passing {
+    /// How far it is beyond zero at least [m or rad].
+    pub floor: f64,
+    /// Of one that carries also what is below that, for so long in one step [m s or rad s]: a damper that is said to push by less than its velocity is known may do so
+    /// for a long time.
+    pub lasting: f64,
+}
+
 /// Between what an element acts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Acting {
@@ -153,12 +162,11 @@ impl Acting {
 }
 
 impl Margins {
-    /// The margins of a model; none when nothing is to be located. `tolerance` says how far the margin of an element must be passed to count
-    /// [m or rad].
+    /// The margins of a model; none when nothing is to be located. `counts` says what of the margin of an element counts.
     pub(crate) fn new<T: Float>(
         model: &dyn Model<T>,
         locate: bool,
-        tolerance: impl Fn(&Acting) -> f64,
+        counts: impl Fn(&Acting) -> Passing,
     ) -> Self {
         let (scene, layout) = (model.scene(), model.layout());
         let mut watched = Vec::new();
@@ -170,7 +178,7 @@ impl Margins {
                     element,
                     softness: 1.0 / numbers.stiffness.to_f64(),
                     at_node,
-                    floor: tolerance(&Acting::new(scene, layout, element, (at_node, delay))),
+                    counts: counts(&Acting::new(scene, layout, element, (at_node, delay))),
                 });
             }
         }
@@ -226,7 +234,7 @@ impl Margins {
     pub(crate) fn read_lines<T: Float>(
         &mut self,
         model: &dyn Model<T>,
-        tolerance: impl Fn(&Acting) -> f64,
+        counts: impl Fn(&Acting) -> Passing,
     ) {
         let (scene, layout) = (model.scene(), model.layout());
         for watched in &mut self.watched {
@@ -234,13 +242,13 @@ impl Margins {
                 element,
                 softness,
                 at_node,
-                floor,
+                counts: own,
             } = watched
                 && let Some(numbers) = model.lines().get(*element)
             {
                 let delay = (numbers.damping / numbers.stiffness).to_f64();
                 *softness = 1.0 / numbers.stiffness.to_f64();
-                *floor = tolerance(&Acting::new(scene, layout, *element, (*at_node, delay)));
+                *own = counts(&Acting::new(scene, layout, *element, (*at_node, delay)));
             }
         }
         self.delay = longest_delay(model.lines());
@@ -262,7 +270,7 @@ impl Margins {
     /// How far a margin must be passed to count, in this step [m or rad].
     fn tolerance(&self, index: usize) -> f64 {
         match self.watched.get(index) {
-            Some(WatchedGuard::Element { floor, .. }) => floor.max(self.resolved),
+            Some(WatchedGuard::Element { counts, .. }) => counts.floor.max(self.resolved),
             _ => 0.0,
         }
     }
@@ -270,7 +278,7 @@ impl Margins {
     /// The smallest of them among elements [m or rad].
     pub(crate) fn finest(&self) -> f64 {
         let floors = self.watched.iter().filter_map(|watched| match watched {
-            WatchedGuard::Element { floor, .. } => Some(floor.max(self.resolved)),
+            WatchedGuard::Element { counts, .. } => Some(counts.floor.max(self.resolved)),
             WatchedGuard::Declared { .. } => None,
         });
         floors.fold(f64::INFINITY, f64::min)
@@ -325,6 +333,20 @@ impl Margins {
     /// Whether a watched margin is passed: by more than the tolerance for a line, at all for a declared event.
     pub(crate) fn passed(&self, index: usize, margin: f64) -> bool {
         index < self.watched.len() && margin < -self.tolerance(index)
+    }
+
+    /// Whether a watched margin is that of an element which carries, and pushes at the end of a step of a size [s] for longer than counts.
+    pub(crate) fn pushes(&self, index: usize, modes: &[Mode], step: f64) -> bool {
+        let margin = self.now.get(index).copied().unwrap_or(0.0);
+        match self.watched.get(index) {
+            Some(WatchedGuard::Element {
+                element, counts, ..
+            }) => {
+                let carries = matches!(modes.get(*element), Some(Mode::Active));
+                carries && -margin * step > counts.lasting
+            }
+            _ => false,
+        }
     }
 
     /// The smallest margin among those in `chosen`.

@@ -105,6 +105,11 @@ impl<T: Float> ModelRun<T> {
             self.margins.before.copy_from_slice(&self.margins.now);
             (earlier, low) = (low, high);
         }
+        if self.is_adaptive() && self.choose_pushing(step) {
+            let start = &self.margins.start;
+            self.margins.before.copy_from_slice(start);
+            return self.narrow(0.0, 1.0, step);
+        }
         let close = if self.system.may_jump() { CLOSE } else { 0.0 };
         if declares && self.margins.are_close(close) {
             // What passes right behind this step is not to be seen by its last stages.
@@ -192,6 +197,15 @@ impl<T: Float> ModelRun<T> {
     pub(crate) fn choose_passed(&mut self) -> bool {
         for (index, (chosen, margin)) in self.chosen.iter_mut().zip(&self.margins.now).enumerate() {
             *chosen = self.margins.passed(index, *margin);
+        }
+        self.chosen.contains(&true)
+    }
+
+    /// Marks the elements that carry and push at the end of the step, by less than counts at an instant, but for so long that it changes a velocity by its tolerance.
+    fn choose_pushing(&mut self, step: f64) -> bool {
+        let modes = self.system.modes();
+        for (index, chosen) in self.chosen.iter_mut().enumerate() {
+            *chosen = self.margins.pushes(index, modes, step);
         }
         self.chosen.contains(&true)
     }

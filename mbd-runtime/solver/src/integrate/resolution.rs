@@ -47,14 +47,31 @@ impl Resolution {
             true => (self.scales.angle, self.scales.rate),
             false => (self.scales.length, self.scales.speed),
         };
-        if acting.at_node {
-            return scale;
+        match acting.at_node {
+            true => scale,
+            false => scale.min(self.finest(acting) + acting.delay * rate),
         }
+    }
+
+    /// V/ω of the finer resolved of the two that an element acts between, at most the scale [m or rad].
+    fn finest(&self, acting: &Acting) -> f64 {
+        let angle = usize::from(acting.angle);
         let ends = acting.ends.iter();
         let held = ends.filter_map(|end| self.sizes.get(self.owners.at(*end)?));
-        let finest = held
-            .map(|sizes| sizes[usize::from(acting.angle)])
-            .fold(scale, f64::min);
-        scale.min(finest + acting.delay * rate)
+        let scale = [self.scales.length, self.scales.angle][angle];
+        held.map(|sizes| sizes[angle]).fold(scale, f64::min)
+    }
+
+    /// A stretch, or K s + C ṡ over K, times how long it lasts, by which the element changes a velocity by its scale V: V/ω² [m s or rad s]; without bound at an
+    /// equilibrium point.
+    pub(crate) fn lasting(&self, acting: &Acting) -> f64 {
+        let rate = match acting.angle {
+            true => self.scales.rate,
+            false => self.scales.speed,
+        };
+        match acting.at_node {
+            true => f64::INFINITY,
+            false => self.finest(acting).powi(2) / rate,
+        }
     }
 }

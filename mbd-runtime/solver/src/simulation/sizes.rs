@@ -5,7 +5,7 @@ use mbd_scene::Float;
 use mbd_scene::laws::starts;
 
 use super::{ModelRun, Pace};
-use crate::event::Acting;
+use crate::event::{Acting, Passing};
 use crate::integrate::{ErrorNorm, Resolution, Scales};
 use crate::options::Options;
 use crate::rounding::Rounding;
@@ -56,10 +56,16 @@ impl RunSizes {
         self.scales.length
     }
 
-    /// How far the margin of an element must be passed to count [m or rad].
-    pub(super) fn passing(&self, acting: &Acting) -> f64 {
+    /// What of the margin of an element counts as passed.
+    pub(super) fn passing(&self, acting: &Acting) -> Passing {
         let by_itself = || self.tolerance * self.resolution.between(acting);
-        self.given.unwrap_or_else(by_itself).max(self.finest)
+        Passing {
+            floor: self.given.unwrap_or_else(by_itself).max(self.finest),
+            lasting: match self.given {
+                Some(_) => f64::INFINITY,
+                None => self.tolerance * self.resolution.lasting(acting),
+            },
+        }
     }
 
     /// What errors of steps are measured by, to a relative tolerance.
