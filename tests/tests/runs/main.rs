@@ -6,6 +6,7 @@ mod accuracy;
 mod actions;
 mod closed_forms;
 mod conservation;
+mod costs;
 mod everywhere;
 mod far_away;
 mod fast_outputs;

@@ -405,3 +405,71 @@ fn the_step_that_is_suggested_is_one_that_holds() {
         }
     }
 }
+
+/// Numbers between 0 and 1, the same ones in every run.
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Eight kinds of things that move at a rate ω, of any mass and size, under steps of 3/ω to 100/ω.
+#[test]
+fn random_scenes_under_steps_that_are_too_long_are_all_stopped_soon() {
+    let mut next = random(1);
+    let (mut stopped, mut late) = (0, 0_u64);
+    for number in 0..1000 {
+        let mut power = |from: f64, to: f64| 10f64.powf(from + (to - from) * next());
+        let (m, l, w, too_long) = (
+            power(-3.0, 3.0),
+            power(-2.0, 2.0),
+            power(-1.0, 3.0),
+            power(0.5, 2.0),
+        );
+        let part = power(-1.0, 1.0);
+        let (k, c, j) = (m * w * w, m * w, m * l * l);
+        let g = w * w * l;
+        let rail = "coordinates: absolute; gravity: none; body b { mass: M kg, inertia: diag(J, J, J) kg*m^2 } joint r: prismatic from world to b.com";
+        let rail = rail
+            .replace('M', &m.to_string())
+            .replace('J', &j.to_string());
+        let text = match number % 8 {
+            0 => format!("gravity: none; point p {{ mass: {m} kg, start at [{}, 0, 0] m }}
+                spring s from world to p {{ free_length: {l} m, stiffness: {k} N/m, damping: {} N*s/m }}", 1.1 * l, 0.1 * part * c),
+            1 => format!("{rail} {{ axis: x, damping: {c} N*s/m, start_rate: {} m/s }}", l * w),
+            2 => format!("{rail} {{ axis: x, stiffness: {k} N/m, damping: {} N*s/m, start: {l} m }}", 0.1 * part * c),
+            3 => format!("gravity: none; body b {{ mass: {m} kg, inertia: diag({j}, {}, {}) kg*m^2, start at [0, 0, 0] m angular_velocity [{}, {w}, {}] rad/s }}
+                joint f: free from world to b.com;", 2.0 * j, 2.5 * j, 0.3 * w, 0.2 * w),
+            4 => format!("gravity: [0, 0, -{g}] m/s^2; body a {{ mass: {m} kg, inertia: diag({j}, {j}, {j}) kg*m^2, frame top at [0, 0, {l}] m, frame end at [0, 0, -{l}] m }}
+                body b {{ mass: {} kg, inertia: diag({j}, {j}, {j}) kg*m^2, frame top at [0, 0, {l}] m }}
+                joint p: hinge from world to a.top {{ axis: y, start: 1.5 rad }} joint q: hinge from a.end to b.top {{ axis: y, start: 0.5 rad }}", m * part),
+            5 => format!("gravity: point_mass {{ mu: {} m^3/s^2, center: [0, 0, 0] m }}; point p {{ mass: {m} kg, start at [{l}, 0, 0] m velocity [0, {}, 0] m/s }}", w * w * l.powi(3), 0.3 * w * l),
+            6 => format!("gravity: [0, 0, -{}] m/s^2; point p {{ mass: {m} kg, start at [0, 0, -{}] m }}
+                line s from world to p {{ free_length: {l} m, stiffness: {k} N/m, damping: {} N*s/m }}", 0.01 * g, 1.05 * l, 0.1 * part * c),
+            _ => format!("gravity: none; point p {{ mass: {m} kg, start at [0, 0, 0] m velocity [{}, 0, 0] m/s }} state s: length = {l} m {{ rate: (p.position.x - s) * {w} (1/s) }}", l * w),
+        };
+        let step = too_long / w;
+        let model = Generic::<f64>::with_defaults(read(&format!("model Random {{ {text} }}")))
+            .expect("defaults");
+        let mut run = Simulation::new(&model, Options::rk4(step)).expect("options");
+        let ended = run.run(200.0 * step).map_err(|error| error.cause);
+        let Err(StepError::UnstableStep {
+            time, suggestion, ..
+        }) = ended
+        else {
+            panic!("{text}: h ω = {too_long}: {ended:?}, {:?}", run.imbalance());
+        };
+        assert!(
+            time <= 50.5 * step && run.time() < time && suggestion < step,
+            "{text}: {time} of {step}"
+        );
+        assert!(run.state().iter().all(|x| x.is_finite()));
+        stopped += 1;
+        late = late.max((time / step).round() as u64);
+    }
+    println!("{stopped} stopped, after {late} steps at most");
+}

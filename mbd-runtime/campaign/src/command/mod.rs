@@ -129,7 +129,10 @@ pub fn campaign(
                 false => gathered.end(told),
             }
         }
-        _ => Ok(told + "`gather` puts all shards together\n"),
+        _ => Ok(format!(
+            "{told}`gather` puts all shards together\n{}",
+            accuracy::unestimated("a shard has a part of them only")
+        )),
     }
 }
 

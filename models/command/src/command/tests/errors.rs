@@ -110,6 +110,12 @@ fn a_case_of_a_campaign_is_flown_again_with_finer_steps_where_events_end_them() 
         "{off} {error} {row}"
     );
     // What a shard or `gather` does not know they say.
+    let part = folder.0.join("part").display().to_string();
+    let told = run(&["campaign", &file, &given, "--out", &part, "--shard", "1/2"]).unwrap();
+    assert!(
+        told.contains("the error of the cases is not estimated: a shard has"),
+        "{told}"
+    );
     let told = run(&["gather", &place]).unwrap();
     assert!(
         told.contains("the error of the cases is not estimated: `campaign` with"),
