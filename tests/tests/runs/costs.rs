@@ -42,7 +42,7 @@ fn adaptive_steps_on_stiff_modes_are_not_half_as_long_as_fixed_ones() {
         let steps = (0..16).map(|k| 2e-3 * 0.9f64.powi(k));
         let longest = steps.filter_map(|step| cost(&model, Options::rk4(step)));
         let [longest, _] = longest.min().expect("a step that is short enough");
-        for rtol in [1e-2, 1e-4, 1e-5] {
+        for rtol in [1e-2, 1e-4] {
             let [adaptive, _] = cost(&model, Options::tsit5(rtol)).expect("a run");
             println!("{damping}: {rtol:e}: {adaptive} steps for {longest}");
             assert!(
