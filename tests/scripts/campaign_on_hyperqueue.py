@@ -5,6 +5,9 @@
 
 Three things are killed by SIGKILL: one shard (its task fails, `gather` names it, it alone is submitted again), the server with all workers and tasks
 (everything is submitted again and goes on), and a process without a scheduler.
+
+The script for Slurm in docs/campaigns.md runs as it stands there, by words of Slurm that do here what is asked of them: one task after the other,
+some again, and the last one not at all at first.
 """
 
 import os
@@ -113,6 +116,72 @@ def gather(mbd, work, out):
     return subprocess.run([str(mbd), "gather", str(work / out), "--shards", str(SHARDS)], capture_output=True, text=True)
 
 
+SBATCH = """#!/bin/sh
+# Every task of the array, one after the other, with what Slurm sets for it; `--array` on the command line counts before that of the script.
+case "$1" in --array=*) array=${1#*=}; shift;; *) array=$(sed -n 's/^#SBATCH --array=//p' "$1");; esac
+for task in $(seq "${array%-*}" "${array#*-}"); do
+  SLURM_ARRAY_TASK_ID=$task SLURM_CPUS_PER_TASK=2 sh "$1" || exit
+done
+"""
+SCENE = """
+model = "Drop"
+gravity = "[0.0, 0.0, -9.81] m/s^2"
+[param]
+drag = { value = "0.02 kg/m", in = "0 kg/m ..= 1 kg/m" }
+[point.stone]
+mass = "1 kg"
+start = { at = "[0.0, 0.0, 100.0] m" }
+[load]
+air = { on = "stone", value = "-drag * norm(stone.velocity) * stone.velocity" }
+"""
+DROPS = """
+cases = 64
+block = 1
+[params]
+drag = { dist = "uniform", low = "0.01 kg/m", high = "0.03 kg/m" }
+[metrics]
+speed = { final = "stone.vz" }
+[run]
+until = "2 s"
+"""
+
+
+def slurm(mbd, work):
+    """The script of the documentation, under words of Slurm."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "campaigns.md").read_text()
+    script = next(part for part in page.split("```") if "#SBATCH" in part)
+    work = work / "slurm"
+    (work / "bin").mkdir(parents=True)
+    job = work / "job.sh"
+    job.write_text(script.split("\n", 1)[1])
+    for name, text in {"sbatch": SBATCH, "srun": '#!/bin/sh\nexec "$@"\n', "mbd": f'#!/bin/sh\nexec {mbd} "$@"\n'}.items():
+        (work / "bin" / name).write_text(text)
+        (work / "bin" / name).chmod(0o755)
+    (work / "scene.toml").write_text(SCENE)
+    (work / "dispersions.toml").write_text(DROPS)
+    environment = {**os.environ, "PATH": f"{work / 'bin'}:{os.environ['PATH']}"}
+
+    def sh(command):
+        return subprocess.run(command, shell=True, cwd=work, env=environment, capture_output=True, text=True)
+
+    def must(command):
+        done = sh(command)
+        if done.returncode != 0:
+            sys.exit(f"{command}: {done.stderr}")
+
+    must("bash -n job.sh")
+    must("sbatch --array=1-31 job.sh")
+    told = sh("mbd gather results --shards 32")
+    if told.returncode != 4 or "--array=32" not in told.stderr:
+        sys.exit(f"gather must name shard 32: {told.stderr}")
+    must("sbatch job.sh")
+    must("mbd gather results --shards 32")
+    must("mbd campaign scene.toml dispersions.toml --out alone --threads 1")
+    if (work / "results" / "cases.csv").read_bytes() != (work / "alone" / "cases.csv").read_bytes():
+        sys.exit("Slurm: other bytes")
+    print("the script for Slurm, a task at first not run: the same bytes")
+
+
 def main(mbd):
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
@@ -120,6 +189,7 @@ def main(mbd):
         if quiet(campaign(mbd, work, "alone")).returncode != 0:
             sys.exit("the campaign does not run")
 
+        slurm(mbd, work)
         overhead(mbd, work)
 
         # One shard is killed.
