@@ -116,9 +116,11 @@ impl<T: Scalar> Flights<'_, T> {
         let mut go_on = |_| !(desk.stops() || cancelled());
         loop {
             for place in 0..beside {
+                if flights.get(place).is_some_and(Option::is_some) {
+                    continue;
+                }
                 let idle = flights.iter().all(Option::is_none);
-                let empty = flights.get_mut(place).filter(|flight| flight.is_none());
-                if let Some(empty) = empty
+                if let Some(empty) = flights.get_mut(place)
                     && let Some((number, case)) = desk.take(idle)
                 {
                     *empty = Some(self.take_off((self.first + number, case), histories.pop()));

@@ -11,7 +11,7 @@ use super::Lanes;
 use super::form::LaneParameters;
 use super::group::{Stages, faults};
 use super::lockstep::normalise;
-use super::networks::{flag, is_any, put};
+use super::networks::{flag, put};
 use crate::fallback::trusted_in_passing;
 use crate::list::largest_size;
 use crate::moving::{Moving, moving};
@@ -190,7 +190,7 @@ impl<L: Lanes> OnJoints<L> for LanesOnJoints<'_, L> {
     }
 
     fn is_any(mask: L::Mask) -> bool {
-        is_any(flag::<L>(mask))
+        L::is_any(mask)
     }
 
     fn but(mask: L::Mask, other: L::Mask) -> L::Mask {

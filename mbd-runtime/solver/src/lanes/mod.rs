@@ -42,6 +42,10 @@ pub trait Lanes: Real + Send + Sync {
     /// The same to be changed.
     #[must_use]
     fn numbers_mut(&mut self) -> &mut [f64];
+
+    /// Whether a comparison holds in some lane.
+    #[must_use]
+    fn is_any(mask: Self::Mask) -> bool;
 }
 
 /// Implements a scalar of several lanes on a register.
@@ -96,6 +100,11 @@ macro_rules! lanes {
             #[inline]
             fn numbers_mut(&mut self) -> &mut [f64] {
                 self.0.as_mut_array()
+            }
+
+            #[inline(always)]
+            fn is_any(mask: $wide) -> bool {
+                mask.any()
             }
         }
 

@@ -8,7 +8,8 @@ use super::Lanes;
 use super::form::LaneParameters;
 use super::group::{Stages, faults, get as read, set};
 use crate::node::{
-    BalanceEvaluation, NetworkPlan, NodeMemory, Nodes, RateFormula, Tolerance, WARM_STEPS, warm,
+    BalanceEvaluation, NetworkPlan, NodeMemory, Nodes, RateFormula, Tolerance, WARM_STEPS, triple,
+    warm,
 };
 use crate::simulation::ModelRun;
 use crate::simulation::beside::Spent;
@@ -20,6 +21,8 @@ pub(super) struct Networks<L> {
     against: Vec<L>,
     /// The same as the stage before shows it.
     motion: Vec<L>,
+    /// Where each node would be at the stage that moved as its anchors do on the average [m].
+    carried: Vec<Vector3<L>>,
     anchors: Vec<L>,
     stretch: Vec<L>,
     previous: Vec<L>,
@@ -55,6 +58,7 @@ impl<L: Lanes> Networks<L> {
             nodes: list(3 * layout.nodes.len()),
             against: list(3 * layout.nodes.len()),
             motion: list(3 * layout.nodes.len()),
+            carried: vec![Vector3::repeat(L::zero()); layout.nodes.len()],
             anchors: list(3 * layout.anchors.len()),
             stretch: list(layout.lines.len()),
             previous: list(layout.lines.len()),
@@ -139,9 +143,9 @@ impl<L: Lanes> Networks<L> {
                 *step = L::select(mask, smooth, *step);
             }
             for &node in &plan.nodes {
-                let here = crate::node::triple(&stages.nodes, 3 * node);
+                let here = triple(&stages.nodes, 3 * node);
                 select(mask, &mut self.nodes, 3 * node, here.as_slice());
-                let moved = crate::node::triple(&self.motion, 3 * node);
+                let moved = triple(&self.motion, 3 * node);
                 let known = moved.map(|x| L::select(unlike.le(L::zero()), x, L::zero()));
                 select(mask, &mut self.against, 3 * node, known.as_slice());
             }
@@ -162,10 +166,10 @@ impl<L: Lanes> Networks<L> {
     /// An accepted node, carried with the mean displacement of its anchors since.
     fn carried(&self, node: usize, own_anchors: &[usize], stages: &Stages<L>) -> Vector3<L> {
         warm::carried(
-            crate::node::triple(&self.nodes, 3 * node),
+            triple(&self.nodes, 3 * node),
             own_anchors.iter().map(|anchor| {
                 let [now, last] = [(&stages.ends, 6), (&self.anchors, 3)]
-                    .map(|(list, width)| crate::node::triple(list, width * anchor));
+                    .map(|(list, width)| triple(list, width * anchor));
                 now - last
             }),
         )
@@ -209,23 +213,29 @@ impl<L: Lanes> Networks<L> {
         let mut usable = flag::<L>(L::zero().le(faults(&ends)));
         stages.ends = ends;
         for plan in plans.plans() {
-            self.lay_down(plan, stages, span);
+            let step = get(&self.steps, plan.index);
+            let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
+            self.lay_down(plan, stages, (formula.as_ref(), span));
             let [solved, is_slack] = self.descend(form, plan, stages, (time, state));
             usable *= solved;
-            self.note_motion(plan, stages, (&plans.layout, span), is_slack);
+            let formula = (formula.as_ref(), span);
+            self.note_motion(plan, stages, (&plans.layout, formula), is_slack);
         }
         usable
     }
 
     /// The law of the lines, and where the search for the node begins.
-    fn lay_down(&self, plan: &NetworkPlan<f64>, stages: &mut Stages<L>, span: L) {
-        let step = get(&self.steps, plan.index);
-        let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
+    fn lay_down(
+        &mut self,
+        plan: &NetworkPlan<f64>,
+        stages: &mut Stages<L>,
+        (formula, span): (Option<&RateFormula<L>>, L),
+    ) {
         for line in &plan.lines {
             let (Some(numbers), Some(at)) = (self.lines.get(line.line), line.effective) else {
                 continue;
             };
-            let law = match &formula {
+            let law = match formula {
                 Some(formula) => {
                     let known = [&self.stretch, &self.previous];
                     formula.law(numbers, known.map(|list| get(list, line.line)))
@@ -238,9 +248,11 @@ impl<L: Lanes> Networks<L> {
         }
         for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
             let carried = self.carried(node, own_anchors, stages);
-            let against = crate::node::triple(&self.motion, 3 * node);
-            let predicted = warm::predicted(carried, against, span);
-            place(stages, node, &predicted);
+            let against = triple(&self.motion, 3 * node);
+            place(stages, node, &warm::predicted(carried, against, span));
+            if let Some(slot) = self.carried.get_mut(node) {
+                *slot = carried;
+            }
         }
     }
 
@@ -250,24 +262,24 @@ impl<L: Lanes> Networks<L> {
         &mut self,
         plan: &NetworkPlan<f64>,
         stages: &mut Stages<L>,
-        (layout, span): (&Layout, L),
+        (layout, (formula, span)): (&Layout, (Option<&RateFormula<L>>, L)),
         is_slack: L,
     ) {
-        let step = get(&self.steps, plan.index);
-        let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
+        let slack = L::zero().lt(is_slack);
         for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
-            let place = crate::node::triple(&stages.nodes, 3 * node);
-            let moved = warm::against(place, self.carried(node, own_anchors, stages), span);
-            let known = moved.map(|x| L::select(L::zero().lt(is_slack), L::zero(), x));
+            let Some(carried) = self.carried.get(node) else {
+                continue;
+            };
+            let moved = warm::against(triple(&stages.nodes, 3 * node), *carried, span);
+            let known = moved.map(|x| L::select(slack, L::zero(), x));
             if let Some(own) = self.motion.get_mut(3 * node..3 * node + 3) {
                 own.copy_from_slice(known.as_slice());
             }
             let slot = layout.nodes.get(node).and_then(|node| node.velocity);
-            if let (Some(at), Some(formula)) = (slot, &formula) {
+            if let (Some(at), Some(formula)) = (slot, formula) {
                 let anchors = own_anchors.iter();
-                let anchors =
-                    anchors.map(|anchor| crate::node::triple(&stages.ends, 6 * anchor + 3));
-                let before = crate::node::triple(&self.against, 3 * node);
+                let anchors = anchors.map(|anchor| triple(&stages.ends, 6 * anchor + 3));
+                let before = triple(&self.against, 3 * node);
                 let velocity = formula.velocity(anchors, [moved, before]);
                 if let Some(own) = stages.effective.get_mut(at..at + 3) {
                     own.copy_from_slice(velocity.as_slice());
@@ -291,28 +303,31 @@ impl<L: Lanes> Networks<L> {
             return [zero; 2];
         };
         let targets = Tolerance::<f64>::inside_step().warm().map(L::from_f64);
-        let load = crate::node::triple(&stages.ends, 6 * (self.anchors.len() / 3) + 3 * node);
-        let (load, certain) = warm::certain_norm(load.as_slice(), epsilon);
+        let load = triple(&stages.ends, 6 * (self.anchors.len() / 3) + 3 * node);
+        let (load, certain) = warm::certain_norm(&load.into(), epsilon);
         let mut usable = flag::<L>(certain);
         let (mut active, mut is_slack, mut iterations) = (usable, zero, zero);
         let what = Quantity::Equilibrium(plan.index);
+        let mut here = triple(&stages.nodes, 3 * node);
         for step in 0..=WARM_STEPS {
             form.evaluate(what, &stages.at(time, state), balance.values_mut());
-            let (residual, certain) = warm::certain_norm(balance.gradient(), epsilon);
-            let standing = targets.judge(balance, residual, load);
+            let Some(at_node) = balance.of_one() else {
+                return [zero; 2];
+            };
+            let (residual, certain) = warm::certain_norm(&at_node.gradient, epsilon);
+            let standing = targets.judge(&at_node.pulls, residual, load);
             let slack = active * flag::<L>(standing.slack);
             let done = L::select(standing.slack, one, flag::<L>(standing.balanced));
             is_slack += slack;
             // A lane whose residual has no certain size is left to its run, and so is one whose direction follows other rules.
             let certain = flag::<L>(certain);
             let looks_on = active * certain * (one - done);
-            let direction = match step < WARM_STEPS && is_any(looks_on) {
-                true => warm::direction_of_one(balance, epsilon),
-                false => None,
-            };
-            let (delta, found) = match direction {
-                Some((delta, regular)) => (delta, flag::<L>(regular)),
-                None => (Vector3::repeat(zero), zero),
+            let (delta, found) = match step < WARM_STEPS && is_any(looks_on) {
+                true => {
+                    let (delta, regular) = warm::direction_of_one(&at_node, epsilon);
+                    (delta, flag::<L>(regular))
+                }
+                false => (Vector3::repeat(zero), zero),
             };
             let goes_on = looks_on * found;
             usable -= active * (one - certain * L::select(zero.lt(done), one, found));
@@ -321,12 +336,16 @@ impl<L: Lanes> Networks<L> {
                 break;
             }
             let moves = zero.lt(active);
-            let here = crate::node::triple(&stages.nodes, 3 * node);
-            let next = here.zip_map(&delta, |p, delta| L::select(moves, p + delta, p));
-            place(stages, node, &next);
+            here = here.zip_map(&delta, |p, delta| L::select(moves, p + delta, p));
+            place(stages, node, &here);
             iterations += active;
         }
-        for at in plan.lines.iter().filter_map(|line| line.effective) {
+        // Few are.
+        let slackened = match is_any(is_slack) {
+            true => plan.lines.as_slice(),
+            false => &[],
+        };
+        for at in slackened.iter().filter_map(|line| line.effective) {
             let slots = stages.effective.get_mut(2 * at..2 * at + 2);
             for x in slots.unwrap_or_default() {
                 *x = L::select(zero.lt(is_slack), zero, *x);
@@ -340,7 +359,7 @@ impl<L: Lanes> Networks<L> {
 
 /// Whether a flag is set in some lane.
 pub(super) fn is_any<L: Lanes>(flags: L) -> bool {
-    flags.numbers().iter().any(|flag| *flag > 0.0)
+    L::is_any(L::zero().lt(flags))
 }
 
 fn place<L: Lanes>(stages: &mut Stages<L>, node: usize, place: &Vector3<L>) {

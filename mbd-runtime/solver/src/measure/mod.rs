@@ -48,6 +48,8 @@ pub(crate) struct Measures {
     readers: Vec<(MetricReader, usize)>,
     sums: Vec<Sum>,
     columns: Vec<Column>,
+    /// The readers of columns that are looked at over time, each with its column.
+    followed: Vec<[usize; 2]>,
     /// Values at the points of the halves of each halving, column by column.
     values: Vec<f64>,
     /// The same at another place.
@@ -106,12 +108,18 @@ impl Measures {
                 .any(|(reader, own)| *own == column && reader.is_over_time()),
             ..Column::default()
         };
+        let columns: Vec<Column> = (0..columns).map(|at| of(at, &readers)).collect();
+        let own = readers.iter().enumerate().map(|(at, (_, own))| [at, *own]);
+        let over_time = |own: usize| columns.get(own).is_some_and(|it| it.over_time);
+        let followed = own.filter(|[_, own]| over_time(*own)).collect();
+        let count = columns.len();
         let mut measures = Measures {
             sums: vec![Sum::NOTHING; readers.len()],
-            columns: (0..columns).map(|at| of(at, &readers)).collect(),
-            values: vec![0.0; (2 * DEEPEST + 2) * POINTS * columns],
-            looked: vec![0.0; columns],
-            states: vec![Resolving::Done; (2 * DEEPEST + 2) * columns],
+            columns,
+            followed,
+            values: vec![0.0; (2 * DEEPEST + 2) * POINTS * count],
+            looked: vec![0.0; count],
+            states: vec![Resolving::Done; (2 * DEEPEST + 2) * count],
             until: f64::NAN,
             held: f64::NAN,
             kept: (f64::NAN, vec![Sum::NOTHING; readers.len()]),
@@ -128,7 +136,7 @@ impl Measures {
 
     /// Whether steps are looked at.
     pub(crate) fn is_over_time(&self) -> bool {
-        self.columns.iter().any(|column| column.over_time)
+        !self.followed.is_empty()
     }
 
     /// For another run.
@@ -252,6 +260,10 @@ impl Measures {
             self.held = f64::NAN;
             at(1.0, self.row(Half::WHOLE, DEGREE))?;
             let times = [step.time, end];
+            if known && step.straight && self.add_straight(times) {
+                (self.until, self.held) = (end, end);
+                return Ok(());
+            }
             let mut further = false;
             for column in 0..self.columns.len() {
                 if !self.columns.get(column).is_some_and(|it| it.over_time) {
@@ -282,10 +294,38 @@ impl Measures {
         Ok(())
     }
 
+    /// Adds a step over which quantities are straight, where no metric takes more than the values at its ends; `false`, and nothing happened, where one does.
+    fn add_straight(&mut self, times: [f64; 2]) -> bool {
+        let count = self.columns.len();
+        let [first, last] = [0, DEGREE].map(|point| self.values.get(point * count..));
+        let (Some(first), Some(last)) = (first, last) else {
+            return false;
+        };
+        let ends = |column: usize| Some([*first.get(column)?, *last.get(column)?]);
+        let told = |[reader, column]: &[usize; 2]| {
+            let own = self.readers.get(*reader).zip(ends(*column));
+            own.is_some_and(|((reader, _), ends)| Sum::is_told_by_ends(reader, times, ends))
+        };
+        if !self.followed.iter().all(told) {
+            return false;
+        }
+        for &[reader, column] in &self.followed {
+            let own = (self.readers.get(reader), self.sums.get_mut(reader));
+            if let ((Some((reader, _)), Some(sum)), Some(ends)) = (own, ends(column)) {
+                sum.add_straight(reader, times, ends);
+                if let Some(known) = self.columns.get_mut(column) {
+                    known.size = known.size.max(ends[1].abs());
+                }
+            }
+        }
+        true
+    }
+
     /// Where a window begins at an instant: a time right behind it, since of what jumps there the window holds the side behind [s].
     fn opens_at(&self, instant: f64) -> Option<f64> {
         let apart = one_time(instant);
-        let begins = self.readers.iter().map(|(reader, _)| reader.window[0]);
+        let followed = self.followed.iter();
+        let begins = followed.filter_map(|[at, _]| Some(self.readers.get(*at)?.0.window[0]));
         let here = begins.filter(|from| (from - instant).abs() <= apart);
         here.map(|from| from.max(instant) + apart).reduce(f64::max)
     }

@@ -125,17 +125,30 @@ impl Sum {
         whole && beyond || !self.looks_inside(of, [begin, end])
     }
 
-    /// A part of the run over which the quantity is straight between two values; `false` where it takes more than these to tell what becomes of the metric.
-    pub(super) fn add_straight(
-        &mut self,
+    /// Whether the values at the ends of a part of the run over which a quantity is straight tell what becomes of a metric.
+    #[inline]
+    pub(super) fn is_told_by_ends(
         of: &MetricReader,
         [begin, end]: [f64; 2],
         [first, last]: [f64; 2],
     ) -> bool {
         let [from, to] = of.window;
-        if !(from <= begin && end <= to && first.is_finite() && last.is_finite()) {
+        let inside = from <= begin && end <= to;
+        inside && matches!(of.take, Take::Max | Take::Min) && first.is_finite() && last.is_finite()
+    }
+
+    /// A part of the run over which the quantity is straight between two values; `false` where it takes more than these to tell what becomes of the metric.
+    #[inline]
+    pub(super) fn add_straight(
+        &mut self,
+        of: &MetricReader,
+        times: [f64; 2],
+        ends: [f64; 2],
+    ) -> bool {
+        if !Sum::is_told_by_ends(of, times, ends) {
             return false;
         }
+        let ([begin, end], [first, last]) = (times, ends);
         self.extreme = match of.take {
             Take::Max => self.extreme.max(first.max(last)),
             Take::Min => self.extreme.min(first.min(last)),

@@ -145,41 +145,95 @@ impl<T: Real> BalanceEvaluation<T> {
         }
     }
 
-    /// The elements of H where there is one node: xx xy xz yy yz zz [N/m].
+    /// All of it where there is one node.
+    #[inline]
     #[must_use]
-    pub fn only_block(&self) -> Option<[T; 6]> {
+    pub(crate) fn of_one(&self) -> Option<OneNode<T>> {
         match *self.values.as_slice() {
-            [_, _, _, xx, xy, xz, yy, yz, zz, _, _, _] => Some([xx, xy, xz, yy, yz, zz]),
+            [
+                gx,
+                gy,
+                gz,
+                xx,
+                xy,
+                xz,
+                yy,
+                yz,
+                zz,
+                tension,
+                floor,
+                stretched,
+            ] => Some(OneNode {
+                gradient: [gx, gy, gz],
+                stiffness: [xx, xy, xz, yy, yz, zz],
+                pulls: Pulls {
+                    tension,
+                    floor,
+                    stretched,
+                    nodes: 1,
+                },
+            }),
             _ => None,
+        }
+    }
+
+    /// The sums over its lines.
+    #[inline]
+    #[must_use]
+    pub(crate) fn pulls(&self) -> Pulls<T> {
+        let [tension, floor, stretched] = match self.values.last_chunk() {
+            Some(sums) => *sums,
+            None => [T::zero(); 3],
+        };
+        Pulls {
+            tension,
+            floor,
+            stretched,
+            nodes: self.nodes,
         }
     }
 
     /// Σ T over the taut lines [N].
     #[must_use]
     pub fn tension(&self) -> T {
-        self.sum(3)
+        self.pulls().tension
     }
 
     /// Σ K (d + |p|₁) over the taut lines [N]: what one unit of relative rounding in the lengths amounts to.
     #[must_use]
     pub fn floor(&self) -> T {
-        self.sum(2)
+        self.pulls().floor
     }
 
     /// Number of lines with positive stretch.
     #[must_use]
     pub fn stretched(&self) -> T {
-        self.sum(1)
+        self.pulls().stretched
     }
+}
 
-    fn sum(&self, from_end: usize) -> T {
-        self.values
-            .len()
-            .checked_sub(from_end)
-            .and_then(|at| self.values.get(at))
-            .copied()
-            .unwrap_or_else(T::zero)
-    }
+/// The sums of a balance over its lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pulls<T> {
+    /// [`BalanceEvaluation::tension`].
+    pub tension: T,
+    /// [`BalanceEvaluation::floor`].
+    pub floor: T,
+    /// [`BalanceEvaluation::stretched`].
+    pub stretched: T,
+    /// Of how many nodes.
+    pub nodes: usize,
+}
+
+/// The balance of one node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OneNode<T> {
+    /// g [N].
+    pub gradient: [T; 3],
+    /// The elements of H: xx xy xz yy yz zz [N/m].
+    pub stiffness: [T; 6],
+    /// The sums over its lines.
+    pub pulls: Pulls<T>,
 }
 
 /// The Euclidean length of a list, safe against overflow and underflow of the squares.

@@ -45,7 +45,7 @@ impl<T: Float> Nodes<T> {
             };
             stage.model.evaluate(what, &at, work, here.values_mut());
             let residual = norm(here.gradient());
-            let outcome = match targets.judge(here, residual, load) {
+            let outcome = match targets.judge(&here.pulls(), residual, load) {
                 Standing { slack: true, .. } => Outcome::Slack { iterations },
                 Standing { balanced: true, .. } => Outcome::Taut {
                     iterations,
@@ -54,7 +54,7 @@ impl<T: Float> Nodes<T> {
                 },
                 _ if iterations == WARM_STEPS => return None,
                 _ => {
-                    let (delta, true) = direction_of_one(here, T::EPSILON)? else {
+                    let (delta, true) = direction_of_one(&here.of_one()?, T::EPSILON) else {
                         return None;
                     };
                     for (p, delta) in p.iter_mut().zip(delta.iter()) {

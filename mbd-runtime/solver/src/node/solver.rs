@@ -485,7 +485,7 @@ impl<T: Float> Descent<T> {
     /// The residual |g|, or the end of the descent.
     fn judge(&self, load: T, limits: Limits<T>) -> Result<T, DescentEnd<T>> {
         let residual = norm(self.here.gradient());
-        let standing = limits.targets().judge(&self.here, residual, load);
+        let standing = limits.targets().judge(&self.here.pulls(), residual, load);
         match standing {
             Standing { slack: true, .. } => Err(DescentEnd::Slack),
             Standing { balanced: true, .. } => Err(DescentEnd::Balanced(residual)),
@@ -495,7 +495,8 @@ impl<T: Float> Descent<T> {
 
     /// The Newton direction δ of one node where H is certainly regular, as it is at almost every step.
     fn direction_of_one(&mut self) -> bool {
-        let Some((delta, true)) = direction_of_one(&self.here, T::EPSILON) else {
+        let found = self.here.of_one();
+        let Some((delta, true)) = found.map(|here| direction_of_one(&here, T::EPSILON)) else {
             return false;
         };
         self.delta.copy_from_slice(delta.as_slice());

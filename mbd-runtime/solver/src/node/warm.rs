@@ -3,7 +3,7 @@
 use mbd_scene::{Real, solve_regular};
 use nalgebra::Vector3;
 
-use super::balance::{BalanceEvaluation, inner};
+use super::balance::{OneNode, Pulls, inner};
 
 /// Rounding that is more than this part of all forces, over the root of the tolerance of rounding, resolves no balance: 1e-5 of them in f64, 0.2 in f32.
 const UNRESOLVED: f64 = 300.0;
@@ -36,16 +36,17 @@ impl<S: Real> Targets<S> {
     }
 
     /// Where a descent stands with a residual |g| and a load |W|.
-    pub(crate) fn judge(&self, here: &BalanceEvaluation<S>, residual: S, load: S) -> Standing<S> {
+    #[inline]
+    pub(crate) fn judge(&self, here: &Pulls<S>, residual: S, load: S) -> Standing<S> {
         let (zero, one) = (S::zero(), S::one());
-        let (tension, floor) = (here.tension(), here.floor());
+        let (tension, floor) = (here.tension, here.floor);
         let is_zero = |x: S| S::both(x.le(zero), zero.le(x));
         let faint = S::select(tension.le(self.slack * floor), one, zero);
-        let idle = S::select(is_zero(here.stretched()), one, faint);
+        let idle = S::select(is_zero(here.stretched), one, faint);
         let (scale, rounding) = (tension + load, self.absolute * floor);
         // Several nodes that nothing holds against their load fly off, until rounding of their places outweighs it: that is no balance.
-        let rounding = match here.gradient().len() {
-            0..=3 => rounding,
+        let rounding = match here.nodes {
+            0 | 1 => rounding,
             _ => {
                 let most = S::from_f64(UNRESOLVED) * self.absolute.sqrt() * scale;
                 let too_much = S::both(zero.lt(load), most.lt(rounding));
@@ -61,23 +62,16 @@ impl<S: Real> Targets<S> {
 }
 
 /// The Newton direction δ of one node, and whether H is certainly regular there, as it is at almost every step; `epsilon` is the rounding unit.
-/// `None` for more than one node.
 #[inline]
-pub(crate) fn direction_of_one<S: Real>(
-    here: &BalanceEvaluation<S>,
-    epsilon: S,
-) -> Option<(Vector3<S>, S::Mask)> {
-    let (Some(elements), [gx, gy, gz]) = (here.only_block(), here.gradient()) else {
-        return None;
-    };
-    let [xx, xy, xz, yy, yz, zz] = elements;
+pub(crate) fn direction_of_one<S: Real>(here: &OneNode<S>, epsilon: S) -> (Vector3<S>, S::Mask) {
+    let ([xx, xy, xz, yy, yz, zz], [gx, gy, gz]) = (here.stiffness, here.gradient);
     let shift = shift(xx + yy + zz, epsilon);
     let shifted = [xx + shift, xy, xz, yy + shift, yz, zz + shift];
-    let (delta, margin) = solve_regular(shifted, &-Vector3::new(*gx, *gy, *gz));
+    let (delta, margin) = solve_regular(shifted, &-Vector3::new(gx, gy, gz));
     // 0 x is zero for a finite number and NaN for others.
     let zero = S::zero();
     let faults = delta.iter().fold(zero, |sum, x| sum + zero * *x);
-    Some((delta, S::both(zero.lt(margin), zero.le(faults))))
+    (delta, S::both(zero.lt(margin), zero.le(faults)))
 }
 
 /// The smallest r of a Newton step: it keeps a line taut whose kink the step would land on.
@@ -85,8 +79,9 @@ pub(crate) fn shift<S: Real>(trace: S, epsilon: S) -> S {
     S::from_f64(4.5) * epsilon * trace
 }
 
-/// The Euclidean length of a list, and whether that is certain: the squares neither overflow nor underflow, or all numbers are zero.
-pub(crate) fn certain_norm<S: Real>(list: &[S], epsilon: S) -> (S, S::Mask) {
+/// The Euclidean length of a vector, and whether that is certain: the squares neither overflow nor underflow, or all numbers are zero.
+#[inline]
+pub(crate) fn certain_norm<S: Real>(list: &[S; 3], epsilon: S) -> (S, S::Mask) {
     let (zero, one) = (S::zero(), S::one());
     let square = inner(list, list);
     let safe = is_safe(square, epsilon);

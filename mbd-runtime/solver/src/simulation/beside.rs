@@ -126,6 +126,10 @@ impl<T: Float> ModelRun<T> {
         [time, step]: [f64; 2],
         history: &Trajectory,
     ) -> u64 {
+        let counted = self.unwatched_steps();
+        if counted == 0 {
+            return 0;
+        }
         let next = self.plan(course.until);
         let is_this = !next.lands && !next.on_jump && [self.time, next.size] == [time, step];
         let inside = self.looks_inside([time, step], history);
@@ -137,7 +141,6 @@ impl<T: Float> ModelRun<T> {
         if !is_this || inside || !held || !nodes || recorded {
             return 0;
         }
-        let counted = self.unwatched_steps();
         let tried = self.options.max_steps.saturating_sub(course.trials);
         // The step before the last that ends before the next instant that counts does so by more than rounding.
         let row = history.due().unwrap_or(f64::INFINITY);

@@ -10,11 +10,11 @@ pub(in crate::lanes) fn faults<L: Lanes>(list: &[L]) -> L {
     for chunk in chunks {
         for (sum, x) in sums.iter_mut().zip(chunk) {
             // 0 x is zero for a finite number and NaN for others.
-            *sum += zero * *x;
+            *sum = zero.fmadd(*x, *sum);
         }
     }
     for (sum, x) in sums.iter_mut().zip(rest) {
-        *sum += zero * *x;
+        *sum = zero.fmadd(*x, *sum);
     }
     let [a, b, c, d] = sums;
     (a + b) + (c + d)
