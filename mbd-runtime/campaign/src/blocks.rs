@@ -280,7 +280,11 @@ pub fn gather(folder: &Path, shards: Option<u64>) -> Result<Vec<Envelope>, Failu
         .filter(|block| !block_file(folder, *block).is_file())
         .collect();
     if !missing.is_empty() {
-        let again = shards.filter(|of| *of > 0).map_or(String::new(), |of| {
+        let no_shards = || {
+            "; run the campaign again with --resume; of shards `--shards` with how many there are tells which"
+                .to_owned()
+        };
+        let again = shards.filter(|of| *of > 0).map_or_else(no_shards, |of| {
             let mut again: Vec<u64> = missing.iter().map(|block| block % of + 1).collect();
             again.sort_unstable();
             again.dedup();

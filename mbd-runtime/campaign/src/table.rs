@@ -109,8 +109,15 @@ pub fn column(path: &Path, name: &str) -> Result<(Vec<f64>, String), String> {
         let names: Vec<&str> = headings.iter().map(|(name, _)| *name).collect();
         let near = mbd_runtime::scene::similar::did_you_mean(name, names.iter().copied());
         let stop = if near.is_empty() { "." } else { "" };
+        // As spreadsheets write where a comma is a decimal point.
+        let parted = match names.as_slice() {
+            [all] if all.contains([';', '\t']) => {
+                "; cells are parted by commas, and numbers have decimal points"
+            }
+            _ => "",
+        };
         return Err(format!(
-            "{file} has no column `{name}`{near}{stop} It has: {}",
+            "{file} has no column `{name}`{near}{stop} It has: {}{parted}",
             names.join(", ")
         ));
     };

@@ -163,6 +163,9 @@ fn a_campaign_goes_on_after_it_was_broken_off_anywhere() {
         told.contains("5 of 7 blocks") && told.contains("--array=1,3"),
         "{told}"
     );
+    // Who does not know of shards is told what to do as well.
+    let missing = blocks::gather(&out, None).expect_err("they are missing still");
+    assert!(missing.to_string().contains("--resume"), "{missing}");
     let done = run(&campaign, &out, "1/1", 2).expect("it goes on");
     assert_eq!((done.skipped, done.cases), (12, 29));
     assert!(gathered(&out) == expected);
@@ -462,6 +465,11 @@ fn numbers_of_one_file_come_from_one_row() {
         error.to_string().contains("line 3: `NaN` in column `east`"),
         "{error}"
     );
+    folder.file("winds.csv", "east [m/s];north [m/s]\n1,5;10\n");
+    let error = read(&folder.0.join("dispersions.toml"));
+    let error = error.err().expect("semicolons part nothing");
+    let parted = "cells are parted by commas, and numbers have decimal points";
+    assert!(error.to_string().contains(parted), "{error}");
 }
 
 #[test]
@@ -496,6 +504,118 @@ fn params_out_of_their_range_fail_their_case_and_are_counted_as_not_meeting_what
     );
     assert!(peak.verdict.expect("required").missed >= heavy.len() as u64);
     assert_eq!(summary.failures[0].cases, heavy);
+}
+
+model! {
+    /// A weight on a cord from a knot without mass that is drawn to the side. What holds the knot parts at its strength, and nothing holds the knot then.
+    pub model Moored<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param strength = 100 N in 1 N ..= 1 kN;
+        world { frame hook at [0.0, 0.0, 2.0] m }
+        point weight { mass: 1 kg, start at [0.1, 0.0, 1.0] m }
+        point knot { equilibrium: static }
+        line upper from world.hook to knot { free_length: 0.5 m, stiffness: 1 kN/m }
+        line lower from knot to weight { free_length: 0.5 m, stiffness: 1 kN/m }
+        load side on knot = [5.0, 0.0, 0.0] N;
+        event parts = upper.tension rises strength { detach: [upper, lower] }
+    }
+}
+
+/// Exactly the cases whose mooring is weaker than the pull at its peak end where it parts: by name, with the last good state, and in lanes as alone.
+#[test]
+fn a_point_that_finds_no_balance_fails_its_case_where_nothing_holds_it() {
+    let folder = Folder::new("balance");
+    let text = "seed = 2\ncases = 30\n[params]\nstrength = { dist = \"uniform\", low = \"10 N\", high = \"20 N\" }
+        [metrics]\npeak = { max = \"upper.tension\" }\n[run]\nuntil = \"0.5 s\"\nstep = \"1 ms\"";
+    let file = folder.file("dispersions.toml", text);
+    let moored = Moored::<f64>::new(MooredParams::default()).expect("defaults");
+    let model = moored.in_lanes().share();
+    let campaign = Campaign::read(&file, model, Settings::default()).expect("a campaign");
+    let alone = whole(&campaign, &folder);
+    let beside = folder.0.join("beside");
+    let resources = Resources {
+        threads: 1,
+        lanes: Some(4),
+    };
+    let done = run_on(&campaign, &beside, "1/1", resources).expect("it runs");
+    assert!(done.beside > 0);
+    assert_eq!(gathered(&beside), alone);
+    let results = Results::read(&folder.0.join("whole")).expect("gathered");
+    // The nominal holds, and pulls as every case does that holds.
+    let most = results.rows[0].metrics[0];
+    for row in &results.rows[1..] {
+        let holds = row.values[0] > most;
+        let status = if holds { "ok" } else { "newton_not_converged" };
+        assert_eq!(row.status, status, "{}: {most}", row.line());
+        match holds {
+            true => assert_eq!(row.metrics[0], most),
+            false => {
+                for said in ["no equilibrium of `knot`", "what held it against its load"] {
+                    assert!(row.why.contains(said), "{}", row.why);
+                }
+            }
+        }
+    }
+    let failed: Vec<_> = results
+        .rows
+        .iter()
+        .filter(|row| row.status != "ok")
+        .collect();
+    assert!((5..26).contains(&failed.len()), "{}", failed.len());
+    for row in &failed[..3] {
+        let (again, history) = campaign.replay(row.case).expect("a case");
+        assert_eq!(again.line(), row.line());
+        // It ends where the mooring parts.
+        let last = |name: &str| {
+            history
+                .column(name)
+                .and_then(|column| column.last())
+                .copied()
+        };
+        assert_eq!(last("time"), Some(row.time));
+        let pull = last("upper.tension").expect("a column");
+        let strength = row.values[0];
+        assert!((pull / strength - 1.0).abs() < 1e-6, "{pull} {strength}");
+    }
+}
+
+model! {
+    /// A cart drawn to the middle of a rail by a force from a table over its place; both the size of the force and the place of the middle are params.
+    pub model Drawn {
+        gravity: none;
+        param scale = 1.0 in 0.1 ..= 10.0;
+        param shift = 0 m in -1 m ..= 1 m;
+        table pull = { -10 m: 10 N, 10 m: -10 N };
+        point cart { mass: 1 kg, start at [1.0, 0.0, 0.0] m }
+        load draw on cart = [scale * pull(cart.position.x + shift), 0 N, 0 N];
+    }
+}
+
+/// A table of a scene is dispersed by params in the formula that reads it: the motion is (1 m + shift) cos(√scale t) − shift.
+#[test]
+fn a_table_is_dispersed_by_the_params_of_its_formula() {
+    let folder = Folder::new("profile");
+    let text = "seed = 5\ncases = 12\n[params]\nscale = { dist = \"uniform\", low = \"0.5\", high = \"2\" }
+        shift = { dist = \"normal\", sigma = \"0.2 m\" }\n[metrics]\nx = { final = \"cart.x\" }\nleast = { min = \"cart.x\" }
+        [run]\nuntil = \"4 s\"\nmethod = \"tsit5\"\ntolerance = 1e-9";
+    let file = folder.file("dispersions.toml", text);
+    let drawn = Drawn::new(DrawnParams::default()).expect("defaults");
+    let campaign = Campaign::read(&file, drawn.share(), Settings::default()).expect("a campaign");
+    whole(&campaign, &folder);
+    let results = Results::read(&folder.0.join("whole")).expect("gathered");
+    assert_eq!(results.rows.len(), 13);
+    for row in &results.rows {
+        let ([scale, shift], [least, x]) = (&row.values[..], &row.metrics[..]) else {
+            panic!("{}", row.line());
+        };
+        let turn = scale.sqrt() * 4.0;
+        let expected = (1.0 + shift) * turn.cos() - shift;
+        assert!((x - expected).abs() < 1e-6, "{x} {expected}");
+        if turn > std::f64::consts::PI {
+            let lowest = -1.0 - 2.0 * shift;
+            assert!((least - lowest).abs() < 1e-6, "{least} {lowest}");
+        }
+    }
 }
 
 model! {
@@ -689,6 +809,28 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
             "dist = \"norml\", sigma",
             "there is no distribution `norml`; did you mean `normal`?",
         ),
+        // Words of other tools.
+        (
+            "dist = \"normal\", sigma",
+            "dist = \"gaussian\", sigma",
+            "there is no distribution `gaussian`: it is called `normal`",
+        ),
+        (
+            "sigma = \"5 %\"",
+            "std = \"5 %\"",
+            "there is no `std`: the standard deviation is called `sigma`",
+        ),
+        (
+            "high = \"6 kN/m\"",
+            "max = \"6 kN/m\"",
+            "there is no `max`: the largest value is called `high`",
+        ),
+        (
+            "cases = 40",
+            "cases = 40\nsampling = \"lhs\"",
+            "there is no sampling `lhs`: it is called `latin`",
+        ),
+        ("[params]", "[param]", "`param`; did you mean `params`?"),
         (
             "sigma = \"5 %\"",
             "sgima = \"5 %\"",

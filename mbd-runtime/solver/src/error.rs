@@ -257,7 +257,7 @@ step_errors! {
         Some(lines) => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n} N left after {iterations} iterations, and {lines}", residual_n = plain(*residual_n, 4)),
     },
     match uneven {
-        None => "take a smaller step, or bring the stiffnesses of the lines of this point closer together".into(),
+        None => "take a smaller step, or bring the stiffnesses of the lines of this point closer together; where an event detached what held it against its load, give the point a mass, or stop the run there".into(),
         Some(lines) => format!("make `{}` softer or `{}` stiffer, until they differ by less than a factor of {UNEVEN:.0e}, or give the points between them a mass", lines.stiffest, lines.softest),
     };
 

@@ -14,7 +14,7 @@ use toml::Table;
 
 use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::number::{not_bare, number};
-use crate::run::{CampaignMistakes, RunPlan, Settings};
+use crate::run::{CampaignMistakes, RunPlan, Settings, words};
 use crate::sampling::{CaseSampling, Distribution, UnitSamples};
 use correlation::Correlation;
 pub use name::{Dispersible, DispersionTarget, LaterScene};
@@ -247,7 +247,7 @@ impl Dispersions {
         if self.sampling != CaseSampling::Random {
             return Err(wrong(
                 setting,
-                "draws that break a constraint are drawn again, which goes with `sampling = \"random\"` alone",
+                "draws that break a constraint are drawn again, which spoils the strata of `latin`, the evenness of `sobol` and the points of a grid: take `sampling = \"random\"`, or disperse numbers that keep it whatever they are, as shares of one sum",
             ));
         }
         let mut unit = None;
@@ -589,7 +589,10 @@ pub fn sampling(written: &CampaignFile) -> Result<CaseSampling, PlanError> {
     let found = CaseSampling::WORDS.iter().find(|(known, _)| known == word);
     found.map(|(_, sampling)| *sampling).ok_or_else(|| {
         let words = CaseSampling::WORDS.map(|(word, _)| word);
-        let all = near_and_all(word, words);
+        let all = match words::of_sampling(word) {
+            Some(ours) => format!(": {ours}"),
+            None => near_and_all(word, words),
+        };
         wrong("sampling", format!("there is no sampling `{word}`{all}"))
     })
 }

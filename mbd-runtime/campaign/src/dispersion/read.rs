@@ -12,6 +12,7 @@ use super::name::Dispersible;
 use super::written::{WrittenDistribution, meant};
 use crate::run::names::{PlanError, wrong};
 use crate::run::number::{not_bare, number};
+use crate::run::{unknown_field, words};
 use crate::sampling::Distribution;
 use crate::table;
 
@@ -62,6 +63,9 @@ pub fn read(
         Value::Table(table.clone())
             .try_into()
             .map_err(|error: toml::de::Error| {
+                if let Some((word, ours)) = word_of_another_tool(&error) {
+                    return wrong(setting, format!("there is no `{word}`: {ours}"));
+                }
                 let near = meant(&error);
                 let stop = if near.is_empty() { "" } else { ". " };
                 let told = format!("{}{stop}{}", error.message(), near.trim_end());
@@ -69,6 +73,10 @@ pub fn read(
             })?;
     let word = written.dist.as_str();
     let Some((_, allowed)) = WORDS.iter().find(|(known, _)| *known == word) else {
+        if let Some(ours) = words::of_distribution(word) {
+            let text = format!("there is no distribution `{word}`: {ours}");
+            return Err(wrong(setting, text));
+        }
         let words = WORDS.iter().map(|(word, _)| *word);
         let known = mbd_runtime::scene::similar::near_and_all(word, words);
         return Err(wrong(
@@ -124,6 +132,12 @@ pub fn read(
 fn percentage(value: &Value) -> Option<Result<f64, ParseFloatError>> {
     let text = value.as_str()?.trim().strip_suffix('%')?;
     Some(text.trim().parse())
+}
+
+/// A setting of a distribution that another tool calls so, and what it is called here.
+fn word_of_another_tool(error: &toml::de::Error) -> Option<(String, &'static str)> {
+    let word = unknown_field(error.message())?;
+    Some((word.to_owned(), words::of_distribution_setting(word)?))
 }
 
 struct DispersionReader<'r> {

@@ -238,7 +238,7 @@ fn line_of_error(text: &str, error: &toml::de::Error) -> Option<usize> {
 }
 
 /// The field of which a message of TOML says that there is none.
-fn unknown_field(message: &str) -> Option<&str> {
+pub(crate) fn unknown_field(message: &str) -> Option<&str> {
     message.strip_prefix("unknown field `")?.split('`').next()
 }
 
@@ -252,6 +252,8 @@ pub(super) fn is_setting(word: &str) -> bool {
 /// What to say of a key that stands at the top of a campaign file and belongs into its table of the run; nothing after another mistake.
 pub(crate) fn belongs_to_the_run(error: &toml::de::Error) -> String {
     match unknown_field(error.message()) {
+        // A table of the file itself but for a letter, `param`.
+        Some(word) if error.message().contains(&format!("`{word}s`")) => String::new(),
         Some(word) if let Some(ours) = words::of_setting(word) => {
             format!("how the cases are run stands in the table `[run]`: {ours}\n")
         }

@@ -13,12 +13,99 @@ pub(super) fn of_method(word: &str) -> Option<&'static str> {
     answer(METHODS, word)
 }
 
+/// The answer to a setting of a distribution of another tool.
+pub(crate) fn of_distribution_setting(word: &str) -> Option<&'static str> {
+    answer(DISTRIBUTION_SETTINGS, word)
+}
+
+/// The answer to a distribution of another tool.
+pub(crate) fn of_distribution(word: &str) -> Option<&'static str> {
+    answer(DISTRIBUTIONS, word)
+}
+
+/// The answer to a way to draw of another tool.
+pub(crate) fn of_sampling(word: &str) -> Option<&'static str> {
+    answer(SAMPLINGS, word)
+}
+
 fn answer(answers: WordAnswers, word: &str) -> Option<&'static str> {
     let word = word.to_lowercase();
     let mut answers = answers.iter();
     let found = answers.find(|(theirs, _)| theirs.contains(&word.as_str()));
     found.map(|(_, ours)| *ours)
 }
+
+/// Settings of distributions of other tools, and ours.
+const DISTRIBUTION_SETTINGS: WordAnswers = &[
+    (
+        &[
+            "std",
+            "stdev",
+            "stddev",
+            "std_dev",
+            "sd",
+            "standard_deviation",
+            "scale",
+        ],
+        "the standard deviation is called `sigma`: `sigma = \"5 %\"`",
+    ),
+    (&["mu", "loc", "average"], "it is called `mean`"),
+    (
+        &["min", "minimum", "lower", "lo", "from", "left"],
+        "the smallest value is called `low`",
+    ),
+    (
+        &["max", "maximum", "upper", "hi", "to", "right"],
+        "the largest value is called `high`",
+    ),
+    (
+        &["type", "kind", "distribution"],
+        "the word of the distribution is called `dist`: `dist = \"normal\"`",
+    ),
+    (
+        &["count", "num", "n", "points", "steps", "step"],
+        "the values of a grid are listed: `values = [\"1 kg\", \"2 kg\"]`",
+    ),
+    (
+        &["probabilities", "probability", "p"],
+        "how likely each of `values` is stands in `weights`",
+    ),
+];
+
+/// Distributions of other tools, and ours.
+const DISTRIBUTIONS: WordAnswers = &[
+    (&["gaussian", "gauss", "norm"], "it is called `normal`"),
+    (
+        &["truncated", "truncnorm", "truncated_gaussian", "clipped"],
+        "it is called `truncated_normal`, with `low` and `high`",
+    ),
+    (&["rect", "flat", "range"], "it is called `uniform`"),
+    (
+        &["choice", "choices", "categorical", "list", "set"],
+        "one of a list is `discrete`, with `values`; all of them in turn are a `grid`",
+    ),
+    (&["csv", "file", "empirical"], "it is called `table`"),
+    (
+        &["sweep", "linspace"],
+        "it is called `grid`, with `sampling = \"grid\"`",
+    ),
+];
+
+/// Ways to draw of other tools, and ours.
+const SAMPLINGS: WordAnswers = &[
+    (
+        &["lhs", "latin_hypercube", "latinhypercube", "hypercube"],
+        "it is called `latin`",
+    ),
+    (
+        &["monte_carlo", "montecarlo", "mc"],
+        "it is called `random`",
+    ),
+    (
+        &["sweep", "factorial", "full_factorial"],
+        "it is called `grid`",
+    ),
+];
 
 /// Settings of other tools, and ours.
 const SETTINGS: WordAnswers = &[
