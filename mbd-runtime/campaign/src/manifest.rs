@@ -125,10 +125,10 @@ pub(crate) fn build() -> String {
 
 /// A hash of many bytes, eight at once: a program has tens of millions.
 fn hash_of_file(bytes: &[u8]) -> u64 {
-    // A difference in a high bit reaches the low ones by the turn, and all others by the product.
+    // Both halves of the product: a difference in a high bit alone would move into a low one, where the next word may have the same.
     let mix = |hash: u64, word: u64| {
-        let product = (hash ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        product.rotate_left(32)
+        let product = u128::from(hash ^ word) * 0x9e37_79b9_7f4a_7c15;
+        product as u64 ^ (product >> 64) as u64
     };
     let (words, rest) = bytes.as_chunks::<8>();
     let mut hash = bytes.len() as u64;
