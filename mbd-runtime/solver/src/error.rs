@@ -172,7 +172,7 @@ step_errors! {
         expected: f64,
     }
     "command",
-    format!("the {what} that `{motor}` follows changes by {change} at {time} s where its own rate says {expected}", change = plain(*change, 4), expected = plain(*expected, 4)),
+    format!("the {what} that `{motor}` follows changes by {change} at {time} s where its own rate says {expected}", change = plain(*change, 4), expected = plain(*expected, 4), time = plain(*time, 10)),
     "give the derivatives of the value as rate and acceleration (inputs: as functions of time, `Simulation::control`), or let the motor follow one input through a filter, `motor: wish, filter: 20 ms`, and wind the line by a state, `state paid = 5 m { rate: winch_speed }`";
 
     /// A motion that is prescribed as a function of time jumps, or its rate does where joints would have to carry bodies along by an impulse.
@@ -189,7 +189,7 @@ step_errors! {
         unit: &'static str,
     }
     "jump",
-    format!("the {what} that `{of}` is prescribed jumps by {} at {time} s", format!("{} {unit}", plain(*change, 4)).trim_end()),
+    format!("the {what} that `{of}` is prescribed jumps by {} at {time} s", format!("{} {unit}", plain(*change, 4)).trim_end(), time = plain(*time, 10)),
     "join its parts without corners, with `smoothstep` or powers of `time`, or let a motor follow it through a filter, `motor: …, filter: 20 ms`";
 
     /// A line that is wound in has nothing left: its free length would be negative.
@@ -202,7 +202,7 @@ step_errors! {
         length: f64,
     }
     "negative_length",
-    format!("at {time:.9} s `free_length` of `{line}` is {length} m, and must be zero or positive", length = plain(*length, 4)),
+    format!("at {time} s `free_length` of `{line}` is {length} m, and must be zero or positive", length = plain(*length, 4), time = plain(*time, 10)),
     format!("stop the winch before: `event wound_in = {line}.length falls 0.1 m {{ then: stop }}`, a `rate` that is zero there, or `max(…, 0 m)` in the `free_length`");
 
     /// A spring that pushes or pulls where both its ends are at the same place, at a start: which way, nothing says.
@@ -215,7 +215,7 @@ step_errors! {
         force: f64,
     }
     "no_direction",
-    format!("at {time:.9} s both ends of `{spring}` are at the same place, and its force of {force} N has no direction", force = plain(*force, 4)),
+    format!("at {time} s both ends of `{spring}` are at the same place, and its force of {force} N has no direction", force = plain(*force, 4), time = plain(*time, 10)),
     "let what is at one of its ends start elsewhere, `start at [0.0, 0.0, -1.0] m`, or end it at another frame";
 
     /// A joint came to where its rows have no rank and hold on other positions, too: which way it goes on from there they do not say.
@@ -227,7 +227,7 @@ step_errors! {
         /// Where that is.
         fold: Fold,
     }
-    "folded_joint", format!("at {time:.9} s `{joint}` {}", fold.told), fold.remedy;
+    "folded_joint", format!("at {time} s `{joint}` {}", fold.told, time = plain(*time, 10)), fold.remedy;
 
     /// A number that became infinite or NaN.
     NonFinite {
@@ -236,7 +236,7 @@ step_errors! {
         /// What.
         source: Source,
     }
-    "non_finite", format!("at {time:.9} s {source}"), source.advice();
+    "non_finite", format!("at {time} s {source}", time = plain(*time, 10)), source.advice();
 
     /// The balance of an equilibrium point was not found; no force was used.
     NoEquilibrium {
@@ -253,8 +253,8 @@ step_errors! {
     }
     "newton_not_converged",
     match uneven {
-        None => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n} N left after {iterations} iterations", residual_n = plain(*residual_n, 4)),
-        Some(lines) => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n} N left after {iterations} iterations, and {lines}", residual_n = plain(*residual_n, 4)),
+        None => format!("at {time} s no equilibrium of `{point}` was found: {residual_n} N left after {iterations} iterations", residual_n = plain(*residual_n, 4), time = plain(*time, 10)),
+        Some(lines) => format!("at {time} s no equilibrium of `{point}` was found: {residual_n} N left after {iterations} iterations, and {lines}", residual_n = plain(*residual_n, 4), time = plain(*time, 10)),
     },
     match uneven {
         None => "take a smaller step, or bring the stiffnesses of the lines of this point closer together; where an event detached what held it against its load, give the point a mass, or stop the run there".into(),
@@ -274,8 +274,8 @@ step_errors! {
     }
     "step_underflow",
     match cause {
-        Collapse::Resolution => format!("at {time:.9} s the next step is {step_size} s: {cause} (`{block}`)", step_size = plain(*step_size, 4)),
-        Collapse::ErrorTest | Collapse::Event => format!("at {time:.9} s the step shrank to {step_size} s: {cause} (`{block}`)", step_size = plain(*step_size, 4)),
+        Collapse::Resolution => format!("at {time} s the next step is {step_size} s: {cause} (`{block}`)", step_size = plain(*step_size, 4), time = plain(*time, 10)),
+        Collapse::ErrorTest | Collapse::Event => format!("at {time} s the step shrank to {step_size} s: {cause} (`{block}`)", step_size = plain(*step_size, 4), time = plain(*time, 10)),
     },
     match cause {
         Collapse::ErrorTest => "loosen the tolerance, or look for a jump in a load and declare it as an event",
@@ -321,7 +321,7 @@ step_errors! {
         why: String,
     }
     "action",
-    format!("at {time:.9} s the event `{event}` cannot act: {why}"),
+    format!("at {time} s the event `{event}` cannot act: {why}", time = plain(*time, 10)),
     "change what it sets or attaches, or let the event happen elsewhere";
 
     /// The fixed step is too long for what it has to follow. The run stands where nothing had grown yet, and may go on from there, as from a
@@ -337,7 +337,7 @@ step_errors! {
         suggestion: f64,
     }
     "unstable_step",
-    format!("the fixed step {step_size} s is too long: {what}, at {time:.6} s", step_size = plain(*step_size, 4)),
+    format!("the fixed step {step_size} s is too long: {what}, at {time} s", step_size = plain(*step_size, 4), time = plain(*time, 10)),
     format!("take a fixed step of at most {suggestion} s, or an adaptive method", suggestion = plain(*suggestion, 4));
 
     /// Positions are so far from the world origin that what they differ by has no digits left.
@@ -363,7 +363,7 @@ step_errors! {
         share: f64,
     }
     "late_time",
-    format!("at {time:.9} s formulas know the time to {apart} s, which alone makes {:.0} % of what follows it", 100.0 * share.min(1.0), apart = plain(*apart, 2)),
+    format!("at {time} s formulas know the time to {apart} s, which alone makes {:.0} % of what follows it", 100.0 * share.min(1.0), apart = plain(*apart, 2), time = plain(*time, 10)),
     "let time begin near zero, or run in double precision";
 
     /// An angle or a declared state that has grown until it has no digits left of what it is read for, or a number whose steps are lost to rounding.
@@ -447,7 +447,7 @@ step_errors! {
         loops: Vec<[String; 2]>,
     }
     "no_inertia",
-    format!("at {time:.9} s nothing gives `{speed}` an inertia: the bodies that it moves have no mass, or moments that are not positive, or other joints move them alike{}", closing(loops)),
+    format!("at {time} s nothing gives `{speed}` an inertia: the bodies that it moves have no mass, or moments that are not positive, or other joints move them alike{}", closing(loops), time = plain(*time, 10)),
     "give one of these bodies a mass and moments of inertia, however small, or lock a joint (`rigid`) whose axis another one repeats";
 
     /// Rows of joints repeat each other, for good or in this configuration: the forces in them are not determined.
@@ -463,8 +463,8 @@ step_errors! {
     }
     "singular_constraints",
     match joints.is_empty() {
-        true => format!("at {time:.9} s the joint forces cannot be solved ({rank} of {rows} rows are independent)"),
-        false => format!("at {time:.9} s {} repeat each other: {rank} of {rows} rows are independent", listed(joints)),
+        true => format!("at {time} s the joint forces cannot be solved ({rank} of {rows} rows are independent)", time = plain(*time, 10)),
+        false => format!("at {time} s {} repeat each other: {rank} of {rows} rows are independent", listed(joints), time = plain(*time, 10)),
     },
     match joints.is_empty() {
         true => "where the mechanism passes a position in which its rows repeat each other (bars in one line), take `tsit5` or `vern7`, which pass it; else bring the masses closer together, or measure lengths in a unit of the size of the mechanism",
@@ -483,7 +483,7 @@ step_errors! {
         ratio: f64,
     }
     "ill_conditioned",
-    format!("at {time:.9} s the accelerations lose {loss_digits} digits: masses differ by a factor of {ratio}", ratio = plain(*ratio, 2)),
+    format!("at {time} s the accelerations lose {loss_digits} digits: masses differ by a factor of {ratio}", ratio = plain(*ratio, 2), time = plain(*time, 10)),
     "bring the masses closer together, leave out bodies that weigh nothing beside the others, or run in f64 where this is f32";
 
     /// A step moved the joints so far apart that the projection did not bring them together.
@@ -496,7 +496,7 @@ step_errors! {
         rows: Vec<(String, f64, &'static str)>,
     }
     "joints_apart",
-    format!("at {time:.9} s the joints came apart: {}", open(rows)),
+    format!("at {time} s the joints came apart: {}", open(rows), time = plain(*time, 10)),
     "take a smaller step";
 
     /// Motors have driven a loop as far as its lengths let it go: a dead centre.
@@ -509,7 +509,7 @@ step_errors! {
         joint: String,
     }
     "beyond_reach",
-    format!("at {time:.9} s the motor of {} has driven its loop as far as it reaches: beyond, `{joint}` comes apart, whatever the other coordinates are", listed(motors)),
+    format!("at {time} s the motor of {} has driven its loop as far as it reaches: beyond, `{joint}` comes apart, whatever the other coordinates are", listed(motors), time = plain(*time, 10)),
     "let the course of the motor turn back before, change the lengths of the loop so that it goes on, or drive it by a `force` in place of a `motor`";
 
     /// A combination this runtime does not offer.

@@ -50,6 +50,14 @@ pub struct CampaignArgs {
     resume: bool,
 }
 
+impl CampaignArgs {
+    /// The campaign file.
+    #[must_use]
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+}
+
 /// The results of all shards, put together.
 #[derive(Args, Clone, Debug)]
 pub struct GatherArgs {

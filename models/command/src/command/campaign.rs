@@ -26,6 +26,14 @@ pub struct SceneCampaignArgs {
 
 /// Runs a campaign of a scene, or a shard of it.
 pub fn campaign(args: &SceneCampaignArgs) -> Result<String, CommandFailure> {
+    let campaign = args.campaign.file();
+    if campaign.extension().is_some_and(|end| end == "mbd") {
+        return Err(CommandFailure::Usage(format!(
+            "{} is a scene: the scene comes first, then the campaign file, `mbd campaign {0} {}`",
+            campaign.display(),
+            args.scene.display()
+        )));
+    }
     let phases = phases(&args.scene)?;
     let first = phases.0.model.scene();
     // The campaign tells what it cannot run.

@@ -31,6 +31,17 @@ fn flown(folder: &Folder, campaign: &str) -> (String, PathBuf) {
     (told, out)
 }
 
+#[test]
+fn a_scene_in_the_place_of_the_campaign_file_is_told() {
+    let folder = Folder::new("campaign_swapped");
+    let scene = folder.file("glide.mbd", GLIDE);
+    let file = folder.file("dispersed.toml", NORMAL);
+    let error = run(&["campaign", &file, &scene]).unwrap_err();
+    assert_eq!(error.code(), 1);
+    let remedy = format!("`mbd campaign {scene} {file}`");
+    assert!(error.to_string().ends_with(&remedy), "{error}");
+}
+
 const NORMAL: &str = r#"
 seed = 3
 cases = 400

@@ -48,6 +48,32 @@ fn a_motor_without_a_value_is_named_as_the_cause() {
     }
 }
 
+/// A load that is no number behind 1e-9 s, and one behind 1e9 s.
+#[test]
+fn the_time_of_a_failure_is_told_by_its_digits_whatever_its_size() {
+    let folder = Folder::new("nan_when");
+    let out = folder.0.join("out").display().to_string();
+    for (when, until, told) in [("1e-9 s", "2e-9 s", "e-9 s"), ("1e9 s", "2e9 s", "e9 s")] {
+        let text = format!(
+            "model M {{ gravity: none; point p {{ mass: 1 kg }}
+                load pull on p = [1 N * sqrt(1 - time / ({when})), 0, 0]; }}
+            [run]\nuntil = \"{until}\"\nstep = \"{when}\"\n"
+        );
+        let error = run(&["run", &folder.file("m.mbd", &text), "--out", &out]).unwrap_err();
+        assert_eq!(error.code(), 4);
+        let text = error.to_string();
+        let time = text
+            .split("M: at ")
+            .nth(1)
+            .and_then(|at| at.split(' ').next());
+        let time = time.unwrap_or_default();
+        assert!(
+            format!("{time} s").ends_with(told) && time.len() < 16,
+            "{text}"
+        );
+    }
+}
+
 #[test]
 fn a_run_is_given_up_after_the_steps_it_may_take() {
     let folder = Folder::new("max_steps");
