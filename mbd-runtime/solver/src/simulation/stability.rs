@@ -279,6 +279,12 @@ impl<T: Float> ModelRun<T> {
         made.wrapping_add(self.steps_elsewhere)
     }
 
+    /// Whether the step that is tried is one of those that are looked into: the first, the second, the fourth and so on, and one of `every` so many.
+    pub(super) fn is_looked_into(&self, every: u64) -> bool {
+        let number = self.steps_of_run().wrapping_add(1);
+        number.is_power_of_two() || number.is_multiple_of(every)
+    }
+
     /// After an accepted step, now and then: what rounding makes of forces there, and a state in which nothing grows is remembered.
     ///
     /// # Errors

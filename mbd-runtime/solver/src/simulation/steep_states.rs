@@ -28,8 +28,7 @@ impl<T: Float> ModelRun<T> {
         if !self.watches_states() {
             return Ok(());
         }
-        let number = self.steps_of_run().wrapping_add(1);
-        match number.is_power_of_two() || number.is_multiple_of(OFTEN) {
+        match self.is_looked_into(OFTEN) {
             true => self.look_at_states(step),
             false => Ok(()),
         }

@@ -30,8 +30,7 @@ impl<T: Float> ModelRun<T> {
     /// Looks into a fixed step that was tried, now and then, for what none of its stages sees.
     #[inline]
     pub(super) fn look_between_stages(&mut self, step: f64) {
-        let number = self.steps_of_run().wrapping_add(1);
-        if self.may_hide() && (number.is_power_of_two() || number.is_multiple_of(SELDOM)) {
+        if self.may_hide() && self.is_looked_into(SELDOM) {
             self.find_between_stages(step);
         }
     }
