@@ -5,12 +5,14 @@
     python tests/scripts/robots.py target/release/mbd                  # the table of all robots of example-robot-data
     python tests/scripts/robots.py target/release/mbd human icub       # of these alone
     python tests/scripts/robots.py target/release/mbd --reference      # writes tests/reference/robots/urdf_*.json
+    python tests/scripts/robots.py target/release/mbd --store          # the table, and tests/reference/robots/example_robot_data.csv
 
 Damping, friction and `mimic` are taken out of a copy of each file first: Pinocchio leaves them out of its accelerations.
 """
 
 import csv, json, math, random, re, subprocess, sys, tempfile
 import xml.etree.ElementTree as xml
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -164,6 +166,7 @@ def main():
     while not (root / "share/example-robot-data").exists():
         root = root.parent
     wanted = [word for word in sys.argv[2:] if not word.startswith("--")]
+    rows = []
     for path in sorted((root / "share/example-robot-data/robots").rglob("*.urdf")):
         if wanted and path.stem not in wanted:
             continue
@@ -173,6 +176,19 @@ def main():
             except Exception as error:
                 row = {"file": str(path).split("robots/", 1)[-1], "told": f"{type(error).__name__}: {error}".splitlines()[0]}
             print(" | ".join(f"{key}: {value}" if key != "file" else value for key, value in row.items()), flush=True)
+            rows.append(row)
+    if "--store" in sys.argv:
+        store(rows)
+
+
+def store(rows):
+    """The table as a file, with what it is made by."""
+    versions = f"Pinocchio {version('pin')}, example-robot-data {version('example-robot-data')}"
+    with open(HERE / "reference/robots/example_robot_data.csv", "w", newline="") as file:
+        file.write(f"# {versions}: largest difference of joint accelerations in one random state over the largest of them\n")
+        table = csv.DictWriter(file, ["file", "joints", "fixed", "free", "told"], lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
 
 
 main()

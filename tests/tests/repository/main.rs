@@ -3,3 +3,4 @@
 mod dependencies;
 mod names;
 mod pages;
+mod robots;
