@@ -115,7 +115,7 @@ impl Metrics {
         let of_declared = all.iter().filter(|own| own.metric.output.is_some());
         for SharedMetric { metric, .. } in of_declared {
             let setting = format!("metrics.{}", metric.name);
-            let held = columns::include(&mut metrics.content, &metric.name, (&setting, models));
+            let held = columns::include(&mut metrics.content, &metric.column(), (&setting, models));
             mistakes.note(held);
         }
         let is_declared = |name: &str| all.iter().any(|own| own.metric.name == name);

@@ -161,7 +161,11 @@ fn histories<'s, 'n>(
     scene: &'s Scene,
     names: &'n [Name],
 ) -> Vec<(&'s str, &'static str, Vec<&'n Name>)> {
-    let outputs = scene.outputs.iter().map(|output| (base(&output.name), ""));
+    let outputs = scene.outputs.iter().map(|output| {
+        let of_a_metric = scene.output_column(output) != output.name;
+        let what = if of_a_metric { "quantity" } else { "" };
+        (base(&output.name), what)
+    });
     let states = scene.states.iter().map(|state| (base(&state.name), ""));
     let lines = scene.lines.iter().map(|line| (base(&line.name), "tension"));
     let mut groups: Vec<(&str, &str, Vec<&Name>)> = Vec::new();
@@ -172,11 +176,11 @@ fn histories<'s, 'n>(
         {
             continue;
         }
-        let is_line = !what.is_empty();
+        let is_part = !what.is_empty();
         let belongs = |name: &&Name| match name.name.rsplit_once('.') {
-            Some((line, "tension")) if is_line => base(line) == owner,
-            Some((output, _)) => !is_line && base(output) == owner,
-            None => !is_line && base(&name.name) == owner,
+            Some((line, part)) if is_part => part == what && base(line) == owner,
+            Some((output, _)) => !is_part && base(output) == owner,
+            None => !is_part && base(&name.name) == owner,
         };
         groups.push((owner, what, names.iter().filter(belongs).collect()));
     }

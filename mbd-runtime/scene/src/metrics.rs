@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Scene;
+use crate::{Output, Scene};
 
 /// Columns that every table of results has: no metric has such a name.
 pub const COLUMNS_OF_RESULTS: [&str; 4] = ["case", "status", "end", "why"];
@@ -128,7 +128,27 @@ pub struct Metric {
     pub to: Option<f64>,
 }
 
+impl Scene {
+    /// What the columns of an output are called: as it is, or, where it holds the quantity of a metric, `peak.quantity`. The number of the metric is
+    /// another one, most often in another unit.
+    #[must_use]
+    pub fn output_column(&self, output: &Output) -> String {
+        let mut metrics = self.runs.metrics.iter();
+        let column = metrics.find_map(|metric| {
+            let of = self.outputs.get(metric.output?)?;
+            (of.name == output.name).then(|| metric.column())
+        });
+        column.unwrap_or_else(|| output.name.clone())
+    }
+}
+
 impl Metric {
+    /// The column of a history that holds its quantity; of [`Take::TimeOf`] there is none.
+    #[must_use]
+    pub fn column(&self) -> String {
+        format!("{}.quantity", self.name)
+    }
+
     /// Its unit; empty for a pure number.
     #[must_use]
     pub fn unit(&self, scene: &Scene) -> String {

@@ -293,7 +293,8 @@ impl MetricReader {
     pub fn new(metric: &Metric, scene: &Scene, names: &[Name]) -> Result<Self, MissingMetric> {
         let output = metric.output.and_then(|output| scene.outputs.get(output));
         let event = metric.event.and_then(|event| scene.events.get(event));
-        let column = names.iter().position(|known| known.name == metric.name);
+        let held = metric.column();
+        let column = names.iter().position(|known| known.name == held);
         if output.is_some() && column.is_none() {
             return Err(MissingMetric::NotRecorded);
         }

@@ -325,11 +325,12 @@ pub(crate) fn output_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
             1 => &[("", None)],
             _ => &[("x", Some(0)), ("y", Some(1)), ("z", Some(2))],
         };
-        axes.iter().map(|&(axis, component)| {
+        let column = scene.output_column(output);
+        axes.iter().map(move |&(axis, component)| {
             let ambiguous = scene.ambiguous_reactions(layout, &output.value, component);
             Name {
                 remark: remark(!ambiguous.is_empty()),
-                ..Name::new(&output.name, axis, &output.unit.text)
+                ..Name::new(&column, axis, &output.unit.text)
             }
         })
     });

@@ -360,7 +360,8 @@ impl Sizes {
 
 /// How much apart values of an output mean the same [its unit]: a turn, where it is an `atan2`.
 fn turn(scene: &Scene, column: &str) -> Option<f64> {
-    let output = scene.outputs.iter().find(|output| output.name == column)?;
+    let mut outputs = scene.outputs.iter();
+    let output = outputs.find(|output| scene.output_column(output) == column)?;
     match scene.said(&output.value) {
         Formula::Apply(Function::Atan2, _) => Some(std::f64::consts::TAU / output.unit.factor),
         _ => None,

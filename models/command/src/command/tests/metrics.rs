@@ -39,6 +39,13 @@ fn a_run_tells_its_metrics_in_its_summary_and_on_its_page_and_none_where_there_i
     for part in ["Metrics", "fastest", "time_of", "impulse"] {
         assert!(page.contains(part), "{part}");
     }
+    // A row has what a metric is taken of, in its unit, and says so: the number of the metric is that of the run.
+    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    let header = history.lines().find(|line| line.starts_with("time"));
+    let header: Vec<&str> = header.unwrap().split(',').collect();
+    let held = |name: &&&str| name.contains("fastest") || name.contains("impulse");
+    let held: Vec<&&str> = header.iter().filter(held).collect();
+    assert_eq!(held, [&"fastest.quantity [kph]", &"impulse.quantity [m/s]"]);
 }
 
 #[test]
