@@ -1,38 +1,55 @@
 //! "Did you mean": the nearest of a closed set of words.
 
+/// The letters of a word, as far as words are compared.
+fn letters(word: &str) -> Vec<char> {
+    word.chars().take(64).collect()
+}
+
 /// The number of edits between two words: insert, delete, replace, or swap two neighbours.
 #[must_use]
 pub fn distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.chars().take(64).collect();
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for (i, row) in rows.iter_mut().enumerate() {
+    edits(&letters(a), &letters(b))
+}
+
+/// The number of edits between two lists of letters.
+fn edits(a: &[char], b: &[char]) -> usize {
+    // Between the first i letters of the one and the first j of the other, at i · width + j.
+    let width = b.len() + 1;
+    let mut least = vec![0; (a.len() + 1) * width];
+    for (i, row) in least.chunks_exact_mut(width).enumerate() {
         row[0] = i;
     }
-    for (j, cell) in rows[0].iter_mut().enumerate() {
+    for (j, cell) in least[..width].iter_mut().enumerate() {
         *cell = j;
     }
     for i in 1..=a.len() {
         for j in 1..=b.len() {
+            let at = i * width + j;
             let replace = usize::from(a[i - 1] != b[j - 1]);
-            let mut best = (rows[i - 1][j] + 1)
-                .min(rows[i][j - 1] + 1)
-                .min(rows[i - 1][j - 1] + replace);
+            let mut best = (least[at - width] + 1)
+                .min(least[at - 1] + 1)
+                .min(least[at - width - 1] + replace);
             if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
+                best = best.min(least[at - 2 * width - 2] + 1);
             }
-            rows[i][j] = best;
+            least[at] = best;
         }
     }
-    rows[a.len()][b.len()]
+    least[a.len() * width + b.len()]
 }
 
 /// The words of a set that may have been meant: the nearest, at most a third of the letters away; several where they are equally near.
 #[must_use]
 pub fn all_nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let limit = (word.chars().count() / 3).max(1);
+    let typed = letters(&word.to_lowercase());
     let near = set.into_iter().filter_map(|candidate| {
-        let bare = distance(&word.to_lowercase(), &candidate.to_lowercase());
+        let meant = letters(&candidate.to_lowercase());
+        // Each edit changes the length by one at most.
+        if typed.len().abs_diff(meant.len()) > limit {
+            return None;
+        }
+        let bare = edits(&typed, &meant);
         let far = bare > limit || bare >= candidate.chars().count();
         (!far).then(|| ((bare, distance(word, candidate)), candidate))
     });
