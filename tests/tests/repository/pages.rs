@@ -24,6 +24,24 @@ fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
         .collect()
 }
 
+/// What is compiled of this repository is compiled as for a user who sets nothing, but for what debuggers want. The crates of others are set as in
+/// this workspace, whose tests have compiled them: cargo finds them where nothing about them differs.
+fn settings_of_a_user() -> String {
+    let workspace: toml::Table = text("Cargo.toml").parse().expect("a manifest");
+    let mut dev = workspace["profile"]["dev"].clone();
+    let packages = dev["package"].as_table_mut().expect("packages");
+    let unset = toml::Table::from_iter([
+        ("opt-level".to_owned(), 0.into()),
+        ("debug-assertions".to_owned(), true.into()),
+    ]);
+    for name in ["compiler", "macros", "runtime", "scene", "solver"] {
+        packages.insert(format!("mbd-{name}"), unset.clone().into());
+    }
+    packages.insert("lamp".to_owned(), unset.into());
+    let profile = toml::Table::from_iter([("dev".to_owned(), dev)]);
+    toml::Table::from_iter([("profile".to_owned(), profile.into())]).to_string()
+}
+
 #[test]
 fn a_new_crate_made_by_following_the_readme_compiles_and_runs() {
     let repository = repository().canonicalize().expect("the repository exists");
@@ -42,12 +60,14 @@ fn a_new_crate_made_by_following_the_readme_compiles_and_runs() {
     fs::write(folder.join("src/main.rs"), blocks(&readme, "rust")[0]).expect("written");
     // The versions this repository was tested with, so that nothing has to be looked up.
     fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("copied");
-    // Nobody debugs this crate, or builds it twice.
+    fs::create_dir_all(folder.join(".cargo")).expect("a folder");
+    fs::write(folder.join(".cargo/config.toml"), settings_of_a_user()).expect("written");
+    // Beside what this test was compiled from; nobody builds this crate twice.
+    let built = Path::new(env!("CARGO_TARGET_TMPDIR")).parent();
     let run = Command::new(env!("CARGO"))
         .args(["run", "--quiet", "--offline"])
         .current_dir(&folder)
-        .env("CARGO_TARGET_DIR", folder.join("target"))
-        .env("CARGO_PROFILE_DEV_DEBUG", "false")
+        .env("CARGO_TARGET_DIR", built.expect("a folder"))
         .env("CARGO_INCREMENTAL", "0")
         .output()
         .expect("cargo runs");
