@@ -95,15 +95,3 @@ pub fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec<Double
     }
     right
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Double;
-
-    #[test]
-    fn a_third_three_times_is_one_to_thirty_digits() {
-        let third = Double::from(1.0) / Double::from(3.0);
-        let left = third + third + third - Double::from(1.0);
-        assert!(left.0.abs() < 1e-31);
-    }
-}

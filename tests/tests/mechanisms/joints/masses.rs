@@ -360,3 +360,10 @@ fn in_single_precision_and_beyond_nine_decades_accelerations_hold_or_are_refused
         }
     }
 }
+
+#[test]
+fn a_third_three_times_is_one_to_thirty_digits() {
+    let third = Double::from(1.0) / Double::from(3.0);
+    let left = third + third + third - Double::from(1.0);
+    assert!(left.0.abs() < 1e-31);
+}
