@@ -33,6 +33,9 @@ pub(super) struct Networks<L> {
     /// The step before [s], and the effective numbers of the lines at its end.
     size: L,
     effective: Vec<L>,
+    /// The law of the lines of each `stepwise` network at the last stage, and how long that is after the last accepted step [s]; `None` where their effective
+    /// numbers are not those of it. Stages in the middle of a step of RK4 are both as late, and so are those at its end.
+    formulas: Vec<Option<(L, RateFormula<L>)>>,
     /// Room for the balance of each network.
     balances: Vec<BalanceEvaluation<L>>,
     /// Newton steps so far, the most of one solve, and solves that ended slack.
@@ -66,6 +69,7 @@ impl<L: Lanes> Networks<L> {
             steps: list(layout.networks.len()),
             size: L::zero(),
             effective: list(layout.effective_numbers),
+            formulas: vec![None; layout.networks.len()],
             balances: networks
                 .map(|network| BalanceEvaluation::new(network.nodes.len(), network.blocks.len()))
                 .collect(),
@@ -187,6 +191,7 @@ impl<L: Lanes> Networks<L> {
     /// A step begins: counts from here on, and knows nothing of it.
     pub(super) fn begin(&mut self) {
         self.spent = [L::zero(); 3];
+        self.formulas.fill(None);
         self.motion.copy_from_slice(&self.against);
     }
 
@@ -213,9 +218,17 @@ impl<L: Lanes> Networks<L> {
         let mut usable = flag::<L>(L::zero().le(faults(&ends)));
         stages.ends = ends;
         for plan in plans.plans() {
-            let step = get(&self.steps, plan.index);
-            let formula = plan.stepwise().map(|how| RateFormula::new(how, span, step));
-            self.lay_down(plan, stages, (formula.as_ref(), span));
+            let known = self.formulas.get(plan.index).and_then(Option::as_ref);
+            let known = known.filter(|(then, _)| *then == span);
+            let known = known.map(|(_, formula)| *formula);
+            let formula = known.or_else(|| {
+                let step = get(&self.steps, plan.index);
+                Some(RateFormula::new(plan.stepwise()?, span, step))
+            });
+            if known.is_none() {
+                self.lay_down(plan, stages, (formula.as_ref(), span));
+            }
+            self.begin_search(plan, stages, span);
             let [solved, is_slack] = self.descend(form, plan, stages, (time, state));
             usable *= solved;
             let formula = (formula.as_ref(), span);
@@ -224,7 +237,7 @@ impl<L: Lanes> Networks<L> {
         usable
     }
 
-    /// The law of the lines, and where the search for the node begins.
+    /// The law of the lines.
     fn lay_down(
         &mut self,
         plan: &NetworkPlan<f64>,
@@ -246,6 +259,13 @@ impl<L: Lanes> Networks<L> {
                 slots.copy_from_slice(&law);
             }
         }
+        if let Some(known) = self.formulas.get_mut(plan.index) {
+            *known = formula.map(|formula| (span, *formula));
+        }
+    }
+
+    /// Where the search for the nodes begins.
+    fn begin_search(&mut self, plan: &NetworkPlan<f64>, stages: &mut Stages<L>, span: L) {
         for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
             let carried = self.carried(node, own_anchors, stages);
             let against = triple(&self.motion, 3 * node);
@@ -342,7 +362,10 @@ impl<L: Lanes> Networks<L> {
         }
         // Few are.
         let slackened = match is_any(is_slack) {
-            true => plan.lines.as_slice(),
+            true => {
+                self.formulas.fill(None);
+                plan.lines.as_slice()
+            }
             false => &[],
         };
         for at in slackened.iter().filter_map(|line| line.effective) {
