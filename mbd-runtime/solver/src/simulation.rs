@@ -143,6 +143,8 @@ pub struct ModelRun<T: Float> {
     lacks_stages: bool,
     /// Whether state, first stage and memory are kept elsewhere, after steps whose state was not read.
     is_elsewhere: bool,
+    /// Why the run does not go on from the last of these.
+    refused: Option<StepError>,
     /// Whether quantities are straight between the ends of steps, as the forces of a `stepwise` node.
     straight: bool,
     /// What the last attempt overlooks; how often it is looked into because its error says nothing.

@@ -183,6 +183,12 @@ impl StateRounding {
         (self.refused, self.told) = (other.refused, other.told);
     }
 
+    /// Whether nothing but lengths is watched, which are never moved.
+    pub(crate) fn sees_lengths(&self) -> bool {
+        let mut numbers = self.numbers.iter();
+        numbers.all(|number| number.kind == NumberKind::Length)
+    }
+
     /// Takes in a step by (1) and (3); a number that is to be moved by (2), and by how much.
     pub(crate) fn see<T: mbd_scene::Float>(
         &mut self,

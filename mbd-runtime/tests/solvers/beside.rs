@@ -608,3 +608,63 @@ fn steps_whose_ends_nobody_reads_leave_the_state_that_they_leave_alone() {
     // Neither rows nor the end of the run fall on steps.
     assert_same_bits(&sling, &[Options::rk4(2.3e-3)], 0.9, cases);
 }
+
+model! {
+    /// The same beside a point that nothing holds.
+    pub model Strayed<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        world { frame hook[i in 0..3] at polar(1.0 m, i * 120 deg, 3.0 m) }
+        point bob { mass: 20 kg, start at [0.05, 0.0, 0.86] m }
+        point stray { mass: 1 kg, start at [5.0, 0.0, 0.0] m }
+        point knot { equilibrium: stepwise { formula: bdf2, clamp: positive } }
+        line stay[i in 0..3] from world.hook[i] to knot { free_length: 1.5 m, stiffness: 20 kN/m, damping: 100 N*s/m }
+        line cord from knot to bob { free_length: 1.0 m, stiffness: 10 kN/m, damping: 100 N*s/m }
+        metric pull = max cord.tension;
+    }
+}
+
+/// A point 1e8 m away at 3 µm/s: no step of 2.3 ms moves it, whose numbers are 15 nm apart there. That is found by looks at every tenth step, which nobody
+/// else reads.
+#[test]
+fn a_case_that_a_look_back_refuses_ends_where_it_does_alone() {
+    let strayed = Strayed::new(StrayedParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..8_u32).map(|k| {
+            let mut state = StrayedState::at_origin();
+            state.set_bob(mbd_runtime::PointState {
+                position: [0.05, 0.0, 0.86],
+                velocity: [0.0, 0.03 * f64::from(k), 0.0],
+            });
+            let (from, speed) = match k {
+                2 | 5 => (1e8, 3e-6),
+                _ => (5.0, 0.1),
+            };
+            state.set_stray(mbd_runtime::PointState {
+                position: [from, 0.0, 0.0],
+                velocity: [speed, 0.0, 0.0],
+            });
+            Case::new().state(0.0, state.to_vec())
+        })
+    };
+    let fly = |lanes| {
+        let rows = Sampling::Every(0.5);
+        fly(&strayed, Options::rk4(2.3e-3), rows, cases(), (1, lanes))
+    };
+    let (alone, beside) = (fly(1), fly(8));
+    assert_eq!(bits(&beside), bits(&alone));
+    for case in &beside {
+        let steps = case.statistics.steps;
+        assert!(10 * case.beside > 9 * steps, "{} of {steps}", case.beside);
+        match (case.case, &case.result) {
+            (2 | 5, Err(failed)) => {
+                println!("{}", failed.why);
+                assert_eq!(failed.why.status(), "large_state");
+                assert_eq!(steps % 10, 0, "{steps}");
+            }
+            (2 | 5, Ok(_)) => panic!("{steps} steps that move nothing"),
+            (number, result) => assert!(result.is_ok(), "{number}"),
+        }
+    }
+}

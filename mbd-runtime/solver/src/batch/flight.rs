@@ -136,6 +136,9 @@ impl<T: Scalar> Flights<'_, T> {
             for (lane, slot) in flights.iter_mut().enumerate() {
                 let Some(flight) = slot else { continue };
                 let once = together.is_some();
+                if together.as_ref().is_some_and(|it| it.goes_on(lane)) {
+                    continue;
+                }
                 let left = match (&mut together, flight.lane()) {
                     (Some(together), Some(own)) => together.hand_over(lane, own),
                     _ => true,

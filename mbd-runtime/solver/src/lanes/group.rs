@@ -51,6 +51,8 @@ pub trait Together<T: Float> {
     fn take_up(&mut self, lane: usize, of: Lane<'_, T>);
     /// Makes the steps that were taken up, by the networks of one of their runs.
     fn make_steps(&mut self, runs: &mut dyn Runs<T>);
+    /// Whether the run of a lane took its step, and its next one is taken up, without its state being read: there is nothing else to be done for it.
+    fn goes_on(&self, lane: usize) -> bool;
     /// Leaves the step of a lane, if one was made, where its run takes it from; `false` where the run took it already, because its state is not read.
     fn hand_over(&mut self, lane: usize, to: Lane<'_, T>) -> bool;
 }
@@ -279,11 +281,6 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
         } = of;
         let passed = std::mem::take(&mut self.passed[lane]);
         self.goes_on[lane] = passed;
-        if passed && self.unread[lane] > 0 {
-            let step = [run.time, self.sizes.lane(lane)];
-            self.upcoming.add(lane, step, self.looks[lane]);
-            return;
-        }
         let (Some(step), true) = (run.upcoming(course), lane < L::WIDTH) else {
             return;
         };
@@ -334,6 +331,10 @@ impl<L: Lanes> Together<f64> for LaneGroup<L> {
         self.pass(runs);
     }
 
+    fn goes_on(&self, lane: usize) -> bool {
+        self.goes_on.get(lane) == Some(&true)
+    }
+
     fn hand_over(&mut self, lane: usize, to: Lane<'_, f64>) -> bool {
         if self.passed[lane] {
             return false;
@@ -374,7 +375,12 @@ impl<L: Lanes> LaneGroup<L> {
             if *left > 0 && of.run.pass(&own, of.course, of.history) {
                 *of.count += 1;
                 *left -= 1;
-                self.passed[lane] = true;
+                let next = *left > 0;
+                (self.passed[lane], self.goes_on[lane]) = (!next, next);
+                if next {
+                    let step = [of.run.time, self.sizes.lane(lane)];
+                    self.upcoming.add(lane, step, self.looks[lane]);
+                }
             } else {
                 *left = 0;
             }

@@ -8,7 +8,7 @@
 
 use mbd_scene::Float;
 
-use super::stability::Meter;
+use super::stability::{Meter, OFTEN};
 use super::{Course, ModelRun};
 use crate::error::StepError;
 use crate::integrate::{Explicit, StiffCount};
@@ -22,6 +22,8 @@ pub(crate) trait Attempt<T> {
     fn step(&self) -> [f64; 2];
     /// Writes the rates of all stages but the first, which the run has, or of the last alone; and the state at the end.
     fn stages(&self, all: bool, into: [&mut [T]; 2]);
+    /// Writes the state at the end, and the rates there.
+    fn end(&self, into: [&mut [T]; 2]);
     /// Writes what [`Rosenbrock::attempted`](crate::integrate::Rosenbrock::attempted) is of a step of the stiff method.
     fn solved(&self, into: [&mut [T]; 4]);
     /// Writes [`Quantity::Rates`](mbd_scene::Quantity::Rates) at the end.
@@ -119,14 +121,15 @@ impl<T: Float> ModelRun<T> {
     }
 
     /// How many steps from the upcoming one on, received from elsewhere, end where nobody reads but what is measured of the lists that are known there:
-    /// then the run need not have its state. What is done every tenth step reads it, and so do rows, events and whatever a step lands on.
+    /// then the run need not have its state. Rows, events and whatever a step lands on read it, and so does what is done every tenth step where it is more than a
+    /// look at state and rates.
     pub(crate) fn unread_steps(
         &self,
         course: &Course,
         [time, step]: [f64; 2],
         history: &Trajectory,
     ) -> u64 {
-        let counted = self.unwatched_steps();
+        let counted = self.unwatched_steps(course.until);
         if counted == 0 {
             return 0;
         }
@@ -151,13 +154,16 @@ impl<T: Float> ModelRun<T> {
     }
 
     /// Takes the upcoming step, [whose state is not read](Self::unread_steps), counts and measures it; `false`, and nothing happened, where the watch
-    /// looks closer.
+    /// looks closer, or what the last step was looked back at with is to be told.
     pub(crate) fn pass(
         &mut self,
         attempt: &dyn Attempt<T>,
         course: &mut Course,
         history: &mut Trajectory,
     ) -> bool {
+        if self.refused.is_some() {
+            return false;
+        }
         let [time, step] = attempt.step();
         match self.watch_received(attempt) {
             Some(after) if self.system.pass_rows(time + step, attempt.margin()) => {
@@ -177,6 +183,12 @@ impl<T: Float> ModelRun<T> {
         counters.steps = counters.steps.saturating_add(1);
         self.shown.forget();
         (self.stays, self.is_elsewhere) = (true, true);
+        if self.steps_of_run().is_multiple_of(OFTEN) {
+            // Nobody reads them before they are fetched.
+            attempt.end([&mut self.state, self.method.first_mut()]);
+            self.attempted = step;
+            self.refused = self.look_back().err();
+        }
         true
     }
 
@@ -195,6 +207,9 @@ impl<T: Float> ModelRun<T> {
 
     /// Takes over an attempt at the upcoming step.
     pub(crate) fn receive(&mut self, attempt: &dyn Attempt<T>, history: &Trajectory) {
+        if self.refused.is_some() {
+            return;
+        }
         if self.method.is_stiff() {
             return self.receive_stiff(attempt);
         }

@@ -128,9 +128,10 @@ impl<T: Float> ModelRun<T> {
             let admitted = self.admit(course, trajectory);
             admitted.map_err(|cause| self.failed(cause))?;
         }
-        let mut outcome = match course.opened {
-            true => self.try_next(course, trajectory, go_on),
-            false => self.open(course, trajectory),
+        let mut outcome = match self.refused.take() {
+            Some(cause) => Err(cause),
+            None if course.opened => self.try_next(course, trajectory, go_on),
+            None => self.open(course, trajectory),
         };
         if let Ok(Some(_)) = outcome
             && let Err(cause) = self.record_end(trajectory).and_then(|()| self.leave())

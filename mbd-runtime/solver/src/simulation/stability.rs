@@ -298,6 +298,14 @@ impl<T: Float> ModelRun<T> {
         }
     }
 
+    /// Whether looks back until a time ask for nothing but accepted states and their rates: no equations, and no good state to be remembered.
+    pub(super) fn looks_back_plainly(&self, until: f64) -> bool {
+        let remembers = self.watched || self.meter == Meter::Laws;
+        let is_plain = !remembers && self.bodies.is_empty();
+        let latest = self.time.abs().max(until.abs());
+        is_plain && self.state_rounding.sees_lengths() && self.time_apart_at(latest).is_none()
+    }
+
     fn look_back_now(&mut self) -> Result<(), StepError> {
         self.watch_rounding()?;
         self.watch_digits();
@@ -310,7 +318,11 @@ impl<T: Float> ModelRun<T> {
 
     /// How far apart times are that formulas tell apart [s]; `None` where that is close enough, or nothing reads time.
     fn time_apart(&self) -> Option<f64> {
-        let apart = TimeRounding::coarseness::<T>(self.time)?;
+        self.time_apart_at(self.time)
+    }
+
+    fn time_apart_at(&self, time: f64) -> Option<f64> {
+        let apart = TimeRounding::coarseness::<T>(time)?;
         let scene = self.system.model.scene();
         let says = self.reads_time.get_or_init(|| scene.reads_time());
         says.then_some(apart)

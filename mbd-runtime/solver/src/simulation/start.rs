@@ -152,6 +152,7 @@ impl<T: Float> ModelRun<T> {
             stays: false,
             lacks_stages: false,
             is_elsewhere: false,
+            refused: None,
             straight,
             overlooked,
             looks: 0,

@@ -41,11 +41,16 @@ impl<T: Float> ModelRun<T> {
         turns && self.options.watch && self.hidden.is_none()
     }
 
-    /// After how many steps from here on one is looked into, [`OFTEN`] at most.
-    pub(super) fn unwatched_steps(&self) -> u64 {
+    /// After how many steps from here on the run has to have its state, on the way to a time: one is looked into, or looked back at by more than its state and
+    /// rates. [`SELDOM`] at most, so that a run that is cancelled hears of it.
+    pub(super) fn unwatched_steps(&self, until: f64) -> u64 {
         let made = self.steps_of_run();
-        let ahead = OFTEN - 1 - made % OFTEN;
         let looks = self.may_hide() || self.watches_states();
+        let every = match !looks && self.looks_back_plainly(until) {
+            true => SELDOM,
+            false => OFTEN,
+        };
+        let ahead = every - 1 - made % every;
         let mut early = (0..ahead).filter(|more| looks && (made + more + 1).is_power_of_two());
         early.next().unwrap_or(ahead)
     }

@@ -57,6 +57,16 @@ impl<L: Lanes> Attempt<f64> for OwnStep<'_, L> {
         get(self.lane, next, end);
     }
 
+    fn end(&self, [state, rates]: [&mut [f64]; 2]) {
+        let Some(LaneMethod::Explicit(method)) = &self.group.method else {
+            return;
+        };
+        let [of_all, next] = method.attempted();
+        get(self.lane, next, state);
+        let last = of_all.get((method.count() - 1) * next.len()..);
+        get(self.lane, last.unwrap_or_default(), rates);
+    }
+
     fn solved(&self, into: [&mut [f64]; 4]) {
         let Some(LaneMethod::Stiff(method)) = &self.group.method else {
             return;
