@@ -617,7 +617,11 @@ model! {
         point bob { mass: 20 kg, start at [0.05, 0.0, 0.86] m }
         point stray { mass: 1 kg, start at [5.0, 0.0, 0.0] m }
         point knot { equilibrium: stepwise { formula: bdf2, clamp: positive } }
-        line stay[i in 0..3] from world.hook[i] to knot { free_length: 1.5 m, stiffness: 20 kN/m, damping: 100 N*s/m }
+        line stay[i in 0..3] from world.hook[i] to knot {
+            free_length: 1.5 m,
+            stiffness: 20 kN/m,
+            damping: 100 N*s/m,
+        }
         line cord from knot to bob { free_length: 1.0 m, stiffness: 10 kN/m, damping: 100 N*s/m }
         metric pull = max cord.tension;
     }

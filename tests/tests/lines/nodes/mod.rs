@@ -5,6 +5,7 @@ mod counterexamples;
 mod derivatives;
 mod families;
 mod large_networks;
+mod light_points;
 mod linearise;
 mod models;
 mod moving_loads;
