@@ -205,7 +205,7 @@ fn equations(scene: &Scene, equations: &SceneEquations, out: &mut String) {
         let _ = writeln!(
             out,
             "Output {} = {} [{unit}].",
-            output.name,
+            scene.output_column(output),
             text(scene, &output.value)
         );
     }

@@ -337,7 +337,8 @@ fn rest(context: &EmitContext) -> TokenStream {
 }
 
 fn outputs(context: &EmitContext) -> TokenStream {
-    let declared_outputs = &context.scene().outputs;
+    let scene = context.scene();
+    let declared_outputs = &scene.outputs;
     if declared_outputs.is_empty() {
         return TokenStream::new();
     }
@@ -351,7 +352,11 @@ fn outputs(context: &EmitContext) -> TokenStream {
     let fields = context.outputs();
     let declarations = declared_outputs.iter().zip(&fields).map(|(output, field)| {
         let unit = unit_text(&output.unit.text);
-        let doc = docs(format!("{} \\[{unit}\\]", output.doc.trim()).trim());
+        let told = match scene.output_column(output) == output.name {
+            true => output.doc.trim().to_owned(),
+            false => format!("What the metric `{}` is taken of", output.name),
+        };
+        let doc = docs(format!("{told} \\[{unit}\\]").trim());
         let t = if output.components == 3 {
             quote!([#t; 3])
         } else {
@@ -365,7 +370,7 @@ fn outputs(context: &EmitContext) -> TokenStream {
             3 => ["x", "y", "z"]
                 .map(|axis| format!("{}_{axis}", output.name))
                 .into(),
-            _ => vec![output.name.clone()],
+            _ => vec![scene.output_column(output)],
         };
         names.into_iter().map(move |name| quote!((#name, #unit)))
     });

@@ -95,7 +95,7 @@ fn contents(file: &SceneFile) -> Value {
         json!({ "name": input.name, "components": input.components, "unit": input.unit.text })
     });
     let outputs = scene.outputs.iter().map(|output| {
-        json!({ "name": output.name, "components": output.components, "unit": output.unit.text })
+        json!({ "name": scene.output_column(output), "components": output.components, "unit": output.unit.text })
     });
     let metrics = scene.runs.metrics.iter();
     let metrics = metrics.map(|metric| describe::metric_json(metric, scene));

@@ -46,6 +46,10 @@ fn a_run_tells_its_metrics_in_its_summary_and_on_its_page_and_none_where_there_i
     let held = |name: &&&str| name.contains("fastest") || name.contains("impulse");
     let held: Vec<&&str> = header.iter().filter(held).collect();
     assert_eq!(held, [&"fastest.quantity [kph]", &"impulse.quantity [m/s]"]);
+    let told: Value = serde_json::from_str(&run(&["check", "--json", &scene]).unwrap()).unwrap();
+    let names = told["outputs"].as_array().unwrap().iter();
+    let names: Vec<&str> = names.map(|it| it["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["fastest.quantity", "impulse.quantity"]);
 }
 
 #[test]
