@@ -1,10 +1,13 @@
 //! What an equilibrium point leaves out: the mass of the point where lines meet.
+//!
+//! Lines stay taut here. Where they go slack and taut again, a bob on such lines ended 2e-8 m from where a vanishing mass leads, by runs that agree to
+//! 1e-12 m on both sides: a difference that does not vanish with the mass, and whose cause is not known.
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::{Options, Simulation};
 use tests::declared::read;
 
-/// Three damped lines that carry a bob over a point that is declared so.
+/// Three damped lines that stay taut and carry a bob over a point that is declared so.
 fn carried(point: &str) -> Interpreted<f64> {
     let scene = read(&format!(
         "model Carried {{ gravity: [0, 0, -9.81] m/s^2;
@@ -18,7 +21,7 @@ fn carried(point: &str) -> Interpreted<f64> {
 }
 
 #[test]
-fn a_bob_moves_off_that_of_the_node_by_as_much_as_the_point_has_mass() {
+fn a_bob_on_taut_lines_moves_off_that_of_the_node_by_as_much_as_the_point_has_mass() {
     // The state with the node is place and velocity of the bob, then the place of the node.
     let model = carried("equilibrium: rate");
     let mut run = Simulation::new(&model, Options::vern7(1e-12)).expect("options");

@@ -209,8 +209,9 @@ fn energy_of_twenty_mechanisms_drifts_no_more_than_in_absolute_coordinates() {
         if relative.min(absolute) > 1e-3 * TOLERANCE {
             logarithms.push((relative / absolute).ln());
         }
-        // At one tolerance either may be the better one. For the operations that absolute coordinates take relative ones are nowhere the worse:
-        // what they save goes into shorter steps, whose error falls with the fifth power.
+        // At one tolerance either may be the better one. Where relative coordinates lose more, and more than what counts as kept, they are the better
+        // ones for the operations that absolute ones take. Below that nothing is claimed one by one: mechanism 12, which takes 2.3 times the operations
+        // in relative coordinates, loses 1e-10 there and 1e-11 in absolute ones at one tolerance, and for equal operations far more.
         if relative > absolute.max(KEPT) {
             let shorter = 0.9 * allowed / taken;
             let finer = TOLERANCE * shorter.powi(-5);
